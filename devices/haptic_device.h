@@ -1,0 +1,74 @@
+// The narrow interface under the haptic loop.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "server/base/spatial.h"
+#include "server/base/status.h"
+#include "server/base/time.h"
+
+namespace handrail {
+
+// What a device can do, as data. All values > 0 unless said otherwise; SI.
+struct HapticCapabilities {
+  std::string name;
+  bool simulated = false;
+  bool senses_rotation = false;
+  bool actuates_torque = false;
+  double max_force = 0.0;             // peak [N]
+  double continuous_force = 0.0;      // sustainable [N]
+  double max_torque = 0.0;            // peak [N m]; 0 without torque
+  double max_stiffness = 0.0;         // highest stiffness known to render stably at 1 kHz [N/m]
+  double position_resolution = 0.0;   // [m]
+  Vec3 workspace_half = Vec3::Zero(); // half extents of the nominal work space about M's origin [m]
+  int buttons = 0;
+};
+
+// One reading. Frame M.
+struct HapticSample {
+  Pose X_MH;                          // stylus tip
+  Vec3 v_MH = Vec3::Zero();           // velocity of the tip [m/s]
+  std::uint32_t buttons = 0;          // bit 0 = button 1 (clutch), bit 1 = button 2 (drop the tool)
+  bool valid = false;                 // false: nothing else in the sample may be used
+};
+
+// Where a simulated hand should go: a minimum-jerk move from where its intent stands now.
+struct HandIntent {
+  Vec3 displacement_M = Vec3::Zero(); // [m]
+  Vec3 rotation_M = Vec3::Zero();     // rotation vector, frame M [rad]
+  double duration = 1.0;              // > 0 [s]
+  std::uint32_t buttons = 0;          // buttons held during the move
+};
+
+// The hand behind a simulated device, for those who have no hardware.
+class SteerableHand {
+ public:
+  virtual ~SteerableHand() = default;
+  // Starts a move; replaces a running one from where it stands. Real-time safe.
+  virtual void steer(const HandIntent& intent) noexcept = 0;
+  // True while a move runs. Real-time safe.
+  virtual bool moving() const noexcept = 0;
+};
+
+// A haptic device. Every method is called from the haptic thread only; `read` and `write` are
+// real-time safe and alternate once a tick.
+class HapticDevice {
+ public:
+  virtual ~HapticDevice() = default;
+  virtual const HapticCapabilities& capabilities() const = 0;
+  // Makes the device ready, force off. May block and allocate. The error names device and cause.
+  virtual Status open() = 0;
+  // The newest reading at time `now`, which never goes backward. A simulated device advances its
+  // model to `now` under the wrench last written.
+  virtual HapticSample read(Nanos now) noexcept = 0;
+  // Applies f_H_M, force and torque of the device on the hand, frame M, until the next call. The
+  // caller has limited it to the capabilities already.
+  virtual void write(const Wrench& f_H_M) noexcept = 0;
+  // Force off, device released. Safe to call twice.
+  virtual void close() noexcept = 0;
+  // The simulated hand that holds the device, or null on real hardware and on recordings.
+  virtual SteerableHand* hand() noexcept { return nullptr; }
+};
+
+}  // namespace handrail

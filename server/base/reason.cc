@@ -1,0 +1,59 @@
+#include "server/base/reason.h"
+
+namespace handrail {
+
+const char* describe(Reason reason) noexcept {
+  switch (reason) {
+    case Reason::kNone: return "none";
+    case Reason::kNotEngaged: return "not engaged";
+    case Reason::kNoPeer: return "no datagram from the other side yet";
+    case Reason::kLinkStale: return "newest datagram is over 5 ms old: slowing";
+    case Reason::kLinkHold: return "newest datagram is over 20 ms old: stopped on the path";
+    case Reason::kLinkLost: return "link lost for over 200 ms: reset, then engage again";
+    case Reason::kSessionClosed: return "the other side was silent for over 1 s or restarted: engage again";
+    case Reason::kHashTools: return "master and slave hold different tools";
+    case Reason::kHashMapping: return "master and slave hold different workspace mappings";
+    case Reason::kHashLimits: return "master and slave hold different limits";
+    case Reason::kHashRobot: return "master and slave describe different robots";
+    case Reason::kSceneDiffers: return "master and slave have different scenes loaded";
+    case Reason::kAlignmentMismatch: return "the first command is too far from the held pose";
+    case Reason::kStopRequested: return "stop was requested: reset, then engage again";
+    case Reason::kPeerFault: return "the other side is in fault";
+    case Reason::kRobotNotConnected: return "the robot controller is not connected";
+    case Reason::kRobotSilent: return "the controller did not reply for two periods: target sent again";
+    case Reason::kRobotLost: return "the controller missed 100 replies in a row";
+    case Reason::kRobotAlarm: return "the controller reported an alarm";
+    case Reason::kRobotBadPacket: return "the controller sent a packet of the wrong size or type";
+    case Reason::kSensorMissing: return "the force sensor is silent: bumper inactive";
+    case Reason::kSensorInvalid: return "the force sensor reported an invalid value";
+    case Reason::kCommandInvalid: return "a command was not finite or not a rotation: the previous one is kept";
+    case Reason::kOutOfReach: return "out of reach: held at the boundary, move back toward the base";
+    case Reason::kJointRange: return "a joint is at the end of its range: move back";
+    case Reason::kJointSpeed: return "joint speed limit: following more slowly";
+    case Reason::kJointAcceleration: return "joint acceleration limit: following more slowly";
+    case Reason::kTipSpeed: return "tip speed limit: following more slowly";
+    case Reason::kSingularity: return "near a singular pose: following more slowly";
+    case Reason::kGuard: return "the last guard changed the command";
+    case Reason::kBumper: return "contact force over the bumper's threshold: not pushing further";
+    case Reason::kShutdown: return "shutting down";
+    case Reason::kClutched: return "clutched: hand free, arm holds";
+    case Reason::kToolBlending: return "easing toward the new tool";
+    case Reason::kForceClamped: return "device force limit reached";
+    case Reason::kForceContinuous: return "device continuous force limit reached";
+    case Reason::kForceRate: return "force step limited";
+    case Reason::kForceBudget: return "spring reduced so that the tool keeps its share of the force";
+    case Reason::kForceFaded: return "force faded";
+    case Reason::kDeviceInvalid: return "the haptic device reported an invalid pose";
+    case Reason::kToolEndBehindStart: return "the end point lies behind the start";
+    case Reason::kToolDirectionZero: return "the direction has no length";
+    case Reason::kToolValueInvalid: return "a tool value is not finite or out of range";
+    case Reason::kNoSuchTool: return "no such tool";
+    case Reason::kBusy: return "only possible when disengaged";
+    case Reason::kNotStopped: return "nothing to reset";
+    case Reason::kNotSimulated: return "only possible with a simulated device";
+    case Reason::kCount: break;
+  }
+  return "unknown reason";
+}
+
+}  // namespace handrail

@@ -1,0 +1,67 @@
+// Why something was held, clamped or refused. Every intervention carries one of these codes into the
+// status, so that nobody has to guess why the robot is not where the hand is.
+#pragma once
+
+#include <cstdint>
+
+namespace handrail {
+
+enum class Reason : std::uint8_t {
+  kNone = 0,
+  // Session and link
+  kNotEngaged,
+  kNoPeer,              // no datagram from the other side within the link's patience
+  kLinkStale,           // newest datagram older than 5 ms: slowed
+  kLinkHold,            // older than 20 ms: stopped on the path, resumes by itself
+  kLinkLost,            // older than 200 ms: latched until reset
+  kSessionClosed,       // older than 1 s, or the peer restarted
+  kHashTools,           // the two sides hold different tools
+  kHashMapping,
+  kHashLimits,
+  kHashRobot,
+  kSceneDiffers,        // the two sides hold different scenes
+  kAlignmentMismatch,   // first command too far from the held pose
+  kStopRequested,       // latched stop epoch
+  kPeerFault,
+  // Robot and sensor
+  kRobotNotConnected,
+  kRobotSilent,         // no reply from the controller for two periods: held target sent again
+  kRobotLost,           // 100 replies missed in a row
+  kRobotAlarm,
+  kRobotBadPacket,      // wrong size or type from the controller
+  kSensorMissing,       // force sensor silent or in fault: bumper inactive
+  kSensorInvalid,       // non-finite or saturated reading
+  // Motion limits
+  kCommandInvalid,      // non-finite or not a rotation: previous one kept
+  kOutOfReach,          // no joint solution further along the path
+  kJointRange,
+  kJointSpeed,
+  kJointAcceleration,
+  kTipSpeed,
+  kSingularity,         // near a singular pose: slowed
+  kGuard,               // the last guard changed the command
+  kBumper,              // contact force above the threshold
+  kShutdown,            // the daemon was told to end
+  // Master side
+  kClutched,
+  kToolBlending,        // the guide is still easing toward a new tool
+  kForceClamped,        // device force limit
+  kForceContinuous,     // continuous (thermal) force limit
+  kForceRate,           // force step limited
+  kForceBudget,         // spring reduced so that the tool keeps its share
+  kForceFaded,          // force faded because the link or the device is not to be trusted
+  kDeviceInvalid,       // the haptic device reported a non-finite pose
+  kToolEndBehindStart,
+  kToolDirectionZero,
+  kToolValueInvalid,    // non-finite or out of range
+  kNoSuchTool,
+  kBusy,                // only possible when disengaged
+  kNotStopped,          // nothing to reset
+  kNotSimulated,        // only possible with a simulated device
+  kCount
+};
+
+// One short English sentence fragment for `reason`, static storage. Never null.
+const char* describe(Reason reason) noexcept;
+
+}  // namespace handrail

@@ -1,0 +1,18 @@
+#include "server/base/tool.h"
+
+#include "server/base/fnv.h"
+
+namespace handrail {
+
+std::uint64_t hash_of(const ToolDefinition& tool) noexcept {
+  Fnv h;
+  h.byte(static_cast<std::uint8_t>(tool.kind));
+  for (const Vec3* v : {&tool.p_SA, &tool.direction_S, &tool.normal_S, &tool.axis_T}) {
+    for (int i = 0; i < 3; ++i) h.f64((*v)[i]);
+  }
+  for (int i = 0; i < 4; ++i) h.f64(tool.q_ref.coeffs()[i]);
+  h.byte(tool.one_way).byte(tool.has_end).f64(tool.end).f64(tool.stiffness);
+  return h.value();
+}
+
+}  // namespace handrail

@@ -1,0 +1,76 @@
+// Kinematics of the Mitsubishi RV-2A: six axes, ortho-parallel arm, spherical wrist.
+//
+// Joint angles are the controller's J1..J6 in radians. The chain (standard Denavit-Hartenberg) and the
+// limits of the dissertation's Table 3.1; that table prints J2 in the DH variable, so the controller's
+// J2 range is -45 to +135 degrees.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "server/base/joints.h"
+#include "server/base/spatial.h"
+
+namespace handrail {
+
+// Lengths of the chain [m].
+struct ArmGeometry {
+  double d1 = 0.350;    // base to shoulder height
+  double a1 = 0.100;    // shoulder offset forward
+  double a2 = 0.250;    // upper arm
+  double a3 = 0.130;    // elbow offset above the forearm axis
+  double d4 = 0.250;    // forearm, elbow to wrist centre
+  double d6 = 0.301;    // wrist centre to the tip: 0.085 flange, 0.301 hex-key point
+};
+
+inline constexpr double kFlangeLength = 0.085;     // wrist centre to flange [m]
+inline constexpr double kHexKeyLength = 0.301;     // wrist centre to the hex key's ball centre [m]
+
+// Table 3.1 of the dissertation. Accelerations are ours (no source): top speed in 0.15 s.
+const JointLimits& rv2a_limits() noexcept;
+
+// Tip pose X_ST. Real-time safe.
+Pose forward(const ArmGeometry& arm, const JointVector& q) noexcept;
+
+// Which of the arm's up to eight configurations a joint vector is in.
+struct Branch {
+  bool shoulder_back = false;   // wrist centre behind the J1 axis as J1 sees it
+  bool elbow_down = false;      // the other solution of the elbow triangle
+  bool wrist_flipped = false;   // J5 < 0
+  friend bool operator==(const Branch&, const Branch&) = default;
+};
+Branch branch_of(const ArmGeometry& arm, const JointVector& q) noexcept;
+
+// All closed-form solutions: `count` valid entries, angles in (-pi, pi], joint ranges not applied.
+struct InverseSolutions {
+  int count = 0;
+  std::array<JointVector, 8> q;
+  std::array<Branch, 8> branch;
+};
+
+// Solves X_ST for every branch. count = 0: out of reach. Within 1e-9 rad of a singular pose the free
+// joint takes the seed's value. Real-time safe, bounded work.
+void inverse_all(const ArmGeometry& arm, const Pose& X_ST, const JointVector& seed,
+                 InverseSolutions& out) noexcept;
+
+enum class InverseStatus : std::uint8_t {
+  kOk,
+  kUnreachable,   // no solution on the seed's branch
+};
+
+// Solves X_ST on the branch of `seed`, each joint shifted by whole turns to lie nearest the seed, so
+// that small motions of X_ST give small motions of q; at an exact wrist singularity the seed's J4 is
+// kept, at a shoulder singularity the seed's J1. Joint ranges are not applied: the caller limits.
+// Real-time safe.
+InverseStatus inverse_near(const ArmGeometry& arm, const Pose& X_ST, const JointVector& seed,
+                           JointVector& q) noexcept;
+
+// Distances from the arm's singular configurations, 0 at the singularity.
+struct SingularityMargin {
+  double wrist = 0.0;      // |sin J5|
+  double shoulder = 0.0;   // distance of the wrist centre from the J1 axis [m]
+  double elbow = 0.0;      // |sin| of the elbow angle, 0 when stretched or folded
+};
+SingularityMargin singularity_margin(const ArmGeometry& arm, const JointVector& q) noexcept;
+
+}  // namespace handrail
