@@ -70,6 +70,9 @@ struct SlaveState {
   std::uint32_t fault_epoch = 0;      // faults latched so far
   std::uint32_t position_tool_epoch = 0;     // newest tool epochs seen
   std::uint32_t orientation_tool_epoch = 0;
+  Nanos oldest_applied = 0;           // greatest age of a command any cycle has moved toward
+  std::uint64_t cycles = 0;           // controller replies served since the daemon started
+  std::uint64_t silences = 0;         // times the held target was sent again
   SectionHashes hashes;
   SceneName scene{};
 };
