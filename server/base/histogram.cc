@@ -10,7 +10,7 @@ namespace {
 // Values below 16 have a bucket each; above, the top four bits after the leading one choose among 16.
 int bucket_of(std::uint64_t v) {
   if (v < 16) return static_cast<int>(v);
-  const int octave = std::bit_width(v) - 5;
+  const int octave = static_cast<int>(std::bit_width(v)) - 5;
   return 16 * (octave + 1) + static_cast<int>((v >> octave) & 15);
 }
 
