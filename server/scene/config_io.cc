@@ -1,0 +1,161 @@
+#include "server/scene/config_io.h"
+
+#include <arpa/inet.h>
+#include <sys/un.h>
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "server/scene/text_io.h"
+
+namespace handrail {
+namespace {
+
+using Problem = std::optional<FieldProblem>;
+
+Problem check_ipv4(const char* field, const std::string& address) {
+  in_addr parsed{};
+  if (::inet_pton(AF_INET, address.c_str(), &parsed) == 1) return std::nullopt;
+  return FieldProblem{field, "'" + address + "' is not an IPv4 address such as 127.0.0.1"};
+}
+
+Problem check_loopback(const char* field, const std::string& address) {
+  if (Problem p = check_ipv4(field, address)) return p;
+  if (address.starts_with("127.")) return std::nullopt;
+  return FieldProblem{field, "'" + address +
+                                 "' is not a loopback address: the link is plain, so it is kept "
+                                 "within this machine (127.x.x.x)"};
+}
+
+// The other end of a connection; port 0 would mean "any", which nobody can be reached at.
+Problem check_peer_port(const char* field, std::uint32_t port) {
+  if (port != 0) return std::nullopt;
+  return FieldProblem{field, "0 is no port to send to, expected 1 to 65535"};
+}
+
+struct Endpoint {
+  const char* field;
+  std::string address;
+  std::uint32_t port;
+};
+
+Problem check_distinct(const std::vector<Endpoint>& ends) {
+  for (std::size_t j = 1; j < ends.size(); ++j) {
+    for (std::size_t i = 0; i < j; ++i) {
+      if (ends[i].port == 0 || ends[i].port != ends[j].port) continue;
+      if (ends[i].address != ends[j].address) continue;
+      return FieldProblem{ends[j].field,
+                          std::to_string(ends[j].port) + " is taken by " + ends[i].field};
+    }
+  }
+  return std::nullopt;
+}
+
+Problem first(std::initializer_list<Problem> problems) {
+  for (const Problem& p : problems) {
+    if (p) return p;
+  }
+  return std::nullopt;
+}
+
+Problem check_scene_name(const std::string& scene) {
+  if (!scene.empty()) return std::nullopt;
+  return FieldProblem{"scene", "empty, expected a scene's name such as linear-movement"};
+}
+
+Problem check(const pb::MasterConfig& c) {
+  Problem socket;
+  const std::string socket_text = socket_path_problem(c.operator_socket());
+  if (!socket_text.empty()) socket = FieldProblem{"operator_socket", socket_text};
+  Problem recording;
+  const bool recorded = c.device().kind() == pb::DeviceConfig::RECORDED;
+  if (recorded && c.device().recording().empty()) {
+    recording = FieldProblem{"device.recording", "missing, but kind RECORDED plays a file"};
+  } else if (!recorded && c.device().has_recording()) {
+    recording = FieldProblem{"device.recording", "only used with kind: RECORDED"};
+  }
+  return first({check_loopback("link_address", c.link_address()),
+                check_loopback("slave_address", c.slave_address()),
+                check_peer_port("slave_port", c.slave_port()), socket, recording,
+                check_scene_name(c.scene()),
+                check_distinct({{"link_port", c.link_address(), c.link_port()},
+                                {"slave_port", c.slave_address(), c.slave_port()}})});
+}
+
+Problem check(const pb::SlaveConfig& c) {
+  Problem bytes;
+  const std::uint32_t n = c.robot().packet_bytes();
+  if (n != 64 && n != 196) {
+    bytes = FieldProblem{"robot.packet_bytes", std::to_string(n) + " is neither 64 nor 196"};
+  }
+  std::vector<Endpoint> ends = {{"link_port", c.link_address(), c.link_port()},
+                                {"robot.port", c.robot().address(), c.robot().port()}};
+  Problem sensor;
+  if (c.force_sensor().enabled()) {
+    sensor = first({check_ipv4("force_sensor.address", c.force_sensor().address()),
+                    check_peer_port("force_sensor.port", c.force_sensor().port())});
+    ends.push_back({"force_sensor.port", c.force_sensor().address(), c.force_sensor().port()});
+  }
+  return first({check_loopback("link_address", c.link_address()),
+                check_ipv4("robot.address", c.robot().address()),
+                check_peer_port("robot.port", c.robot().port()), bytes, sensor,
+                check_scene_name(c.scene()), check_distinct(ends)});
+}
+
+Problem check(const pb::RigConfig& c) {
+  return first({check_ipv4("address", c.address()),
+                check_distinct({{"robot_port", c.address(), c.robot_port()},
+                                {"sensor_port", c.address(), c.sensor_port()}})});
+}
+
+std::string from_folder_of(const std::string& file, const std::string& path) {
+  const std::filesystem::path p(path);
+  if (path.empty() || p.is_absolute()) return path;
+  return (std::filesystem::path(file).parent_path() / p).string();
+}
+
+template <typename Config>
+void resolve_scene_path(const std::string& file, Config& config) {
+  for (std::string& folder : *config.mutable_scene_path()) folder = from_folder_of(file, folder);
+}
+
+template <typename Config>
+Result<Config> load(const std::string& path) {
+  Config config;
+  if (path.empty()) return config;
+  TextSource source;
+  if (Status status = source.load(path, config); !status) return status;
+  if (const Problem problem = check(config)) return source.error_at(*problem);
+  return config;
+}
+
+}  // namespace
+
+std::string socket_path_problem(const std::string& path) {
+  constexpr std::size_t kLongest = sizeof(sockaddr_un{}.sun_path) - 1;
+  if (path.empty()) return "empty, expected the path of a Unix socket";
+  if (path.size() <= kLongest) return {};
+  return "a path of " + std::to_string(path.size()) +
+         " bytes, but a Unix socket's path has at most " + std::to_string(kLongest);
+}
+
+Result<pb::MasterConfig> load_master_config(const std::string& path) {
+  Result<pb::MasterConfig> config = load<pb::MasterConfig>(path);
+  if (!config) return config;
+  resolve_scene_path(path, *config);
+  if (config->device().has_recording()) {
+    config->mutable_device()->set_recording(from_folder_of(path, config->device().recording()));
+  }
+  return config;
+}
+
+Result<pb::SlaveConfig> load_slave_config(const std::string& path) {
+  Result<pb::SlaveConfig> config = load<pb::SlaveConfig>(path);
+  if (config) resolve_scene_path(path, *config);
+  return config;
+}
+
+Result<pb::RigConfig> load_rig_config(const std::string& path) { return load<pb::RigConfig>(path); }
+
+}  // namespace handrail
