@@ -1,0 +1,65 @@
+#include "server/control/arbiter.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace handrail {
+namespace {
+
+// Largest s in 0..1 with |a + s b| <= cap, for |a| <= cap.
+double largest_share(const Vec3& a, const Vec3& b, double cap) {
+  const double bb = b.squaredNorm();
+  if ((a + b).squaredNorm() <= cap * cap || bb == 0.0) return 1.0;
+  const double ab = a.dot(b);
+  const double room = std::max(cap * cap - a.squaredNorm(), 0.0);
+  return std::clamp((std::sqrt(ab * ab + bb * room) - ab) / bb, 0.0, 1.0);
+}
+
+// The peak falls from full to the continuous force as the heat nears what can be sustained: from
+// 70 % of it on, linearly, so that the force never steps.
+double peak_now(const ForceLimits& limits, double heat) {
+  const double sustained = limits.continuous * limits.continuous;
+  const double excess = std::clamp((heat / sustained - 0.7) / 0.3, 0.0, 1.0);
+  return limits.peak - excess * (limits.peak - limits.continuous);
+}
+
+}  // namespace
+
+ForceShares Arbiter::share(const ForceLimits& limits, Vec3 f_tool, Vec3 f_spring,
+                           double hand_allowance, bool trusted, double dt) noexcept {
+  ForceShares out;
+  if (!trusted || !is_finite(f_tool)) f_tool.setZero();
+  if (!trusted || !is_finite(f_spring)) f_spring.setZero();
+  out.tool = f_tool;
+  out.spring = f_spring;
+
+  const double cap = peak_now(limits, heat_);
+  const double wanted = f_tool.norm();
+  Vec3 tool = f_tool;
+  if (wanted > cap) {
+    tool *= cap / wanted;
+    (cap < limits.peak ? out.thermal : out.clamped) = true;
+  }
+  const double s = largest_share(tool, f_spring, cap);
+  out.budget = s < 1.0;
+  if (out.budget && cap < limits.peak) out.thermal = true;
+  Vec3 force = tool + s * f_spring;
+
+  const Vec3 change = force - last_;
+  const double allowed =
+      trusted ? limits.step * dt * 1e3 + hand_allowance : limits.peak * dt / limits.fade_out;
+  if (change.norm() > allowed) {
+    force = last_ + change * (allowed / change.norm());
+    out.stepped = true;
+  }
+  // The device's own limit comes last, whatever went before; then the finite check.
+  const double size = force.norm();
+  if (size > limits.peak) force *= limits.peak / size;
+  if (!is_finite(force)) force.setZero();
+  last_ = out.device = force;
+  heat_ += (out.device.squaredNorm() - heat_) * std::min(dt / limits.thermal_time, 1.0);
+  out.limited = out.device - out.tool - out.spring;
+  return out;
+}
+
+}  // namespace handrail

@@ -1,0 +1,46 @@
+// Who gets the device's force: tool first, spring what is left, limits last.
+#pragma once
+
+#include "server/base/spatial.h"
+
+namespace handrail {
+
+struct ForceLimits {
+  double peak = 3.3;           // largest force the device makes [N]
+  double continuous = 0.88;    // force it sustains [N]
+  double thermal_time = 10.0;  // averaging time of the motors' heat (engineering choice) [s]
+  // Largest step of the force a millisecond, beside what the hand's own motion explains [N].
+  double step = 0.05;
+  double fade_out = 0.050;  // time in which any force leaves when it is no longer trusted [s]
+};
+
+// Where the device's force came from this tick, frame M [N]. The three add up to `device`.
+struct ForceShares {
+  Vec3 tool = Vec3::Zero();
+  Vec3 spring = Vec3::Zero();
+  Vec3 limited = Vec3::Zero();  // added or taken by step, budget and fade limits
+  Vec3 device = Vec3::Zero();
+  bool budget = false;   // the spring was reduced in favour of the tool
+  bool clamped = false;  // the tool alone exceeds the peak
+  bool thermal = false;  // the continuous limit lowers the peak
+  bool stepped = false;  // the step limit acted
+};
+
+// Keeps the heat estimate and the previous force. Real-time safe.
+class Arbiter {
+ public:
+  // Cuts the force at once (the heat stays): the device has stopped saying where the hand is.
+  void cut() noexcept { last_.setZero(); }
+
+  // `f_tool`, `f_spring`: wanted forces on the hand, frame M [N]. `hand_allowance`: stiffness times
+  // the hand's motion since the last tick [N]. `trusted` false: the wanted forces count as none and
+  // the force leaves within `fade_out`. `dt` [s]. Non-finite input counts as no force.
+  ForceShares share(const ForceLimits& limits, Vec3 f_tool, Vec3 f_spring, double hand_allowance,
+                    bool trusted, double dt) noexcept;
+
+ private:
+  Vec3 last_ = Vec3::Zero();
+  double heat_ = 0.0;  // mean square force over thermal_time [N^2]
+};
+
+}  // namespace handrail

@@ -1,0 +1,246 @@
+#include "server/control/haptic_step.h"
+
+#include <algorithm>
+
+#include "server/base/fnv.h"
+
+namespace handrail {
+namespace {
+
+// Torque per radian falls to zero between these angles: at half a turn the direction back flips.
+constexpr double kTorqueFull = 2.6;  // [rad]
+constexpr double kHalfTurn = 3.14159265358979323846;
+
+Reason first_mismatch(const HapticSettings& settings, const SlaveState& slave) {
+  if (settings.scene != slave.scene) return Reason::kSceneDiffers;
+  if (settings.hashes.mapping != slave.hashes.mapping) return Reason::kHashMapping;
+  if (settings.hashes.limits != slave.hashes.limits) return Reason::kHashLimits;
+  if (settings.hashes.robot != slave.hashes.robot) return Reason::kHashRobot;
+  return Reason::kNone;
+}
+
+// The hand moves the command; in hold the arm catches up when the link comes back.
+bool drives(SessionState state) {
+  return state == SessionState::kEngaged || state == SessionState::kHold;
+}
+
+bool stop_latched(const HapticState& s) { return s.stop_epoch != s.released_epoch; }
+
+// The hand where the guide works: in S while engaged; without an engagement a tool call has nothing
+// to pull, so the command's own pose stands for the hand.
+Pose hand_in_slave(const HapticState& s) {
+  return drives(s.session) ? s.engagement.to_slave(s.X_MH) : s.X_SU;
+}
+
+Reason reset(HapticState& s, const HapticInput& in) {
+  const bool peer_fault = in.slave_known && in.slave.state == SessionState::kFault;
+  if (s.session != SessionState::kFault && !stop_latched(s) && !peer_fault) {
+    return Reason::kNotStopped;
+  }
+  s.released_epoch = s.stop_epoch;
+  if (in.slave_known) s.fault_reset = in.slave.fault_epoch;
+  s.want_engaged = s.want_clutched = false;
+  return Reason::kNone;
+}
+
+void drop_tools(const HapticSettings& settings, HapticState& s) {
+  const Pose X_SH = hand_in_slave(s);
+  s.guide.drop_position(settings.guide, X_SH);
+  s.guide.drop_orientation(settings.guide, X_SH);
+}
+
+Reason carry_out(const HapticSettings& settings, const HapticInput& in, HapticState& s) {
+  switch (in.order.kind) {
+    case OrderKind::kNone:
+      return Reason::kNone;
+    case OrderKind::kEngage: {
+      if (stop_latched(s)) return Reason::kStopRequested;
+      if (s.session == SessionState::kFault) return s.session_reason;
+      if (!in.slave_known) return Reason::kNoPeer;
+      const Reason mismatch = first_mismatch(settings, in.slave);
+      if (mismatch == Reason::kNone) s.want_engaged = true;
+      return mismatch;
+    }
+    case OrderKind::kDisengage:
+      s.want_engaged = s.want_clutched = false;
+      return Reason::kNone;
+    case OrderKind::kClutchOn:
+    case OrderKind::kClutchOff:
+      if (!s.want_engaged) return Reason::kNotEngaged;
+      s.want_clutched = in.order.kind == OrderKind::kClutchOn;
+      return Reason::kNone;
+    case OrderKind::kStop:
+      ++s.stop_epoch;
+      s.want_engaged = s.want_clutched = false;
+      return Reason::kNone;
+    case OrderKind::kReset:
+      return reset(s, in);
+    case OrderKind::kTool:
+      // Without an engagement there is no place to anchor at or to start from.
+      if (!drives(s.session) && s.session != SessionState::kClutched) return Reason::kNotEngaged;
+      return s.guide.call(settings.guide, in.order.tool, hand_in_slave(s));
+    case OrderKind::kToolOff: {
+      Reason result = Reason::kNoSuchTool;
+      const Pose X_SH = hand_in_slave(s);
+      if (in.order.drop_position) result = s.guide.drop_position(settings.guide, X_SH);
+      if (in.order.drop_orientation) {
+        const Reason second = s.guide.drop_orientation(settings.guide, X_SH);
+        if (result != Reason::kNone) result = second;
+      }
+      return result;
+    }
+  }
+  return Reason::kNone;
+}
+
+void advance_session(const HapticSettings& settings, const HapticInput& in, HapticState& s) {
+  MasterSessionInput session;
+  const bool clutched = s.want_clutched || in.hand.clutch_button;
+  // Without a hand there is nothing to engage.
+  session.desired = !s.want_engaged || !s.hand_known ? Desired::kOff
+                    : clutched                       ? Desired::kClutched
+                                                     : Desired::kEngaged;
+  session.link = rung_of(in.slave_known, in.slave_age);
+  session.peer = in.slave.state;
+  session.mismatch = first_mismatch(settings, in.slave);
+  session.stop_latched = stop_latched(s);
+  session.reset = in.order.kind == OrderKind::kReset;
+
+  const SessionState before = s.session;
+  const SessionStep next = next_master(before, session);
+  s.session = next.state;
+  if (next.state != SessionState::kFault || before != SessionState::kFault) {
+    s.session_reason = next.reason;
+  }
+  if (next.state == SessionState::kFault) s.want_engaged = s.want_clutched = false;
+
+  if (s.session == SessionState::kAligning) {
+    // The command is the pose the slave already stands on: taking over moves nothing.
+    s.X_SU = in.slave.X_ST_command;
+    s.has_command = in.slave.has_pose;
+  }
+  if (s.session == SessionState::kOff || s.session == SessionState::kFault) {
+    // A tool left over would pull the arm at the next engagement, with the hand still.
+    drop_tools(settings, s);
+  }
+  if (drives(s.session) && !drives(before)) {
+    s.engagement = Engagement(settings.mapping, s.X_MH, s.X_SU);
+    s.guide.restart(settings.guide, s.X_SU);
+  }
+}
+
+Vec3 torque_of(const HapticSettings& settings, const HapticState& s, const Vec3& twist_pull) {
+  const double angle = twist_pull.norm();
+  if (!settings.has_torque || angle == 0.0) return Vec3::Zero();
+  const double usable =
+      angle <= kTorqueFull
+          ? angle
+          : kTorqueFull * std::max(0.0, (kHalfTurn - angle) / (kHalfTurn - kTorqueFull));
+  // (3.5), (3.6): stiffness times angle about the way back.
+  const double size =
+      std::min(s.guide.torque_stiffness(settings.guide) * usable, settings.max_torque);
+  return s.engagement.turn_to_hand(twist_pull) * (size / angle);
+}
+
+// Torque comes and goes at most at full scale per fade time, as force does.
+Vec3 limited_torque(const HapticSettings& settings, const Vec3& last, Vec3 wanted, double dt) {
+  if (!is_finite(wanted)) wanted.setZero();
+  const double allowed = settings.max_torque * dt / settings.force.fade_out;
+  const Vec3 change = wanted - last;
+  const double size = change.norm();
+  return size > allowed ? Vec3(last + change * (allowed / size)) : wanted;
+}
+
+std::uint32_t tool_epochs(const HapticState& s) {
+  return s.guide.position().definition().epoch + s.guide.orientation().definition().epoch;
+}
+
+void fill_link(const HapticSettings& settings, const HapticState& s, MasterState& link) {
+  const bool clutched = s.session == SessionState::kClutched;
+  link.desired = !s.want_engaged ? Desired::kOff
+                 : clutched      ? Desired::kClutched
+                                 : Desired::kEngaged;
+  link.state = s.session;
+  link.X_SU = s.X_SU;
+  link.has_command = s.has_command;
+  link.stop_epoch = s.stop_epoch;
+  link.released_epoch = s.released_epoch;
+  link.fault_reset = s.fault_reset;
+  link.position_tool = s.guide.position().definition();
+  link.orientation_tool = s.guide.orientation().definition();
+  link.hashes = settings.hashes;
+  link.hashes.tools = s.tools_hash;
+  link.scene = settings.scene;
+}
+
+}  // namespace
+
+void haptic_step(const HapticSettings& settings, const HapticInput& in, double dt, HapticState& s,
+                 HapticOutput& out) noexcept {
+  out.reasons = ReasonSet();
+  const bool hand_ok = in.hand.valid && is_finite(in.hand.X_MH) && is_unit(in.hand.X_MH.q) &&
+                       is_finite(in.hand.v_MH);
+  Vec3 hand_motion = Vec3::Zero();
+  if (hand_ok) {
+    if (s.hand_known) hand_motion = in.hand.X_MH.p - s.X_MH.p;
+    s.X_MH = in.hand.X_MH;
+    s.hand_known = true;
+  } else {
+    out.reasons.add(Reason::kDeviceInvalid);
+  }
+
+  const std::uint32_t epochs_before = tool_epochs(s);
+  out.order_result = carry_out(settings, in, s);
+  if (in.hand.drop_button && !s.button_was_down) drop_tools(settings, s);
+  s.button_was_down = in.hand.drop_button;
+  advance_session(settings, in, s);
+  if (tool_epochs(s) != epochs_before) {
+    s.tools_hash = Fnv()
+                       .u64(hash_of(s.guide.position().definition()))
+                       .u64(hash_of(s.guide.orientation().definition()))
+                       .value();
+  }
+
+  Vec3 f_tool = Vec3::Zero();
+  Vec3 f_spring = Vec3::Zero();
+  Vec3 torque = Vec3::Zero();
+  out.deviation = out.deviation_angle = 0.0;
+  out.blending = false;
+  if (drives(s.session)) {
+    const Pose X_SH = s.engagement.to_slave(s.X_MH);
+    const Guidance guidance = s.guide.step(settings.guide, X_SH, dt);
+    s.X_SU = guidance.X_SC;
+    const Vec3 pull_M = s.engagement.to_hand(guidance.pull);
+    f_tool = s.guide.stiffness(settings.guide) * pull_M;  // (3.4)
+    if (s.guide.position().active() && hand_ok) f_tool -= settings.damping * in.hand.v_MH;
+    // (3.3), against the command before the bumper, so that contact is felt.
+    f_spring = settings.spring_stiffness * s.engagement.to_hand(in.slave.X_ST.p - s.X_SU.p);
+    torque = torque_of(settings, s, guidance.twist_pull);
+    out.blending = guidance.blending;
+    out.deviation = s.guide.position().active() ? pull_M.norm() : 0.0;
+    out.deviation_angle = s.guide.orientation().deviation(X_SH.q);
+    if (guidance.blending) out.reasons.add(Reason::kToolBlending);
+  }
+
+  // Force only while the hand really drives and both its readings and the slave's are to be
+  // trusted.
+  const bool trusted = s.session == SessionState::kEngaged && in.slave.has_pose;
+  if (!hand_ok) s.arbiter.cut();
+  out.shares = s.arbiter.share(settings.force, f_tool, f_spring,
+                               s.guide.stiffness(settings.guide) * hand_motion.norm(),
+                               trusted && hand_ok, dt);
+  out.f_H_M.force = out.shares.device;
+  out.f_H_M.torque = s.torque =
+      limited_torque(settings, s.torque, trusted && hand_ok ? torque : Vec3(Vec3::Zero()), dt);
+  if (out.shares.clamped) out.reasons.add(Reason::kForceClamped);
+  if (out.shares.thermal) out.reasons.add(Reason::kForceContinuous);
+  if (out.shares.budget) out.reasons.add(Reason::kForceBudget);
+  if (out.shares.stepped) out.reasons.add(Reason::kForceRate);
+  if (drives(s.session) && !trusted) out.reasons.add(Reason::kForceFaded);
+
+  out.reason = s.session_reason;
+  out.reasons.add(s.session_reason);
+  fill_link(settings, s, out.link);
+}
+
+}  // namespace handrail

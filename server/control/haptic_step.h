@@ -1,0 +1,115 @@
+// One tick of the master: device reading and the slave's newest state in, force and command out.
+#pragma once
+
+#include "server/base/link_state.h"
+#include "server/control/arbiter.h"
+#include "server/control/guide.h"
+#include "server/control/mapping.h"
+#include "server/control/session.h"
+
+namespace handrail {
+
+// Everything a step needs to know beforehand. Constant while a scene is loaded.
+struct HapticSettings {
+  MappingSettings mapping;
+  GuideSettings guide;
+  double damping = 0.0;             // B of (2.1), tools only [N s/m]
+  double spring_stiffness = 200.0;  // K_s of (3.3) at the hand [N/m]
+  ForceLimits force;
+  bool has_torque = false;  // the device can make torque
+  double max_torque = 0.0;  // [N m]
+  SectionHashes hashes;     // of mapping, limits and robot; tools are hashed as they change
+  SceneName scene{};
+};
+
+enum class OrderKind : std::uint8_t {
+  kNone,
+  kEngage,
+  kDisengage,
+  kClutchOn,
+  kClutchOff,
+  kStop,
+  kReset,
+  kTool,
+  kToolOff
+};
+
+// An operator's order, applied at the start of a tick.
+struct HapticOrder {
+  OrderKind kind = OrderKind::kNone;
+  ToolCall tool;              // kTool
+  bool drop_position = true;  // kToolOff
+  bool drop_orientation = true;
+};
+
+// The device's newest reading, frame M.
+struct HandReading {
+  Pose X_MH;
+  Vec3 v_MH = Vec3::Zero();    // [m/s]
+  bool clutch_button = false;  // button 1, while held
+  bool drop_button = false;    // button 2; acts when it goes down
+  bool valid = false;
+};
+
+struct HapticInput {
+  HandReading hand;
+  HapticOrder order;
+  SlaveState slave;  // newest from the link; meaningful when slave_known
+  bool slave_known = false;
+  Nanos slave_age = kForever;  // since that datagram came [ns]
+};
+
+// Reasons active in one tick, as a set.
+class ReasonSet {
+ public:
+  void add(Reason reason) noexcept { bits_ |= bit(reason); }
+  bool has(Reason reason) const noexcept { return (bits_ & bit(reason)) != 0; }
+  std::uint64_t bits() const noexcept { return bits_; }
+
+ private:
+  static_assert(static_cast<int>(Reason::kCount) <= 64);
+  static constexpr std::uint64_t bit(Reason reason) noexcept {
+    return reason == Reason::kNone ? 0 : std::uint64_t{1} << static_cast<int>(reason);
+  }
+  std::uint64_t bits_ = 0;
+};
+
+struct HapticOutput {
+  Wrench f_H_M;                         // for the device, within its limits, always finite
+  MasterState link;                     // for the slave
+  Reason order_result = Reason::kNone;  // kNone: the order was carried out (or there was none)
+  Reason reason = Reason::kNone;        // why the session is not what is wanted
+  ReasonSet reasons;                    // every intervention of this tick
+  ForceShares shares;                   // device force, where it came from
+  double deviation = 0.0;               // hand from the position tool's proxy, at the hand [m]
+  double deviation_angle = 0.0;         // hand from the orientation tool [rad]
+  bool blending = false;
+};
+
+// What a step remembers. Large (the smoothers' windows): keep one, never copy it in a loop.
+struct HapticState {
+  SessionState session = SessionState::kOff;
+  Reason session_reason = Reason::kNotEngaged;
+  bool want_engaged = false;
+  bool want_clutched = false;
+  bool button_was_down = false;
+  std::uint32_t stop_epoch = 0;
+  std::uint32_t released_epoch = 0;
+  std::uint32_t fault_reset = 0;
+  Engagement engagement;
+  Guide guide;
+  Arbiter arbiter;
+  Pose X_MH;  // last valid hand
+  bool hand_known = false;
+  Pose X_SU;  // last command
+  bool has_command = false;
+  Vec3 torque = Vec3::Zero();  // last torque on the hand, frame M [N m]
+  std::uint64_t tools_hash = 0;
+};
+
+// Pure and bounded: no clock, lock, log or allocation. `dt` > 0 [s]. On an invalid reading the last
+// valid hand is kept and the force is zero for that tick.
+void haptic_step(const HapticSettings& settings, const HapticInput& in, double dt,
+                 HapticState& state, HapticOutput& out) noexcept;
+
+}  // namespace handrail

@@ -1,0 +1,48 @@
+// Workspace mapping between hand and tip (dissertation 3.1, 3.2) in relative form.
+#pragma once
+
+#include "server/base/spatial.h"
+
+namespace handrail {
+
+// Scale k and rotation R_SM of (3.1).
+struct MappingSettings {
+  double scale = 2.0;  // k > 0
+  // Columns: device right, up, toward the user = base -Y, +Z, -X.
+  Mat3 R_SM = (Mat3() << 0, 0, -1, -1, 0, 0, 0, 1, 0).finished();
+};
+
+// The mapping latched at engagement. (3.2) holds only for frames that start aligned, so both poses
+// are taken relative to where hand and tip stood:
+//   p_U = k R (p_H - p_H0) + p_T0,   R_U = R (R_H R_H0^T) R^T R_T0.
+// With the hand still, U is exactly the latched tip. Real-time safe.
+class Engagement {
+ public:
+  Engagement() = default;
+  Engagement(const MappingSettings& mapping, const Pose& X_MH0, const Pose& X_ST0) noexcept
+      : scale_(mapping.scale), q_SM_(mapping.R_SM), hand_(X_MH0), tip_(X_ST0) {}
+
+  // Where the hand asks the tip to be.
+  Pose to_slave(const Pose& X_MH) const noexcept {
+    const Quat turned_M = X_MH.q * hand_.q.conjugate();
+    // The vector part rotates with the frame; written so, a still hand gives the identity exactly.
+    Quat turned_S;
+    turned_S.w() = turned_M.w();
+    turned_S.vec() = q_SM_ * turned_M.vec();
+    return {scale_ * (q_SM_ * (X_MH.p - hand_.p)) + tip_.p, (turned_S * tip_.q).normalized()};
+  }
+
+  // A displacement of the tip in S as the displacement of the hand that causes it, in M [m].
+  Vec3 to_hand(const Vec3& d_S) const noexcept { return (q_SM_.conjugate() * d_S) / scale_; }
+
+  // A rotation vector or torque direction from S to M.
+  Vec3 turn_to_hand(const Vec3& v_S) const noexcept { return q_SM_.conjugate() * v_S; }
+
+ private:
+  double scale_ = 1.0;
+  Quat q_SM_ = Quat::Identity();
+  Pose hand_;
+  Pose tip_;
+};
+
+}  // namespace handrail

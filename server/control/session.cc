@@ -1,0 +1,123 @@
+#include "server/control/session.h"
+
+namespace handrail {
+namespace {
+
+constexpr SessionState kOff = SessionState::kOff;
+constexpr SessionState kAligning = SessionState::kAligning;
+constexpr SessionState kEngaged = SessionState::kEngaged;
+constexpr SessionState kClutched = SessionState::kClutched;
+constexpr SessionState kHold = SessionState::kHold;
+constexpr SessionState kFault = SessionState::kFault;
+
+Reason reason_of(LinkRung link) {
+  switch (link) {
+    case LinkRung::kNone:
+      return Reason::kNoPeer;
+    case LinkRung::kFresh:
+      return Reason::kNone;
+    case LinkRung::kSlow:
+      return Reason::kLinkStale;
+    case LinkRung::kHold:
+      return Reason::kLinkHold;
+    case LinkRung::kLost:
+      return Reason::kLinkLost;
+    case LinkRung::kClosed:
+      return Reason::kSessionClosed;
+  }
+  return Reason::kNone;
+}
+
+bool flowing(LinkRung link) { return link == LinkRung::kFresh || link == LinkRung::kSlow; }
+bool lost(LinkRung link) {
+  return link == LinkRung::kNone || link == LinkRung::kLost || link == LinkRung::kClosed;
+}
+
+SessionState driving(Desired desired) {
+  return desired == Desired::kClutched ? kClutched : kEngaged;
+}
+
+}  // namespace
+
+LinkRung rung_of(bool ever, Nanos age) noexcept {
+  if (!ever) return LinkRung::kNone;
+  if (age <= 5 * kMillisecond) return LinkRung::kFresh;
+  if (age <= 20 * kMillisecond) return LinkRung::kSlow;
+  if (age <= 200 * kMillisecond) return LinkRung::kHold;
+  if (age <= kSecond) return LinkRung::kLost;
+  return LinkRung::kClosed;
+}
+
+SessionStep next_master(SessionState state, const MasterSessionInput& in) noexcept {
+  if (in.stop_latched) return {kFault, Reason::kStopRequested};
+  switch (state) {
+    case kOff:
+      if (in.desired == Desired::kOff) return {kOff, Reason::kNotEngaged};
+      if (!flowing(in.link)) return {kOff, reason_of(in.link)};
+      if (in.peer == kFault) return {kOff, Reason::kPeerFault};
+      if (in.mismatch != Reason::kNone) return {kOff, in.mismatch};
+      return {kAligning, Reason::kNone};
+    case kAligning:
+      if (in.desired == Desired::kOff) return {kOff, Reason::kNotEngaged};
+      if (in.peer == kFault) return {kFault, Reason::kPeerFault};
+      if (lost(in.link)) return {kOff, reason_of(in.link)};
+      if (flowing(in.link) && follows(in.peer)) return {driving(in.desired), Reason::kNone};
+      return {kAligning, Reason::kNone};
+    case kEngaged:
+    case kClutched:
+    case kHold:
+      if (in.desired == Desired::kOff) return {kOff, Reason::kNotEngaged};
+      if (lost(in.link)) return {kFault, Reason::kLinkLost};
+      if (in.peer == kFault) return {kFault, Reason::kPeerFault};
+      // The slave left the session without a fault: it restarted.
+      if (in.peer == kOff || in.peer == kAligning) return {kFault, Reason::kSessionClosed};
+      if (!flowing(in.link) || in.peer == kHold) return {kHold, Reason::kLinkHold};
+      return {driving(in.desired),
+              in.desired == Desired::kClutched ? Reason::kClutched : reason_of(in.link)};
+    case kFault:
+      if (in.reset) return {kOff, Reason::kNotEngaged};
+      return {kFault, Reason::kNone};  // the reason stays the one that led here
+    case SessionState::kCount:
+      break;
+  }
+  return {kFault, Reason::kNone};
+}
+
+SessionStep next_slave(SessionState state, const SlaveSessionInput& in) noexcept {
+  if (in.stop_latched) return {kFault, Reason::kStopRequested};
+  if (in.fault != Reason::kNone) return {kFault, in.fault};
+  if (in.shutdown && state != kFault) return {kOff, Reason::kShutdown};
+  switch (state) {
+    case kOff:
+      if (!in.robot_ready) return {kOff, Reason::kRobotNotConnected};
+      if (!flowing(in.link)) return {kOff, reason_of(in.link)};
+      if (in.desired == Desired::kOff || in.master != kAligning) return {kOff, Reason::kNotEngaged};
+      return {kAligning, Reason::kNone};
+    case kAligning:
+      if (in.new_session || in.desired == Desired::kOff || in.master == kFault) {
+        return {kOff, Reason::kNotEngaged};
+      }
+      if (!flowing(in.link)) return {kOff, reason_of(in.link)};
+      if (!in.aligned) return {kAligning, Reason::kAlignmentMismatch};
+      return {kEngaged, Reason::kNone};
+    case kEngaged:
+    case kClutched:
+    case kHold:
+      if (in.new_session) return {kOff, Reason::kSessionClosed};
+      if (lost(in.link)) return {kFault, Reason::kLinkLost};
+      if (!flowing(in.link)) return {kHold, Reason::kLinkHold};
+      if (in.desired == Desired::kOff || in.master == kOff || in.master == kFault) {
+        return {kOff, Reason::kNotEngaged};
+      }
+      return {driving(in.desired),
+              in.desired == Desired::kClutched ? Reason::kClutched : reason_of(in.link)};
+    case kFault:
+      if (in.fault_released && in.robot_ready) return {kOff, Reason::kNotEngaged};
+      return {kFault, Reason::kNone};
+    case SessionState::kCount:
+      break;
+  }
+  return {kFault, Reason::kNone};
+}
+
+}  // namespace handrail

@@ -1,0 +1,83 @@
+// Command smoother (dissertation 3.11): the mean of the last N samples.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "server/base/spatial.h"
+
+namespace handrail {
+
+inline constexpr int kMaxSmootherLength = 1000;
+
+// Mean of the last N values of a vector. Two running sums: one is used, the other is rebuilt from
+// additions alone and replaces it once a turn, so that rounding never accumulates over days.
+// Equal samples give exactly that value. Real-time safe, O(1).
+template <int Size>
+class RunningMean {
+ public:
+  using Value = Eigen::Matrix<double, Size, 1>;
+
+  // As if the last N samples had all been `value`. 1 <= length <= kMaxSmootherLength.
+  void reset(const Value& value, int length) noexcept {
+    origin_ = value;
+    length_ = length;
+    next_ = 0;
+    wrapped_ = false;
+    sum_.setZero();
+    rebuilt_.setZero();
+  }
+
+  // Adds one sample and returns the mean.
+  Value push(const Value& value) noexcept {
+    // Relative to the start of the window's life: small numbers, and exact zeros for a still hand.
+    const Value relative = value - origin_;
+    const auto slot = static_cast<std::size_t>(next_);
+    if (wrapped_) sum_ -= samples_[slot];
+    samples_[slot] = relative;
+    sum_ += relative;
+    rebuilt_ += relative;
+    if (++next_ == length_) {
+      next_ = 0;
+      wrapped_ = true;
+      sum_ = rebuilt_;
+      rebuilt_.setZero();
+    }
+    return origin_ + sum_ / length_;
+  }
+
+ private:
+  std::array<Value, kMaxSmootherLength> samples_;
+  Value origin_ = Value::Zero();
+  Value sum_ = Value::Zero();
+  Value rebuilt_ = Value::Zero();
+  int length_ = 1;
+  int next_ = 0;
+  bool wrapped_ = false;
+};
+
+// Position smoother, frame S [m].
+using PositionSmoother = RunningMean<3>;
+
+// Mean orientation of the last N samples: the normalised sum of quaternions, each taken with the
+// sign nearest its predecessor (q and -q are the same rotation). Where the sum has no direction
+// (samples spread over half a turn or more) the newest sample is returned. Real-time safe, O(1).
+class OrientationSmoother {
+ public:
+  void reset(const Quat& q, int length) noexcept {
+    last_ = q.coeffs();
+    mean_.reset(last_, length);
+  }
+  Quat push(const Quat& q) noexcept {
+    last_ = q.coeffs().dot(last_) < 0.0 ? Eigen::Vector4d(-q.coeffs()) : q.coeffs();
+    const Eigen::Vector4d mean = mean_.push(last_);
+    const double norm = mean.norm();
+    return norm < 0.1 ? Quat(last_) : Quat(Eigen::Vector4d(mean / norm));
+  }
+
+ private:
+  RunningMean<4> mean_;
+  Eigen::Vector4d last_ = Eigen::Vector4d::UnitW();
+};
+
+}  // namespace handrail
