@@ -1,0 +1,119 @@
+#include "server/link/peer.h"
+
+#include <algorithm>
+#include <random>
+
+namespace handrail {
+
+const char* name_of(LinkQuality quality) noexcept {
+  switch (quality) {
+    case LinkQuality::kPoor:
+      return "POOR";
+    case LinkQuality::kFair:
+      return "FAIR";
+    case LinkQuality::kGood:
+      return "GOOD";
+    case LinkQuality::kExcellent:
+      return "EXCELLENT";
+  }
+  return "unknown";
+}
+
+Nanos LinkSnapshot::age(Nanos now) const noexcept {
+  return received_at == -kForever ? kForever : std::max<Nanos>(now - received_at, 0);
+}
+
+Nanos LinkSnapshot::loop_age(Nanos now) const noexcept {
+  return echoed_sent == -kForever ? kForever : std::max<Nanos>(now - echoed_sent, 0);
+}
+
+LinkQuality LinkSnapshot::quality(Nanos now) const noexcept {
+  if (age(now) > kPoorAge || received_of_100 < 40) return LinkQuality::kPoor;
+  if (received_of_100 < 75) return LinkQuality::kFair;
+  return received_of_100 < 99 ? LinkQuality::kGood : LinkQuality::kExcellent;
+}
+
+Reject PeerCore::accept_session(std::uint64_t session, Nanos now) const noexcept {
+  if (session == session_) return Reject::kHeader;
+  if (std::find(retired_.begin(), retired_.end(), session) != retired_.end()) {
+    return Reject::kSessionRetired;
+  }
+  const bool silent = snapshot_.age(now) > kTakeoverSilence;
+  return peer_session_ == 0 || silent ? Reject::kNone : Reject::kSessionBusy;
+}
+
+Reject PeerCore::accept(const DatagramHeader& header, Nanos now) noexcept {
+  if (header.session == peer_session_) {
+    const Reject order = arrivals_.add(header.sequence);
+    snapshot_.received_of_100 = arrivals_.received();
+    snapshot_.loss_share = arrivals_.loss_share();
+    if (order != Reject::kNone) return order;
+  } else {
+    const Reject cause = accept_session(header.session, now);
+    if (cause != Reject::kNone) return cause;
+    if (peer_session_ != 0) {
+      retired_[next_retired_] = peer_session_;
+      next_retired_ = (next_retired_ + 1) % retired_.size();
+    }
+    peer_session_ = header.session;
+    ++snapshot_.peer_epoch;
+    arrivals_.restart(header.sequence);
+    snapshot_.received_of_100 = arrivals_.received();
+    snapshot_.loss_share = arrivals_.loss_share();
+    snapshot_.echoed_sent = -kForever;
+    snapshot_.round_trip = -1;
+  }
+  peer_sent_ = header.sent;
+  snapshot_.received_at = now;
+  take_echo(header, now);
+  return Reject::kNone;
+}
+
+// An echo of another incarnation of ours, or one that cannot be true, says nothing about the way.
+void PeerCore::take_echo(const DatagramHeader& header, Nanos now) noexcept {
+  if (header.echo_session != session_ || header.echo_sequence > sequence_) return;
+  if (header.echo_sent > now || header.echo_held > now - header.echo_sent) return;
+  if (header.echo_sent < snapshot_.echoed_sent) return;
+  snapshot_.echoed_sent = header.echo_sent;
+  snapshot_.round_trip = now - header.echo_sent - header.echo_held;
+}
+
+void PeerCore::count(Reject cause) noexcept {
+  ++rejects_[static_cast<std::size_t>(cause)];
+  ++(cause == Reject::kNone ? snapshot_.accepted : snapshot_.rejected);
+}
+
+DatagramHeader PeerCore::next_header(Nanos now) const noexcept {
+  DatagramHeader header{.session = session_, .sequence = sequence_ + 1, .sent = now};
+  if (peer_session_ != 0) {
+    header.echo_session = peer_session_;
+    header.echo_sequence = arrivals_.newest();
+    header.echo_sent = peer_sent_;
+    header.echo_held = std::max<Nanos>(now - snapshot_.received_at, 0);
+  }
+  return header;
+}
+
+void PeerCore::after_send(Nanos now, bool sent) noexcept {
+  if (sent) {
+    ++sequence_;
+    ++snapshot_.sent;
+  } else {
+    ++snapshot_.unsendable;
+  }
+  const Nanos late = next_due_ == -kForever ? 0 : now - next_due_;
+  next_due_ = now - late % kSendPeriod + kSendPeriod;
+}
+
+Nanos PeerCore::wait_time(Nanos now) const noexcept {
+  return sequence_ == UINT64_MAX ? kForever : std::max<Nanos>(next_due_ - now, 0);
+}
+
+std::uint64_t random_session_id() {
+  std::random_device source;
+  std::uint64_t id = 0;
+  while (id == 0) id = (std::uint64_t{source()} << 32) | source();
+  return id;
+}
+
+}  // namespace handrail

@@ -1,0 +1,145 @@
+// One end of the link without sockets: bytes and time come in, bytes and answers go out.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "server/base/link_state.h"
+#include "server/base/time.h"
+#include "server/link/arrivals.h"
+#include "server/link/codec.h"
+#include "server/link/reject.h"
+
+namespace handrail {
+
+inline constexpr Nanos kSendPeriod = kMillisecond;
+// How long the present session must have been silent before another may take its place.
+inline constexpr Nanos kTakeoverSilence = 200 * kMillisecond;
+// With nothing fresh for longer than this the quality is POOR.
+inline constexpr Nanos kPoorAge = 20 * kMillisecond;
+
+// Share of the last 100 datagrams received: under 40 %, under 75 %, under 99 %, and the rest.
+enum class LinkQuality : std::uint8_t { kPoor, kFair, kGood, kExcellent };
+const char* name_of(LinkQuality quality) noexcept;
+
+// What one end knows of its link at a moment. Ages grow as the reader's clock does: they are asked
+// with `now`.
+struct LinkSnapshot {
+  std::uint32_t peer_epoch =
+      0;  // sessions accepted so far; 0 = none. A change = the peer restarted
+  Nanos received_at = -kForever;  // when the newest fresh datagram was accepted
+  Nanos echoed_sent = -kForever;  // when the newest of our datagrams the peer confirmed was sent
+  Nanos round_trip = -1;          // newest measured, without the time the peer held it; -1 = none
+  int received_of_100 = 0;        // of the last 100 sequences
+  double loss_share = 0.0;        // of the last 100, 0 to 1
+  std::uint64_t sent = 0;
+  std::uint64_t unsendable = 0;  // own states check() refused: a fault of this program
+  std::uint64_t accepted = 0;
+  std::uint64_t rejected = 0;
+
+  // Time since the last fresh datagram; kForever when there was none in this session or any other.
+  Nanos age(Nanos now) const noexcept;
+  // Age of the newest own datagram the peer is known to have, however long the way there and back:
+  // catches constant delay, which age() cannot. kForever when none was confirmed.
+  Nanos loop_age(Nanos now) const noexcept;
+  LinkQuality quality(Nanos now) const noexcept;
+};
+
+// The part of a peer that does not depend on its role. Use LinkPeer.
+class PeerCore {
+ public:
+  explicit PeerCore(std::uint64_t session) noexcept : session_(session) {}
+
+  // Judges a well-formed datagram from the other side; kNone: it is the newest. Real-time safe.
+  Reject accept(const DatagramHeader& header, Nanos now) noexcept;
+  void count(Reject cause) noexcept;
+
+  bool due(Nanos now) const noexcept { return now >= next_due_ && sequence_ != UINT64_MAX; }
+  // The header of the datagram to send now. Real-time safe.
+  DatagramHeader next_header(Nanos now) const noexcept;
+  // Moves the schedule on, along its own grid, without making up for what was missed.
+  void after_send(Nanos now, bool sent) noexcept;
+  Nanos wait_time(Nanos now) const noexcept;
+
+  std::uint64_t session() const noexcept { return session_; }
+  const LinkSnapshot& snapshot() const noexcept { return snapshot_; }
+  const RejectCounts& rejects() const noexcept { return rejects_; }
+
+ private:
+  Reject accept_session(std::uint64_t session, Nanos now) const noexcept;
+  void take_echo(const DatagramHeader& header, Nanos now) noexcept;
+
+  std::uint64_t session_;
+  std::uint64_t sequence_ = 0;  // of the last datagram sent
+  Nanos next_due_ = -kForever;
+  std::uint64_t peer_session_ = 0;
+  Nanos peer_sent_ = 0;
+  Arrivals arrivals_;
+  std::array<std::uint64_t, 8> retired_{};
+  std::size_t next_retired_ = 0;
+  LinkSnapshot snapshot_;
+  RejectCounts rejects_{};
+};
+
+// One end of the link: sends Local, receives Remote. Newest wins: within a session only a rising
+// sequence moves the state. Another session is accepted at once when there is none, else once the
+// present one has been silent for over 200 ms; the eight sessions last replaced never come back.
+// No allocation after construction; every method is real-time safe. One thread at a time.
+template <typename Local, typename Remote>
+class LinkPeer {
+ public:
+  // `session`: random, not 0 (random_session_id()).
+  explicit LinkPeer(std::uint64_t session) : core_(session) {}
+
+  // Takes one datagram. kNone: newest() and snapshot() have moved on. Otherwise it was counted and
+  // nothing else has changed.
+  Reject on_datagram(std::span<const std::uint8_t> bytes, Nanos now) noexcept {
+    DatagramHeader header;
+    Reject cause = codec_.decode(bytes, header, scratch_);
+    if (cause == Reject::kNone) cause = core_.accept(header, now);
+    core_.count(cause);
+    if (cause == Reject::kNone) newest_ = scratch_;
+    return cause;
+  }
+
+  // Counts a datagram that the transport dropped before it came here.
+  void count_dropped(Reject cause) noexcept { core_.count(cause); }
+
+  // Writes the datagram that is due, once a kSendPeriod, and returns its size; 0 = not due, or the
+  // state cannot be sent (snapshot().unsendable, last_unsendable()). `out` holds kMaxDatagram.
+  std::size_t poll(Nanos now, const Local& state, std::span<std::uint8_t> out) noexcept {
+    if (!core_.due(now)) return 0;
+    Reject cause = Reject::kNone;
+    const std::size_t size = codec_.encode(core_.next_header(now), state, out, cause);
+    if (size == 0) last_unsendable_ = cause;
+    core_.after_send(now, size != 0);
+    return size;
+  }
+
+  // How long poll() has nothing to do [ns]; 0 = due now.
+  Nanos wait_time(Nanos now) const noexcept { return core_.wait_time(now); }
+
+  // The newest accepted state; defaults while snapshot().peer_epoch is 0.
+  const Remote& newest() const noexcept { return newest_; }
+  const LinkSnapshot& snapshot() const noexcept { return core_.snapshot(); }
+  const RejectCounts& rejects() const noexcept { return core_.rejects(); }
+  Reject last_unsendable() const noexcept { return last_unsendable_; }
+  std::uint64_t session() const noexcept { return core_.session(); }
+
+ private:
+  PeerCore core_;
+  Codec codec_;
+  Remote scratch_;
+  Remote newest_;
+  Reject last_unsendable_ = Reject::kNone;
+};
+
+using MasterPeer = LinkPeer<MasterState, SlaveState>;
+using SlavePeer = LinkPeer<SlaveState, MasterState>;
+
+// A session id from the kernel's random source, never 0. Not real-time safe.
+std::uint64_t random_session_id();
+
+}  // namespace handrail
