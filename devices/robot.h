@@ -20,6 +20,7 @@ struct RobotCapabilities {
 // One reply of the controller.
 struct RobotReply {
   JointVector q_measured = JointVector::Zero();  // encoder feedback [rad]
+  JointVector q_commanded = JointVector::Zero(); // the controller's own target; else q_measured [rad]
   std::uint32_t missed_cycles = 0;               // cycles the controller says it waited for us
 };
 

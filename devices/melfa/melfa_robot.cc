@@ -1,0 +1,83 @@
+#include "devices/melfa/melfa_robot.h"
+
+#include "server/base/clock.h"
+
+namespace handrail {
+namespace {
+
+// Room for a few replies only: old ones must not pile up behind a busy loop.
+constexpr int kReceiveBuffer = 4096;
+// Datagrams taken before the deadline is looked at again, so that a flood cannot hold the loop.
+constexpr int kMaxDrain = 32;
+
+}  // namespace
+
+MelfaRobot::MelfaRobot(const MelfaOptions& options)
+    : options_(options),
+      capabilities_{"Mitsubishi MELFA, " + std::to_string(options.client.packet_bytes) +
+                        "-byte real-time control",
+                    options.client.period},
+      client_(options.client) {}
+
+MelfaRobot::~MelfaRobot() { end(); }
+
+Status MelfaRobot::connect(Nanos patience, RobotReply& first) {
+  const std::string who = "robot controller ";
+  const std::size_t size = options_.client.packet_bytes;
+  if (size != kMxtShort && size != kMxtLong) {
+    return Status::error(who + "packet size " + std::to_string(size) +
+                         ": expected 64 or 196 bytes");
+  }
+  end();
+  if (Status s = socket_.open(options_.address, options_.port, kReceiveBuffer); !s) {
+    return Status::error(who + s.message());
+  }
+  const std::uint64_t rejected_before = client_.counters().rejected;
+  const Nanos give_up = monotonic_now() + patience;
+  socket_.send(client_.start(monotonic_now()));
+  while (client_.open() && monotonic_now() < give_up) {
+    if (wait(first) == RobotEvent::kReply) return Status::ok();
+  }
+  end();
+  const std::uint64_t rejected = client_.counters().rejected - rejected_before;
+  const std::string cause =
+      rejected == 0
+          ? "no answer; expected a controller in AUTOMATIC whose program has opened MXT for "
+            "this computer's address"
+          : std::to_string(rejected) + " answers, none a joint reply of " + std::to_string(size) +
+                " bytes; check packet_bytes";
+  return Status::error(who + options_.address + ":" + std::to_string(options_.port) + ": " + cause);
+}
+
+RobotEvent MelfaRobot::wait(RobotReply& reply) noexcept {
+  for (;;) {
+    bool fresh = false;
+    bool rejected = false;
+    for (int i = 0; i < kMaxDrain; ++i) {
+      const std::optional<std::size_t> size = socket_.receive(buffer_);
+      if (!size) break;
+      const RobotEvent event = client_.on_datagram({buffer_.data(), *size}, monotonic_now(), reply);
+      fresh = fresh || event == RobotEvent::kReply;
+      rejected = rejected || event == RobotEvent::kRejected;
+    }
+    if (fresh) return RobotEvent::kReply;
+    const Nanos now = monotonic_now();
+    if (const std::optional<RobotEvent> event = client_.poll(now)) {
+      if (*event == RobotEvent::kSilence) socket_.send(client_.packet());
+      return *event;
+    }
+    if (rejected) return RobotEvent::kRejected;
+    socket_.wait(client_.deadline() - now);
+  }
+}
+
+void MelfaRobot::send(const JointVector& q_target) noexcept {
+  if (const auto bytes = client_.send(q_target); !bytes.empty()) socket_.send(bytes);
+}
+
+void MelfaRobot::end() noexcept {
+  if (const auto bytes = client_.end(); !bytes.empty()) socket_.send(bytes);
+  socket_.close();
+}
+
+}  // namespace handrail

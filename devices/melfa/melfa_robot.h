@@ -1,0 +1,43 @@
+// A Mitsubishi arm behind a CR-series controller, by real-time external control over UDP.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "devices/melfa/mxt_client.h"
+#include "devices/robot.h"
+#include "devices/udp/udp_client.h"
+
+namespace handrail {
+
+struct MelfaOptions {
+  std::string address = "127.0.0.1";
+  std::uint16_t port = kMxtPort;
+  MxtClientOptions client;
+};
+
+// The controller must be running a program that has opened MXT in JOINT mode for this computer's
+// address. A session that was lost or ended is opened again by connect().
+class MelfaRobot : public Robot {
+ public:
+  explicit MelfaRobot(const MelfaOptions& options);
+  ~MelfaRobot() override;
+
+  const RobotCapabilities& capabilities() const override { return capabilities_; }
+  Status connect(Nanos patience, RobotReply& first) override;
+  RobotEvent wait(RobotReply& reply) noexcept override;
+  void send(const JointVector& q_target) noexcept override;
+  void end() noexcept override;
+
+  const MxtCounters& counters() const noexcept { return client_.counters(); }
+
+ private:
+  MelfaOptions options_;
+  RobotCapabilities capabilities_;
+  MxtClient client_;
+  UdpClient socket_;
+  std::array<std::uint8_t, 256> buffer_{};
+};
+
+}  // namespace handrail

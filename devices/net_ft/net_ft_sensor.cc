@@ -1,0 +1,54 @@
+#include "devices/net_ft/net_ft_sensor.h"
+
+#include "server/base/clock.h"
+
+namespace handrail {
+namespace {
+
+// About 60 records: what a 1 kHz stream brings while a 141 Hz loop looks away, several times over.
+constexpr int kReceiveBuffer = 65536;
+constexpr int kMaxDrain = 256;
+
+}  // namespace
+
+NetFtSensor::NetFtSensor(const NetFtOptions& options)
+    : options_(options),
+      capabilities_{"ATI Net F/T", options.range_n, options.range_n_m},
+      client_(options.client) {}
+
+NetFtSensor::~NetFtSensor() { stop(); }
+
+Status NetFtSensor::start() {
+  stop();
+  if (Status s = socket_.open(options_.address, options_.port, kReceiveBuffer); !s) {
+    return Status::error("force sensor " + s.message());
+  }
+  started_ = true;
+  socket_.send(client_.start(monotonic_now()));
+  return Status::ok();
+}
+
+bool NetFtSensor::poll(Nanos now, FtSample& sample) noexcept {
+  if (!started_) return false;
+  bool fresh = false;
+  std::array<std::uint8_t, 2 * kRdtRecordSize> buffer;
+  for (int i = 0; i < kMaxDrain; ++i) {
+    const std::optional<std::size_t> size = socket_.receive(buffer);
+    if (!size) break;
+    if (client_.on_datagram({buffer.data(), *size}, now, sample)) fresh = true;
+  }
+  if (const auto request = client_.poll(now); !request.empty()) socket_.send(request);
+  return fresh;
+}
+
+void NetFtSensor::bias() noexcept {
+  if (started_) socket_.send(client_.bias());
+}
+
+void NetFtSensor::stop() noexcept {
+  if (started_) socket_.send(client_.stop());
+  started_ = false;
+  socket_.close();
+}
+
+}  // namespace handrail

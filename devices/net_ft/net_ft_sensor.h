@@ -1,0 +1,43 @@
+// A force/torque sensor that speaks ATI Net F/T RDT over UDP.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "devices/ft_sensor.h"
+#include "devices/net_ft/rdt_client.h"
+#include "devices/udp/udp_client.h"
+
+namespace handrail {
+
+struct NetFtOptions {
+  std::string address = "127.0.0.1";
+  std::uint16_t port = kRdtPort;
+  double range_n = 1000.0;   // |force| per axis the sensor can measure [N]
+  double range_n_m = 100.0;  // |torque| per axis [N m]
+  RdtClientOptions client;
+};
+
+class NetFtSensor : public FtSensor {
+ public:
+  explicit NetFtSensor(const NetFtOptions& options);
+  ~NetFtSensor() override;
+
+  const FtCapabilities& capabilities() const override { return capabilities_; }
+  Status start() override;
+  bool poll(Nanos now, FtSample& sample) noexcept override;
+  void bias() noexcept override;
+  void stop() noexcept override;
+
+  const RdtCounters& counters() const noexcept { return client_.counters(); }
+
+ private:
+  NetFtOptions options_;
+  FtCapabilities capabilities_;
+  RdtClient client_;
+  UdpClient socket_;
+  bool started_ = false;
+};
+
+}  // namespace handrail

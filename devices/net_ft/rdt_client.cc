@@ -1,0 +1,58 @@
+#include "devices/net_ft/rdt_client.h"
+
+namespace handrail {
+namespace {
+
+constexpr std::int32_t kRestartedBehind = 1000;  // [records], a second of the usual stream
+
+}  // namespace
+
+RdtClient::Bytes RdtClient::start(Nanos now) noexcept {
+  streaming_ = true;
+  has_newest_ = false;
+  quiet_since_ = now;
+  ++counters_.requests;
+  return write(RdtCommand::kStream);
+}
+
+bool RdtClient::on_datagram(Bytes bytes, Nanos now, FtSample& sample) noexcept {
+  const std::optional<RdtRecord> record = decode_rdt_record(bytes);
+  if (!record) {
+    ++counters_.rejected;
+    return false;
+  }
+  const auto ahead = static_cast<std::int32_t>(record->rdt_sequence - newest_);
+  if (has_newest_ && ahead <= 0 && ahead > -kRestartedBehind) {
+    ++counters_.stale;
+    return false;
+  }
+  has_newest_ = true;
+  newest_ = record->rdt_sequence;
+  quiet_since_ = now;
+  ++counters_.records;
+  for (int i = 0; i < 3; ++i) {
+    const auto force = static_cast<std::size_t>(i);
+    sample.wrench.force[i] = record->counts[force] / options_.counts_per_n;
+    sample.wrench.torque[i] = record->counts[force + 3] / options_.counts_per_n_m;
+  }
+  sample.sequence = record->rdt_sequence;
+  sample.status = record->status;
+  return true;
+}
+
+RdtClient::Bytes RdtClient::poll(Nanos now) noexcept {
+  if (!streaming_ || now - quiet_since_ < options_.patience) return {};
+  return start(now);
+}
+
+RdtClient::Bytes RdtClient::stop() noexcept {
+  streaming_ = false;
+  return write(RdtCommand::kStop);
+}
+
+RdtClient::Bytes RdtClient::write(RdtCommand command) noexcept {
+  buffer_ = encode_rdt(RdtRequest{command, 0});
+  return buffer_;
+}
+
+}  // namespace handrail
