@@ -49,7 +49,8 @@ struct InverseSolutions {
 };
 
 // Solves X_ST for every branch. count = 0: out of reach. Within 1e-9 rad of a singular pose the free
-// joint takes the seed's value. Real-time safe, bounded work.
+// joint takes the seed's value and only the seed's side of that singularity is listed. Real-time
+// safe, bounded work.
 void inverse_all(const ArmGeometry& arm, const Pose& X_ST, const JointVector& seed,
                  InverseSolutions& out) noexcept;
 
@@ -60,8 +61,11 @@ enum class InverseStatus : std::uint8_t {
 
 // Solves X_ST on the branch of `seed`, each joint shifted by whole turns to lie nearest the seed, so
 // that small motions of X_ST give small motions of q; at an exact wrist singularity the seed's J4 is
-// kept, at a shoulder singularity the seed's J1. Joint ranges are not applied: the caller limits.
-// Real-time safe.
+// kept, at a shoulder singularity the seed's J1. Where both wrist branches are near (|J5| < 0.1 rad
+// before and after) or both shoulders are (wrist centre within 20 mm of the J1 axis), the one that
+// turns J4 or J1 by at most a quarter turn is taken, so that a path straight through the singularity
+// goes through. `q` is written only when the result is kOk. Joint ranges are not applied: the caller
+// limits. Real-time safe.
 InverseStatus inverse_near(const ArmGeometry& arm, const Pose& X_ST, const JointVector& seed,
                            JointVector& q) noexcept;
 
