@@ -1,0 +1,136 @@
+#include "server/scene/scene_io.h"
+
+#include <Eigen/LU>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+
+#include "server/base/units.h"
+#include "server/scene/scene_limits_io.h"
+#include "server/scene/text_io.h"
+#include "server/scene/tool_io.h"
+
+namespace handrail {
+namespace {
+
+using Problem = std::optional<FieldProblem>;
+
+constexpr int kPublishedSamples = 200;
+constexpr int kLowLagSamples = 105;
+constexpr double kRotationTolerance = 1e-6;
+
+Problem name_from(const pb::Scene& in, const std::string& path, Scene& out) {
+  out.name = in.name();
+  if (!is_scene_name(out.name)) {
+    return FieldProblem{"name",
+                        "'" + out.name + "', expected 1 to 47 letters, digits, '-' and '_'"};
+  }
+  const std::string stem = std::filesystem::path(path).stem().string();
+  if (out.name == stem) return std::nullopt;
+  return FieldProblem{"name", "'" + out.name + "' differs from the file's name '" + stem + "'"};
+}
+
+Problem mapping_from(const pb::Mapping& in, Scene::Mapping& out) {
+  out.scale = in.scale();
+  if (in.rotation_size() == 0) return std::nullopt;
+  for (int i = 0; i < 9; ++i) out.R_SM(i / 3, i % 3) = in.rotation(i);
+  const double error = (out.R_SM.transpose() * out.R_SM - Mat3::Identity()).cwiseAbs().maxCoeff();
+  if (error > kRotationTolerance) {
+    return FieldProblem{"mapping.rotation", "columns are off unit length or right angles by " +
+                                                number_text(std::round(error * 1e9) / 1e9)};
+  }
+  if (out.R_SM.determinant() < 0.0) {
+    return FieldProblem{"mapping.rotation", "determinant -1 mirrors, expected a rotation (+1)"};
+  }
+  // Rounded decimals become the rotation they were meant as.
+  if (error > 1e-12) out.R_SM = Quat(out.R_SM).normalized().toRotationMatrix();
+  return std::nullopt;
+}
+
+void guidance_from(const pb::Guidance& in, Scene::Guidance& out) {
+  out.published_method = in.method() == pb::Guidance::PUBLISHED;
+  out.delta = in.delta_mm() * kMm;
+  out.stiffness = in.stiffness_n_mm() * kNewtonPerMm;
+  out.damping = in.damping_n_s_mm() * kNewtonPerMm;
+  out.torque_stiffness = in.torque_stiffness_n_m_rad();
+  out.spring = in.spring_n_mm() * kNewtonPerMm;
+  out.catch_up = in.catch_up_mm_s() * kMm;
+  out.catch_up_rotation = in.catch_up_deg_s() * kDeg;
+}
+
+Problem smoother_from(const pb::Smoother& in, int& samples) {
+  const bool by_length = in.form() == pb::Smoother::LENGTH;
+  samples = by_length                            ? static_cast<int>(in.samples())
+            : in.form() == pb::Smoother::LOW_LAG ? kLowLagSamples
+                                                 : kPublishedSamples;
+  if (by_length || !in.has_samples() || static_cast<int>(in.samples()) == samples) {
+    return std::nullopt;
+  }
+  return FieldProblem{"smoother.samples", "only used with form: LENGTH"};
+}
+
+Problem bumper_from(const pb::Bumper& in, Scene::Bumper& out) {
+  out.enabled = in.enabled();
+  out.alpha = in.alpha_mm_n() * kMm;
+  out.threshold = in.threshold_n();
+  out.dead_band = in.dead_band_n();
+  if (out.dead_band < out.threshold) return std::nullopt;
+  const char* field = in.has_dead_band_n() ? "bumper.dead_band_n" : "bumper.threshold_n";
+  return FieldProblem{field, "dead band " + number_text(out.dead_band) +
+                                 " N is not below the threshold " + number_text(out.threshold) +
+                                 " N"};
+}
+
+Problem tools_from(const pb::Scene& in, std::vector<ToolCall>& out) {
+  bool position = false, orientation = false;
+  for (int i = 0; i < in.tool_size(); ++i) {
+    const std::string path = "tool[" + std::to_string(i) + "]";
+    ToolCall call;
+    if (Problem p = tool_call_from(in.tool(i), call)) {
+      p->path = path + "." + p->path;
+      return p;
+    }
+    bool& taken = is_position_tool(call.kind) ? position : orientation;
+    if (taken) {
+      return FieldProblem{path, std::string("a second ") +
+                                    (is_position_tool(call.kind) ? "position" : "orientation") +
+                                    " tool, at most one can be active"};
+    }
+    taken = true;
+    out.push_back(call);
+  }
+  return std::nullopt;
+}
+
+Problem scene_from(const pb::Scene& in, const std::string& path, Scene& out) {
+  if (Problem p = name_from(in, path, out)) return p;
+  out.description = in.description();
+  out.file = path;
+  if (Problem p = mapping_from(in.mapping(), out.mapping)) return p;
+  guidance_from(in.guidance(), out.guidance);
+  if (Problem p = smoother_from(in.smoother(), out.smoother_samples)) return p;
+  if (Problem p = bumper_from(in.bumper(), out.bumper)) return p;
+  if (Problem p = limits_from(in.limits(), out.limits)) return p;
+  out.tip_length = in.robot().tip_length_mm() * kMm;
+  return tools_from(in, out.tools);
+}
+
+}  // namespace
+
+Result<Scene> parse_scene(const std::string& path, std::string_view text, pb::Scene* raw) {
+  TextSource source;
+  pb::Scene message;
+  if (Status status = source.parse(path, text, message); !status) return status;
+  Scene scene;
+  if (const Problem problem = scene_from(message, path, scene)) return source.error_at(*problem);
+  if (raw != nullptr) *raw = message;
+  return scene;
+}
+
+Result<Scene> load_scene_file(const std::string& path, pb::Scene* raw) {
+  const Result<std::string> text = read_file(path, TextSource::kMaxBytes);
+  if (!text) return text.status();
+  return parse_scene(path, *text, raw);
+}
+
+}  // namespace handrail

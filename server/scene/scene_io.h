@@ -1,0 +1,25 @@
+// Reads and validates scene files.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "proto/scene.pb.h"
+#include "server/base/status.h"
+#include "server/scene/scene.h"
+
+namespace handrail {
+
+// Extension of scene files, with the dot.
+inline constexpr std::string_view kSceneExtension = ".scene";
+
+// Loads one file. Besides the ranges in scene.proto: the name is the file's stem, the rotation is
+// one, limits lie within Table 3.1, tools can be anchored and there is at most one of each sort.
+// Errors are one line with file, line, column, field, value and what was expected. With `raw` the
+// message as written is given too.
+Result<Scene> load_scene_file(const std::string& path, pb::Scene* raw = nullptr);
+
+// The same for text in memory, as if read from `path`.
+Result<Scene> parse_scene(const std::string& path, std::string_view text, pb::Scene* raw = nullptr);
+
+}  // namespace handrail

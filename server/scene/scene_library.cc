@@ -1,0 +1,76 @@
+#include "server/scene/scene_library.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <sstream>
+#include <string_view>
+#include <system_error>
+
+#include "server/scene/scene_io.h"
+
+namespace handrail {
+namespace {
+
+namespace fs = std::filesystem;
+
+void add_shipped_folders(std::vector<std::string>& folders) {
+  std::error_code error;
+  // In the tree this was built from, else beside an installed program.
+  if (fs::is_directory(HANDRAIL_SCENE_LIBRARY, error)) folders.push_back(HANDRAIL_SCENE_LIBRARY);
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  if (error) return;
+  const fs::path installed = program.parent_path().parent_path() / "share" / "handrail" / "scenes";
+  if (fs::is_directory(installed, error)) folders.push_back(installed.string());
+}
+
+}  // namespace
+
+SceneLibrary::SceneLibrary(const std::vector<std::string>& first_folders)
+    : folders_(first_folders) {
+  if (const char* path = std::getenv("HANDRAIL_SCENE_PATH"); path != nullptr) {
+    std::istringstream parts(path);
+    for (std::string folder; std::getline(parts, folder, ':');) {
+      if (!folder.empty()) folders_.push_back(folder);
+    }
+  }
+  add_shipped_folders(folders_);
+}
+
+Result<std::string> SceneLibrary::find(const std::string& name) const {
+  if (!is_scene_name(name)) {
+    return Status::error("scene '" + name.substr(0, 60) +
+                         "': expected 1 to 47 letters, digits, '-' and '_'");
+  }
+  std::string searched;
+  for (const std::string& folder : folders_) {
+    const fs::path file = fs::path(folder) / (name + std::string(kSceneExtension));
+    std::error_code error;
+    if (fs::exists(file, error)) return file.string();
+    searched += (searched.empty() ? "" : ", ") + folder;
+  }
+  return Status::error("scene '" + name + "' not found in " + searched);
+}
+
+Result<Scene> SceneLibrary::load(const std::string& name) const {
+  const Result<std::string> file = find(name);
+  if (!file) return file.status();
+  return load_scene_file(*file);
+}
+
+std::vector<SceneLibrary::Entry> SceneLibrary::list() const {
+  std::map<std::string, std::string> found;
+  for (const std::string& folder : folders_) {
+    std::error_code error;
+    for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+      if (it->path().extension() != kSceneExtension) continue;
+      found.emplace(it->path().stem().string(), it->path().string());
+    }
+  }
+  std::vector<Entry> out;
+  for (const auto& [name, file] : found) out.push_back({name, file});
+  return out;
+}
+
+}  // namespace handrail

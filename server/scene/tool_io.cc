@@ -1,0 +1,102 @@
+#include "server/scene/tool_io.h"
+
+#include "server/base/units.h"
+
+namespace handrail {
+namespace {
+
+using Numbers = google::protobuf::RepeatedField<double>;
+using Problem = std::optional<FieldProblem>;
+
+Vec3 vector_of(const Numbers& v) { return v.size() == 3 ? Vec3(v[0], v[1], v[2]) : Vec3::Zero(); }
+
+ToolKind kind_of(pb::Tool::Kind kind) {
+  switch (kind) {
+    case pb::Tool::POINT:
+      return ToolKind::kPoint;
+    case pb::Tool::LINE:
+      return ToolKind::kLine;
+    case pb::Tool::PLANE:
+      return ToolKind::kPlane;
+    case pb::Tool::N_ROTATION:
+      return ToolKind::kNRotation;
+    case pb::Tool::F_ROTATION:
+      return ToolKind::kFRotation;
+  }
+  return ToolKind::kNone;
+}
+
+// A value the kind would ignore is more likely a mistake than a wish.
+Problem check_meaning(const pb::Tool& t, ToolKind kind) {
+  const bool line = kind == ToolKind::kLine, plane = kind == ToolKind::kPlane;
+  const struct {
+    const char* field;
+    bool given;
+    bool meant;
+  } uses[] = {
+      {"at_mm", t.at_mm_size() > 0, is_position_tool(kind)},
+      {"direction", t.direction_size() > 0, line || plane},
+      {"normal", t.normal_size() > 0, plane},
+      {"axis", t.axis_size() > 0, kind == ToolKind::kFRotation},
+      {"end_mm", t.end_mm_size() > 0, line || plane},
+      {"one_way", t.one_way(), line || plane},
+      {"stiffness_n_mm", t.stiffness_n_mm() > 0.0, is_position_tool(kind)},
+  };
+  for (const auto& use : uses) {
+    if (!use.given || use.meant) continue;
+    return FieldProblem{use.field, "has no meaning for " + pb::Tool::Kind_Name(t.kind())};
+  }
+  return std::nullopt;
+}
+
+Problem check_given(const pb::Tool& t, ToolKind kind) {
+  if (kind == ToolKind::kLine && t.direction_size() == 0) {
+    return FieldProblem{"direction", "missing, but a LINE needs it"};
+  }
+  if (kind != ToolKind::kPlane) return std::nullopt;
+  if (t.normal_size() == 0) return FieldProblem{"normal", "missing, but a PLANE needs it"};
+  if (t.direction_size() != 0) return std::nullopt;
+  if (t.one_way()) return FieldProblem{"one_way", "needs a direction within the PLANE"};
+  if (t.end_mm_size() > 0) return FieldProblem{"end_mm", "needs a direction within the PLANE"};
+  return std::nullopt;
+}
+
+// Names the field behind what the call's own validator refused.
+FieldProblem blame(Reason reason, const ToolCall& call) {
+  if (reason == Reason::kToolEndBehindStart) return {"end_mm", describe(reason)};
+  if (reason != Reason::kToolDirectionZero) return {"kind", describe(reason)};
+  if (call.kind == ToolKind::kFRotation) return {"axis", describe(reason)};
+  if (call.kind != ToolKind::kPlane) return {"direction", describe(reason)};
+  if (call.normal_S.isZero(1e-9)) return {"normal", describe(reason)};
+  if (call.direction_S.isZero(1e-9)) return {"direction", describe(reason)};
+  return {"direction", "along the normal, expected one within the plane"};
+}
+
+}  // namespace
+
+Problem tool_call_from(const pb::Tool& tool, ToolCall& call) {
+  if (Problem p = check_fields(tool)) return p;
+  ToolCall out;
+  out.kind = kind_of(tool.kind());
+  if (Problem p = check_meaning(tool, out.kind)) return p;
+  if (Problem p = check_given(tool, out.kind)) return p;
+  out.at_present = tool.at_mm_size() == 0;
+  out.p_SA = vector_of(tool.at_mm()) * kMm;
+  out.direction_S = vector_of(tool.direction());
+  out.normal_S = vector_of(tool.normal());
+  out.has_axis = tool.axis_size() > 0;
+  out.axis_S = vector_of(tool.axis());
+  out.one_way = tool.one_way();
+  out.has_end = tool.end_mm_size() > 0;
+  out.p_SE = vector_of(tool.end_mm()) * kMm;
+  out.stiffness = tool.stiffness_n_mm() * kNewtonPerMm;
+  // A direction given as zero means nothing to `check`, but is never what was wanted.
+  const bool zero_direction = tool.direction_size() > 0 && out.direction_S.norm() < 1e-9;
+  if (zero_direction) return FieldProblem{"direction", describe(Reason::kToolDirectionZero)};
+  const Reason reason = check(out);
+  if (reason != Reason::kNone) return blame(reason, out);
+  call = out;
+  return std::nullopt;
+}
+
+}  // namespace handrail
