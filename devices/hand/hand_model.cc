@@ -1,0 +1,82 @@
+#include "devices/hand/hand_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace handrail {
+namespace {
+
+constexpr double kInnerStep = 0.25e-3;  // [s]
+constexpr double kSlow = 1e-3;          // below this the expected friction fades out [m/s]
+
+}  // namespace
+
+HandModel::HandModel(const HandOptions& options, const HeldBody& held) noexcept
+    : held_(held),
+      mass_(options.mass + held.mass),
+      stiffness_(options.stiffness),
+      damping_(2.0 * options.damping_ratio * std::sqrt(options.stiffness * options.mass)),
+      inertia_(options.rotation_inertia),
+      rotation_stiffness_(options.rotation_stiffness),
+      rotation_damping_(2.0 * options.rotation_damping_ratio *
+                        std::sqrt(options.rotation_stiffness * options.rotation_inertia)),
+      motion_(options.reaction),
+      wander_(options.seed, options.tremor_rms, options.drift_rms, options.drift_rotation_rms) {}
+
+void HandModel::step(double dt, const Wrench& f_H_M) noexcept {
+  const int steps = std::max(1, static_cast<int>(std::ceil(dt / kInnerStep - 1e-6)));
+  const double h = dt / steps;
+  for (int i = 0; i < steps; ++i) {
+    motion_.step(h);
+    translate(h, f_H_M.force);
+    rotate(h, f_H_M.torque);
+  }
+  wander_.step(dt);
+}
+
+void HandModel::translate(double h, const Vec3& force) noexcept {
+  const Vec3& r = motion_.position().p;
+  const Vec3& r_rate = motion_.position().v;
+  const Vec3 expected_friction = held_.friction / std::max(r_rate.norm(), kSlow) * r_rate;
+  const double resistance = mass_ + h * (damping_ + h * stiffness_);
+  const Vec3 push = force + stop_force() + expected_friction - stiffness_ * deviation_;
+  const Vec3 free_rate = (mass_ * deviation_rate_ + h * push) / resistance;
+
+  const Vec3 v_free = r_rate + free_rate;
+  const double speed = v_free.norm();
+  const double lost = h * held_.friction / resistance;
+  if (speed <= lost) {
+    v_ = Vec3::Zero();
+    deviation_rate_ = -r_rate;
+    deviation_ = x_ - r;
+    return;
+  }
+  v_ = (1.0 - lost / speed) * v_free;
+  deviation_rate_ = v_ - r_rate;
+  deviation_ += h * deviation_rate_;
+  x_ = r + deviation_;
+}
+
+void HandModel::rotate(double h, const Vec3& torque) noexcept {
+  const double resistance = inertia_ + h * (rotation_damping_ + h * rotation_stiffness_);
+  turn_rate_ = (inertia_ * turn_rate_ + h * (torque - rotation_stiffness_ * turn_)) / resistance;
+  turn_ += h * turn_rate_;
+}
+
+Vec3 HandModel::stop_force() const noexcept {
+  Vec3 f = Vec3::Zero();
+  for (int i = 0; i < 3; ++i) {
+    const double side = x_[i] < 0.0 ? -1.0 : 1.0;
+    const double depth = side * x_[i] - held_.stop_half[i];
+    if (depth <= 0.0) continue;
+    f[i] = -side * std::max(0.0, held_.stop_stiffness * depth + held_.stop_damping * side * v_[i]);
+  }
+  return f;
+}
+
+Pose HandModel::pose() const noexcept {
+  const Quat away = rotation_exp(turn_) * rotation_exp(wander_.rotation());
+  return {x_ + wander_.position(), (away * motion_.orientation()).normalized()};
+}
+
+}  // namespace handrail

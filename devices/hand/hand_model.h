@@ -1,0 +1,93 @@
+// A simulated hand around the stylus of a haptic device. Simulated: it stands in for a person where
+// there is none, and results obtained with it must be labelled so.
+#pragma once
+
+#include <cstdint>
+
+#include "devices/hand/hand_motion.h"
+#include "devices/hand/hand_wander.h"
+#include "devices/haptic_device.h"
+#include "server/base/spatial.h"
+
+namespace handrail {
+
+// The parameters of a simulated hand. All >= 0, masses and stiffnesses > 0.
+struct HandOptions {
+  std::uint64_t seed = 1;
+  // Translational impedance. Within the range published for a stylus grip (Fu and Cavusoglu 2012:
+  // third-order fits over nine subjects; 50 to 500 N/m).
+  double mass = 0.12;        // [kg]
+  double stiffness = 250.0;  // [N/m]
+  double damping_ratio = 0.7;
+  // Physiological tremor at the tip, root mean square over the three axes together, 8 to 12 Hz.
+  // Riviere et al. 1997: 49 um mean while holding an instrument still.
+  double tremor_rms = 0.05e-3;  // [m]
+  // Slow wander, root mean square over the three axes together. Fitted to published manual
+  // tele-operation results, not measured.
+  double drift_rms = 0.97e-3;          // [m]
+  double drift_rotation_rms = 0.0122;  // 0.7 deg [rad]
+  double reaction = 0.2;               // simple visual reaction, 180 to 250 ms [s]
+  // Rotational impedance, felt by devices with torque only. Our choice: a light precision grip.
+  double rotation_inertia = 2e-4;   // [kg m^2]
+  double rotation_stiffness = 1.0;  // [N m/rad]
+  double rotation_damping_ratio = 0.7;
+};
+
+// What the hand holds: a point mass with dry friction between soft stops.
+struct HeldBody {
+  double mass = 0.0;                     // [kg]
+  double friction = 0.0;                 // Coulomb, in any direction [N]
+  Vec3 stop_half = Vec3::Constant(1e3);  // the stops' distance from M's origin [m]
+  double stop_stiffness = 0.0;           // [N/m]
+  double stop_damping = 0.0;             // [N s/m]
+};
+
+// Hand and held body, moving as one. With r the intended position, e = x - r the deviation from it
+// and m the mass of both,
+//
+//   m e'' + b e' + k e = f_device + f_stop + (friction, less the friction the hand expects),
+//
+// so that without outside force the body follows the intent exactly: people learn the mass and the
+// friction of what they move (Shadmehr and Mussa-Ivaldi 1994). Tremor and drift add to the body's
+// motion at the fingertips, past the friction of the device's joints. Rotation deviates from the
+// intent by a spring-damper under the device's torque.
+//
+// Pure: fixed state, no allocation, no clock; the same seed and calls give the same bits.
+class HandModel final : public SteerableHand {
+ public:
+  explicit HandModel(const HandOptions& options, const HeldBody& held = {}) noexcept;
+
+  void steer(const HandIntent& intent) noexcept override { motion_.steer(intent); }
+  bool moving() const noexcept override { return motion_.moving(); }
+
+  // Advances by dt, 0 < dt <= 10 ms, under a constant finite wrench of the device on the hand,
+  // frame M. Inner steps of at most 0.25 ms, implicit in the hand's spring and damper, and friction
+  // by projection: a body at rest stays exactly at rest until pushed harder than friction.
+  void step(double dt, const Wrench& f_H_M) noexcept;
+
+  Pose pose() const noexcept;                                         // X_MH of the tip
+  Vec3 velocity() const noexcept { return v_ + wander_.velocity(); }  // of the tip, true [m/s]
+  std::uint32_t buttons() const noexcept { return motion_.buttons(); }
+  const HandMotion& motion() const noexcept { return motion_; }
+
+ private:
+  void translate(double h, const Vec3& force) noexcept;
+  void rotate(double h, const Vec3& torque) noexcept;
+  Vec3 stop_force() const noexcept;
+
+  HeldBody held_;
+  double mass_;                                   // hand and body [kg]
+  double stiffness_, damping_;                    // [N/m], [N s/m]
+  double inertia_;                                // [kg m^2]
+  double rotation_stiffness_, rotation_damping_;  // [N m/rad], [N m s/rad]
+  HandMotion motion_;
+  HandWander wander_;
+  Vec3 x_ = Vec3::Zero();               // the body [m]
+  Vec3 v_ = Vec3::Zero();               // [m/s]
+  Vec3 deviation_ = Vec3::Zero();       // of the body from the intent [m]
+  Vec3 deviation_rate_ = Vec3::Zero();  // [m/s]
+  Vec3 turn_ = Vec3::Zero();            // rotation away from the intent, frame M [rad]
+  Vec3 turn_rate_ = Vec3::Zero();       // [rad/s]
+};
+
+}  // namespace handrail

@@ -1,0 +1,41 @@
+// Data of the SensAble Phantom Omni (now 3D Systems Touch), from its data sheet unless said
+// otherwise.
+#pragma once
+
+#include "devices/haptic_device.h"
+#include "server/base/spatial.h"
+
+namespace handrail {
+
+inline constexpr double kOmniPeakForce = 3.3;         // [N]
+inline constexpr double kOmniContinuousForce = 0.88;  // [N]
+inline constexpr double kOmniFriction = 0.26;         // back-drive friction at the tip [N]
+inline constexpr double kOmniMass = 0.045;            // apparent, at the tip [kg]
+inline constexpr double kOmniResolution = 0.055e-3;   // [m]
+// Highest stiffness CHAI3D renders on this device [N/m].
+inline constexpr double kOmniStiffness = 700.0;
+// The torque variant does not exist as a product; our choice, between a fingertip's comfort and
+// what larger devices of the family give [N m].
+inline constexpr double kOmniTorque = 0.2;
+
+// Half of the nominal 160 x 120 x 70 mm [m].
+inline Vec3 omni_workspace_half() { return {0.080, 0.060, 0.035}; }
+
+// What the device can do; with `torque`, the variant that turns the stylus too.
+inline HapticCapabilities omni_capabilities(bool torque) {
+  HapticCapabilities c;
+  c.name = torque ? "Phantom Omni with torque (simulated)" : "Phantom Omni (simulated)";
+  c.simulated = true;
+  c.senses_rotation = true;
+  c.actuates_torque = torque;
+  c.max_force = kOmniPeakForce;
+  c.continuous_force = kOmniContinuousForce;
+  c.max_torque = torque ? kOmniTorque : 0.0;
+  c.max_stiffness = kOmniStiffness;
+  c.position_resolution = kOmniResolution;
+  c.workspace_half = omni_workspace_half();
+  c.buttons = 2;
+  return c;
+}
+
+}  // namespace handrail

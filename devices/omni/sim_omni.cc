@@ -1,0 +1,92 @@
+#include "devices/omni/sim_omni.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace handrail {
+namespace {
+
+constexpr double kStopMargin = 0.010;     // beyond the nominal work space [m]
+constexpr double kStopStiffness = 10e3;   // [N/m]; keeps an arm's push within a few mm
+constexpr double kStopDamping = 20.0;     // [N s/m]
+constexpr double kVelocityCutoff = 30.0;  // of the velocity's low-pass, our choice [Hz]
+constexpr Nanos kLongestAdvance = kSecond;
+
+HeldBody omni_body() noexcept {
+  HeldBody body;
+  body.mass = kOmniMass;
+  body.friction = kOmniFriction;
+  body.stop_half = omni_workspace_half() + Vec3::Constant(kStopMargin);
+  body.stop_stiffness = kStopStiffness;
+  body.stop_damping = kStopDamping;
+  return body;
+}
+
+Vec3 limited(const Vec3& v, double limit) noexcept {
+  const double size = v.stableNorm();
+  return size > limit ? Vec3(v * (limit / size)) : v;
+}
+
+Vec3 quantised(const Vec3& p) noexcept {
+  return kOmniResolution * (p / kOmniResolution).array().round().matrix();
+}
+
+}  // namespace
+
+SimOmni::SimOmni(const HandOptions& hand, bool torque) noexcept
+    : capabilities_(omni_capabilities(torque)), hand_(hand, omni_body()) {}
+
+Status SimOmni::open() {
+  open_ = true;
+  started_ = false;
+  wrench_ = Wrench{};
+  return Status::ok();
+}
+
+HapticSample SimOmni::read(Nanos now) noexcept {
+  if (!open_) return {};
+  if (!started_) {
+    started_ = true;
+    last_ = now;
+    sample_.X_MH = hand_.pose();
+    sample_.X_MH.p = quantised(sample_.X_MH.p);
+    sample_.v_MH = Vec3::Zero();
+    sample_.buttons = hand_.buttons();
+    sample_.valid = true;
+    return sample_;
+  }
+  if (now <= last_) return sample_;
+  Nanos left = std::min(now - last_, kLongestAdvance);
+  last_ = now;
+  while (left > 0) {
+    const Nanos part = std::min(left, kMillisecond);
+    hand_.step(to_seconds(part), wrench_);
+    observe(to_seconds(part));
+    left -= part;
+  }
+  return sample_;
+}
+
+void SimOmni::observe(double dt) noexcept {
+  Pose pose = hand_.pose();
+  pose.p = quantised(pose.p);
+  const double follow = -std::expm1(-2.0 * std::numbers::pi * kVelocityCutoff * dt);
+  sample_.v_MH += follow * ((pose.p - sample_.X_MH.p) / dt - sample_.v_MH);
+  sample_.X_MH = pose;
+  sample_.buttons = hand_.buttons();
+}
+
+void SimOmni::write(const Wrench& f_H_M) noexcept {
+  wrench_ = Wrench{};
+  if (!open_ || !is_finite(f_H_M)) return;
+  wrench_.force = limited(f_H_M.force, capabilities_.max_force);
+  wrench_.torque = limited(f_H_M.torque, capabilities_.max_torque);
+}
+
+void SimOmni::close() noexcept {
+  wrench_ = Wrench{};
+  open_ = false;
+}
+
+}  // namespace handrail

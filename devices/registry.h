@@ -1,0 +1,26 @@
+// The haptic devices a configuration can name.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "devices/hand/hand_model.h"
+#include "devices/haptic_device.h"
+#include "server/base/status.h"
+
+namespace handrail {
+
+enum class HapticDeviceKind : std::uint8_t { kSimOmni, kSimOmniTorque, kRecorded, kCount };
+
+struct HapticDeviceOptions {
+  HapticDeviceKind kind = HapticDeviceKind::kSimOmni;
+  HandOptions hand;            // simulated devices
+  std::string recording_path;  // kRecorded: a CSV file, see load_recorded_motion
+};
+
+// The device `options` ask for, not yet open. The error names the option or the file's line, the
+// value and what was expected. May block and allocate.
+Result<std::unique_ptr<HapticDevice>> make_haptic_device(const HapticDeviceOptions& options);
+
+}  // namespace handrail
