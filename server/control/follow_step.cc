@@ -1,0 +1,161 @@
+#include "server/control/follow_step.h"
+
+#include <algorithm>
+
+#include "server/control/guard.h"
+
+namespace handrail {
+namespace {
+
+// The first command must stand on the held pose. The master copies it from our own state, so a
+// larger difference means that it has not heard us yet, or does not mean this arm.
+constexpr double kAlignDistance = 1e-6;  // [m]
+constexpr double kAlignAngle = 1e-6;     // [rad]
+// One bad reading costs nothing, a third in a row is a sensor not to be worked with.
+constexpr int kInvalidWrenches = 3;
+
+bool valid_command(const MasterState& master) {
+  return master.has_command && is_finite(master.X_SU) && is_unit(master.X_SU.q);
+}
+
+bool aligned(const MasterState& master, const MotionState& motion) {
+  return valid_command(master) && standing(motion) &&
+         (master.X_SU.p - motion.X_ST.p).norm() < kAlignDistance &&
+         angle_between(master.X_SU.q, motion.X_ST.q) < kAlignAngle;
+}
+
+// True when the operator has reset whatever fault is latched.
+bool released(const FollowState& s, const MasterState& master) {
+  if (s.fault == Reason::kStopRequested && master.stop_epoch == s.stop_epoch) {
+    return master.released_epoch == master.stop_epoch;
+  }
+  return master.fault_reset == s.fault_epoch;
+}
+
+void advance_session(const FollowInput& in, FollowState& s, Reason sensor_fault) {
+  SlaveSessionInput session;
+  session.link = rung_of(in.master_known, in.master_age);
+  session.new_session = in.new_session;
+  session.robot_ready = in.robot_ready && s.placed;
+  session.fault = in.fault != Reason::kNone ? in.fault : sensor_fault;
+  session.shutdown = in.shutdown;
+  if (in.master_known) {
+    session.desired = in.master.desired;
+    session.master = in.master.state;
+    session.aligned = aligned(in.master, s.motion);
+    session.stop_latched = in.master.stop_epoch != in.master.released_epoch;
+    session.fault_released = s.session == SessionState::kFault && released(s, in.master);
+    if (session.stop_latched) s.stop_epoch = in.master.stop_epoch;
+    s.position_tool_epoch = in.master.position_tool.epoch;
+    s.orientation_tool_epoch = in.master.orientation_tool.epoch;
+  }
+  const SessionState before = s.session;
+  const SessionStep next = next_slave(before, session);
+  s.session = next.state;
+  const bool still_faulty = next.state == SessionState::kFault && before == SessionState::kFault;
+  // The first cause stays until reset, unless the operator's stop comes on top.
+  if (!still_faulty || (next.reason == Reason::kStopRequested && s.fault != next.reason)) {
+    s.session_reason = next.reason;
+    if (next.state == SessionState::kFault) {
+      s.fault = next.reason;
+      ++s.fault_epoch;
+    }
+  }
+  if (next.state != SessionState::kFault) s.fault = Reason::kNone;
+}
+
+// Between fresh and hold the approach slows to nothing.
+double share_of_speed(Nanos age) {
+  const double over = to_seconds(age - 5 * kMillisecond) / 0.015;
+  return std::clamp(1.0 - over, 0.0, 1.0);
+}
+
+// Takes over a valid reading; says what is wrong with an invalid one.
+Reason read_force(const FollowSettings& settings, const FollowInput& in, FollowState& s) {
+  const bool usable = in.wrench_valid && is_finite(in.f_E_T) &&
+                      in.f_E_T.force.cwiseAbs().maxCoeff() <= settings.sensor_range;
+  if (usable) {
+    s.invalid_wrenches = 0;
+    s.f_E_S = s.motion.X_ST.q * in.f_E_T.force;
+    return Reason::kNone;
+  }
+  s.invalid_wrenches = std::min(s.invalid_wrenches + 1, kInvalidWrenches);
+  if (s.invalid_wrenches < kInvalidWrenches) return Reason::kNone;  // the last reading stands
+  s.f_E_S.setZero();
+  return in.wrench_valid ? Reason::kSensorInvalid : Reason::kSensorMissing;
+}
+
+// Moves toward the newest command; returns what intervened.
+Reason follow(const FollowSettings& settings, const FollowInput& in, FollowState& s) {
+  if (!valid_command(in.master)) {
+    brake(settings.motion, s.motion);
+    return Reason::kCommandInvalid;
+  }
+  s.oldest_applied = std::max(s.oldest_applied, in.master_age);
+  const Bumped bumped = bump(settings.bumper, in.master.X_SU.p, s.f_E_S, s.motion.X_ST.p);
+  const Reason limit = move_toward(settings.motion, {bumped.p_SB, in.master.X_SU.q},
+                                   share_of_speed(in.master_age), s.motion);
+  return bumped.acting ? Reason::kBumper : limit;
+}
+
+}  // namespace
+
+void place(const FollowSettings& settings, const JointVector& q, FollowState& state) noexcept {
+  state.motion = standing_at(settings.motion.arm, q);
+  state.placed = true;
+}
+
+void follow_step(const FollowSettings& settings, const FollowInput& in, FollowState& s,
+                 FollowOutput& out) noexcept {
+  ++s.cycles;
+  const Reason sensor = read_force(settings, in, s);
+  advance_session(in, s, settings.sensor_required && follows(s.session) ? sensor : Reason::kNone);
+
+  Reason intervention = Reason::kNone;
+  if (s.placed) {
+    const MotionState before = s.motion;
+    if (follows(s.session)) {
+      intervention = follow(settings, in, s);
+    } else {
+      brake(settings.motion, s.motion);
+    }
+    const Guarded safe =
+        guard(settings.motion.limits, before.q, before.step, s.motion.q, settings.motion.dt);
+    if (safe.reason != Reason::kNone) {
+      s.motion.q = safe.q;
+      s.motion.step = safe.q - before.q;
+      s.motion.X_ST = forward(settings.motion.arm, safe.q);
+      s.motion.tip_step = {s.motion.X_ST.p - before.X_ST.p,
+                           rotation_log(s.motion.X_ST.q * before.X_ST.q.conjugate())};
+      intervention = safe.reason;
+    }
+    out.q_target = s.motion.q;
+  } else {
+    out.q_target = in.q_measured;
+  }
+
+  SlaveState& link = out.link;
+  link.state = s.session;
+  link.fault = s.fault;
+  link.reason = s.session == SessionState::kFault   ? s.fault
+                : s.session_reason != Reason::kNone ? s.session_reason
+                : intervention != Reason::kNone     ? intervention
+                                                    : sensor;
+  link.X_ST_command = s.motion.X_ST;
+  link.X_ST = forward(settings.motion.arm, in.q_measured);
+  link.has_pose = s.placed && in.robot_ready && is_finite(link.X_ST);
+  link.q_measured = in.q_measured;
+  link.f_E_S = {s.f_E_S, Vec3(s.motion.X_ST.q * in.f_E_T.torque)};
+  link.has_wrench = s.invalid_wrenches == 0;
+  if (!link.has_wrench) link.f_E_S.torque.setZero();
+  link.stop_epoch = s.stop_epoch;
+  link.fault_epoch = s.fault_epoch;
+  link.position_tool_epoch = s.position_tool_epoch;
+  link.orientation_tool_epoch = s.orientation_tool_epoch;
+  link.oldest_applied = s.oldest_applied;
+  link.cycles = s.cycles;
+  link.hashes = settings.hashes;
+  link.scene = settings.scene;
+}
+
+}  // namespace handrail

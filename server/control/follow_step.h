@@ -1,0 +1,63 @@
+// One cycle of the slave: the controller's reply and the master's newest command in, joint target
+// and state out.
+#pragma once
+
+#include "server/base/link_state.h"
+#include "server/control/bumper.h"
+#include "server/control/session.h"
+#include "server/control/tip_motion.h"
+
+namespace handrail {
+
+// Everything a cycle needs to know beforehand. Constant while a scene is loaded.
+struct FollowSettings {
+  MotionSettings motion;
+  BumperSettings bumper;
+  double sensor_range = 1000.0;  // a larger component is a fault of the sensor [N]
+  bool sensor_required = false;  // true: without valid readings the arm holds
+  SectionHashes hashes;          // of mapping, limits and robot
+  SceneName scene{};
+};
+
+struct FollowInput {
+  JointVector q_measured = JointVector::Zero();  // [rad]
+  bool robot_ready = false;
+  MasterState master;  // newest from the link; meaningful when master_known
+  bool master_known = false;
+  Nanos master_age = kForever;   // since that datagram came [ns]
+  bool new_session = false;      // the master is another one than in the last cycle
+  Wrench f_E_T;                  // sensor reading, axes of the tip frame
+  bool wrench_valid = false;     // fresh and without a fault flag
+  Reason fault = Reason::kNone;  // a fault of robot or daemon, now
+  bool shutdown = false;         // come to a stop, take no more commands
+};
+
+struct FollowOutput {
+  JointVector q_target = JointVector::Zero();  // [rad], through the guard
+  SlaveState link;                             // for the master
+};
+
+struct FollowState {
+  SessionState session = SessionState::kOff;
+  Reason session_reason = Reason::kNotEngaged;
+  Reason fault = Reason::kNone;
+  MotionState motion;
+  bool placed = false;  // motion stands on a pose the controller confirmed
+  std::uint32_t stop_epoch = 0;
+  std::uint32_t fault_epoch = 0;
+  int invalid_wrenches = 0;   // in a row
+  Vec3 f_E_S = Vec3::Zero();  // last valid force [N]
+  Nanos oldest_applied = 0;
+  std::uint64_t cycles = 0;
+  std::uint32_t position_tool_epoch = 0;
+  std::uint32_t orientation_tool_epoch = 0;
+};
+
+// Places the commands where the controller holds the arm; until then nothing is followed.
+void place(const FollowSettings& settings, const JointVector& q, FollowState& state) noexcept;
+
+// Pure and bounded: no clock, lock, log or allocation. Before `place` the target is q_measured.
+void follow_step(const FollowSettings& settings, const FollowInput& in, FollowState& state,
+                 FollowOutput& out) noexcept;
+
+}  // namespace handrail
