@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string_view>
 
 #include "server/base/joints.h"
 #include "server/base/reason.h"
@@ -39,6 +40,10 @@ struct SectionHashes {
 
 // Scene name, fixed capacity so that a state can be copied in a step. UTF-8, zero-terminated.
 using SceneName = std::array<char, 48>;
+// `name`, cut to what fits.
+SceneName scene_name(std::string_view name) noexcept;
+// The text in `name`, up to its first zero.
+std::string_view text_of(const SceneName& name) noexcept;
 
 // Master to slave.
 struct MasterState {

@@ -1,0 +1,38 @@
+#include "server/master/haptic_settings.h"
+
+namespace handrail {
+
+HapticSettings haptic_settings(const Scene& scene, const HapticCapabilities& device) {
+  HapticSettings out;
+  out.mapping.scale = scene.mapping.scale;
+  out.mapping.R_SM = scene.mapping.R_SM;
+  out.guide.method =
+      scene.guidance.published_method ? GuidanceMethod::kPublished : GuidanceMethod::kExact;
+  out.guide.delta = scene.guidance.delta * scene.mapping.scale;
+  out.guide.stiffness = scene.guidance.stiffness;
+  out.guide.torque_stiffness = scene.guidance.torque_stiffness;
+  out.guide.catch_up = scene.guidance.catch_up;
+  out.guide.catch_up_rotation = scene.guidance.catch_up_rotation;
+  out.guide.smoother_length = scene.smoother_samples;
+  out.damping = scene.guidance.damping;
+  out.spring_stiffness = scene.guidance.spring;
+  out.force.peak = device.max_force;
+  out.force.continuous = device.continuous_force;
+  out.has_torque = device.actuates_torque;
+  out.max_torque = device.max_torque;
+  out.hashes = section_hashes(scene);
+  out.scene = scene_name(scene.name);
+  return out;
+}
+
+HandReading hand_reading(const HapticSample& sample) noexcept {
+  HandReading out;
+  out.X_MH = sample.X_MH;
+  out.v_MH = sample.v_MH;
+  out.clutch_button = (sample.buttons & 1u) != 0;
+  out.drop_button = (sample.buttons & 2u) != 0;
+  out.valid = sample.valid;
+  return out;
+}
+
+}  // namespace handrail

@@ -1,0 +1,15 @@
+// What a scene and a device mean for the master's step.
+#pragma once
+
+#include "devices/haptic_device.h"
+#include "server/control/haptic_step.h"
+#include "server/scene/scene.h"
+
+namespace handrail {
+
+HapticSettings haptic_settings(const Scene& scene, const HapticCapabilities& device);
+
+// The device's reading as the step takes it.
+HandReading hand_reading(const HapticSample& sample) noexcept;
+
+}  // namespace handrail

@@ -1,0 +1,23 @@
+#include "server/slave/follow_settings.h"
+
+namespace handrail {
+
+FollowSettings follow_settings(const Scene& scene, Nanos period, bool has_sensor,
+                               double sensor_range) {
+  FollowSettings out;
+  out.motion.arm.d6 = scene.tip_length;
+  out.motion.limits = scene.limits.joints;
+  out.motion.tip_speed = scene.limits.tip_speed;
+  out.motion.dt = to_seconds(period);
+  out.bumper.enabled = scene.bumper.enabled;
+  out.bumper.alpha = scene.bumper.alpha;
+  out.bumper.threshold = scene.bumper.threshold;
+  out.bumper.dead_band = scene.bumper.dead_band;
+  out.sensor_range = sensor_range;
+  out.sensor_required = has_sensor && scene.bumper.enabled;
+  out.hashes = section_hashes(scene);
+  out.scene = scene_name(scene.name);
+  return out;
+}
+
+}  // namespace handrail
