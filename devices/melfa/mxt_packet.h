@@ -85,13 +85,13 @@ std::span<const std::uint8_t> encode_mxt(const MxtPacket& packet, std::size_t si
                                          std::span<std::uint8_t, kMxtLong> out) noexcept;
 
 // Reads what the PC sends. Not finite: one of six values of a joint or pose command is NaN or
-// infinite. The command code is left for the receiver to judge. `out` is meaningful only with kOk.
-// Real-time safe.
+// infinite. The command code is left for the receiver to judge. `out` is filled with kOk and
+// kNotFinite. Real-time safe.
 MxtParse decode_mxt_request(std::span<const std::uint8_t> bytes, MxtPacket& out) noexcept;
 
-// Reads what the controller sends. The controller writes the first block's type in two places; one
-// may be zero, but they must not contradict each other. Finite: the first six values of every joint
-// or pose block. Real-time safe.
+// Reads what the controller sends. It writes the first block's type in two places; one may be zero,
+// but they must not contradict each other. Finite: the first six values of every joint or pose
+// block. `out` is meaningful only with kOk. Real-time safe.
 MxtParse decode_mxt_reply(std::span<const std::uint8_t> bytes, MxtPacket& out) noexcept;
 
 }  // namespace handrail

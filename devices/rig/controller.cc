@@ -1,0 +1,164 @@
+#include "devices/rig/controller.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "devices/rig/mxt_monitor.h"
+#include "server/kinematics/rv2a.h"
+
+namespace handrail {
+namespace {
+
+constexpr double kStepTolerance = 1.01;   // a step may exceed the joint's top speed by 1 %
+constexpr double kRangeTolerance = 1e-6;  // a range's end survives the float32 of the wire [rad]
+
+}  // namespace
+
+const char* describe(AlarmKind kind) noexcept {
+  switch (kind) {
+    case AlarmKind::kNone:
+      return "none";
+    case AlarmKind::kJointRange:
+      return "target outside the joint's range";
+    case AlarmKind::kOverSpeed:
+      return "target further away than the joint gets in one cycle";
+    case AlarmKind::kNotFinite:
+      return "NaN or infinity in a command";
+    case AlarmKind::kWrongMode:
+      return "a command that is not a joint command";
+    case AlarmKind::kTimeOut:
+      return "no packet for as long as the time-out allows";
+  }
+  return "?";
+}
+
+Controller::Controller(const ControllerOptions& options) noexcept
+    : options_(options), arm_(options.arm), switch_(options.drop_seed, options.drop_share) {}
+
+void Controller::on_datagram(std::span<const std::uint8_t> bytes, PeerId from) noexcept {
+  if (!switch_.passes()) return;
+  if (incoming_count_ == kMaxPerCycle) {
+    ++counters_.ignored;
+    return;
+  }
+  Incoming& in = incoming_[incoming_count_];
+  in.from = from;
+  in.size = bytes.size();
+  in.parse = decode_mxt_request(bytes, in.packet);
+  if (in.parse == MxtParse::kOk || in.parse == MxtParse::kNotFinite) {
+    ++incoming_count_;
+  } else {
+    ++counters_.ignored;
+  }
+}
+
+void Controller::tick(Nanos now) noexcept {
+  ++counters_.cycles;
+  arm_.advance(to_seconds(now - last_tick_.value_or(now)));
+  last_tick_ = now;
+  outgoing_count_ = 0;
+  serve_all();
+  incoming_count_ = 0;
+  if (session_ && options_.time_out_cycles >= 0 &&
+      t_count_ >= std::max(options_.time_out_cycles, 1)) {
+    raise(AlarmKind::kTimeOut, 0, t_count_);
+  }
+}
+
+void Controller::serve_all() noexcept {
+  std::array<bool, kMaxPerCycle> answer{};
+  bool heard = false;
+  next_target_.reset();
+  for (std::size_t i = 0; i < incoming_count_; ++i) {
+    const std::uint64_t packets_before = counters_.packets;
+    answer[i] = serve(incoming_[i]);
+    heard = heard || counters_.packets > packets_before;
+  }
+  if (alarm_.kind != AlarmKind::kNone) return;
+  if (next_target_ && !accept_target(*next_target_)) return;
+  for (std::size_t i = 0; i < incoming_count_; ++i) {
+    if (answer[i]) reply(incoming_[i]);
+  }
+  if (!session_ || heard) {
+    t_count_ = 0;
+  } else if (t_count_ < std::numeric_limits<std::uint16_t>::max()) {
+    ++t_count_;
+  }
+}
+
+// True when the packet deserves an answer.
+bool Controller::serve(const Incoming& in) noexcept {
+  const bool opens = in.packet.command == MxtCommand::kNull && in.parse == MxtParse::kOk;
+  if (alarm_.kind != AlarmKind::kNone || (!opens && in.from != session_)) {
+    ++counters_.ignored;
+    return false;
+  }
+  switch (in.packet.command) {
+    case MxtCommand::kNull:
+      if (!opens) break;
+      if (session_ != in.from) t_count_ = 0;
+      session_ = in.from;
+      ++counters_.packets;
+      return true;
+    case MxtCommand::kMove:
+      ++counters_.packets;
+      if (in.packet.send_type != MxtType::kJoint) {
+        raise(AlarmKind::kWrongMode, 0, static_cast<double>(in.packet.send_type));
+      } else if (in.parse == MxtParse::kNotFinite) {
+        raise(AlarmKind::kNotFinite, 0, 0.0);
+      } else {
+        next_target_ = in.packet.block[0].joints();
+      }
+      return true;
+    case MxtCommand::kEnd:
+      ++counters_.packets;
+      session_.reset();
+      return false;
+  }
+  ++counters_.ignored;
+  return false;
+}
+
+bool Controller::accept_target(const JointVector& q) noexcept {
+  const JointLimits& limits = rv2a_limits();
+  const double cycle = to_seconds(options_.period);
+  for (int i = 0; i < kJoints; ++i) {
+    const double step = q[i] - arm_.target()[i];
+    if (q[i] < limits.lower[i] - kRangeTolerance || q[i] > limits.upper[i] + kRangeTolerance) {
+      raise(AlarmKind::kJointRange, i + 1, q[i]);
+    } else if (std::abs(step) > limits.max_speed[i] * cycle * kStepTolerance) {
+      raise(AlarmKind::kOverSpeed, i + 1, step);
+    }
+    if (alarm_.kind != AlarmKind::kNone) return false;
+  }
+  arm_.command(q);
+  return true;
+}
+
+void Controller::raise(AlarmKind kind, int joint, double value) noexcept {
+  alarm_ = {kind, joint, value};
+  session_.reset();
+  t_count_ = 0;
+}
+
+void Controller::reply(const Incoming& in) noexcept {
+  if (!switch_.passes()) return;
+  MxtPacket packet;
+  packet.command = in.packet.command;
+  packet.send_type = in.packet.type[0];
+  packet.type = in.packet.type;
+  for (std::size_t b = 0; b < packet.block.size(); ++b) {
+    packet.block[b] = monitor_block(packet.type[b], arm_);
+  }
+  packet.io.send_type = in.packet.io.recv_type;
+  packet.io.bit_top = in.packet.io.bit_top;
+  packet.t_count = t_count_;
+  packet.c_count = in.packet.c_count;
+  Outgoing& out = outgoing_[outgoing_count_++];
+  out.to = in.from;
+  out.size = encode_mxt(packet, in.size, out.buffer).size();
+  ++counters_.replies;
+}
+
+}  // namespace handrail

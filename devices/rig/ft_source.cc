@@ -1,0 +1,76 @@
+#include "devices/rig/ft_source.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace handrail {
+namespace {
+
+// The share of an axis that its range lets through; `saturated` is set when that is not all of it.
+double clip(double value, double range, bool& saturated) {
+  if (std::abs(value) <= range) return value;
+  saturated = true;
+  return std::isnan(value) ? range : std::copysign(range, value);
+}
+
+std::int32_t to_counts(double value, double counts_per_unit) {
+  using Limits = std::numeric_limits<std::int32_t>;
+  const double counts = std::round(value * counts_per_unit);
+  return static_cast<std::int32_t>(
+      std::clamp(counts, double{Limits::min()}, double{Limits::max()}));
+}
+
+}  // namespace
+
+FtSource::FtSource(const FtSourceOptions& options) noexcept
+    : options_(options),
+      random_(options.seed),
+      switch_(options.seed + 0x5e4507, options.drop_share) {}
+
+void FtSource::on_datagram(std::span<const std::uint8_t> bytes, PeerId from) noexcept {
+  if (!switch_.passes()) return;
+  const std::optional<RdtRequest> request = decode_rdt_request(bytes);
+  if (!request) {
+    ++ignored_;
+    return;
+  }
+  switch (request->command) {
+    case RdtCommand::kStream:
+      listener_ = from;
+      samples_left_ = request->samples;
+      rdt_sequence_ = 0;
+      break;
+    case RdtCommand::kStop:
+      listener_.reset();
+      break;
+    case RdtCommand::kBias:
+      if (is_finite(wrench_)) bias_ = wrench_;
+      break;
+  }
+}
+
+void FtSource::tick() noexcept {
+  outgoing_.reset();
+  ++ft_sequence_;
+  RdtRecord record;
+  bool saturated = false;
+  for (int i = 0; i < 3; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const double force = wrench_.force[i] + options_.noise_n * random_.normal();
+    const double torque = wrench_.torque[i] + options_.noise_n_m * random_.normal();
+    record.counts[at] =
+        to_counts(clip(force, options_.range_n, saturated) - bias_.force[i], options_.counts_per_n);
+    record.counts[at + 3] = to_counts(clip(torque, options_.range_n_m, saturated) - bias_.torque[i],
+                                      options_.counts_per_n_m);
+  }
+  if (!listener_) return;
+  record.rdt_sequence = ++rdt_sequence_;
+  record.ft_sequence = ft_sequence_;
+  record.status = saturated ? kFtSaturated : 0;
+  const PeerId to = *listener_;
+  if (samples_left_ > 0 && --samples_left_ == 0) listener_.reset();
+  if (switch_.passes()) outgoing_ = Outgoing{to, encode_rdt(record)};
+}
+
+}  // namespace handrail

@@ -1,0 +1,67 @@
+// handrail-rig: a simulated controller, arm and force sensor that speak the real wire protocols.
+#include <cstdio>
+#include <string>
+
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include "devices/rig/rig_options_io.h"
+#include "devices/rig/rig_server.h"
+#include "proto/config.pb.h"
+#include "server/base/daemon_args.h"
+#include "server/scene/config_io.h"
+
+namespace {
+
+constexpr int kBadInput = 2;
+
+const char kWhat[] =
+    "A simulated laboratory: an RV-2A behind a CR1-571 that speaks real-time external control, and "
+    "a\n"
+    "force/torque sensor that streams RDT. An alarm silences the controller; SIGUSR1 resets it.";
+
+int fail(const std::string& message) {
+  std::fprintf(stderr, "handrail-rig: %s\n", message.c_str());
+  return kBadInput;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const auto args = handrail::parse_daemon_args(argc, argv);
+  if (!args) return fail(args.message());
+  if (args->help) {
+    std::fputs(handrail::daemon_help("handrail-rig", kWhat).c_str(), stdout);
+    return 0;
+  }
+  if (args->version) {
+    std::puts("handrail-rig " HANDRAIL_VERSION);
+    return 0;
+  }
+  handrail::pb::RigConfig config;
+  if (!args->config_path.empty()) {
+    const auto loaded = handrail::load_rig_config(args->config_path);
+    if (!loaded) return fail(loaded.message());
+    config = *loaded;
+  }
+  const auto options = handrail::rig_options(config);
+  if (!options) {
+    return fail((args->config_path.empty() ? "" : args->config_path + ": ") + options.message());
+  }
+  if (args->check) {
+    std::puts("configuration ok");
+    return 0;
+  }
+  // Standard output carries only the READY line.
+  spdlog::set_default_logger(spdlog::stderr_color_mt("handrail-rig"));
+  handrail::RigServer server(*options);
+  const auto port = [](std::uint32_t value) { return static_cast<std::uint16_t>(value); };
+  const handrail::Status opened =
+      server.open(config.address(), port(config.robot_port()), port(config.sensor_port()));
+  if (!opened) return fail(opened.message());
+  server.handle_signals();
+  std::printf("READY robot_port=%d sensor_port=%d\n", server.robot_port(), server.sensor_port());
+  std::fflush(stdout);
+  server.run();
+  return 0;
+}

@@ -1,0 +1,186 @@
+#include "devices/rig/rig_server.h"
+
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include <spdlog/spdlog.h>
+#include <boost/asio.hpp>
+
+#include "server/base/clock.h"
+#include "server/base/units.h"
+
+namespace handrail {
+
+namespace asio = boost::asio;
+using asio::ip::udp;
+
+namespace {
+
+// An IPv4 endpoint in one number and back.
+PeerId id_of(const udp::endpoint& peer) {
+  return (PeerId{peer.address().to_v4().to_uint()} << 16) | peer.port();
+}
+udp::endpoint endpoint_of(PeerId id) {
+  return {asio::ip::address_v4(static_cast<std::uint32_t>(id >> 16)),
+          static_cast<std::uint16_t>(id)};
+}
+
+void log_alarm(const Alarm& alarm) {
+  if (alarm.kind == AlarmKind::kNone) {
+    spdlog::info("alarm reset");
+  } else if (alarm.joint > 0) {
+    spdlog::warn("alarm: J{} {:.4f} deg: {}; silent until reset", alarm.joint, alarm.value / kDeg,
+                 describe(alarm.kind));
+  } else {
+    spdlog::warn("alarm: {} ({}); silent until reset", describe(alarm.kind), alarm.value);
+  }
+}
+
+}  // namespace
+
+struct RigServer::Impl {
+  // One bound socket and the datagram being received on it.
+  struct Port {
+    udp::socket socket;
+    udp::endpoint from;
+    std::array<std::uint8_t, 512> buffer{};
+  };
+
+  explicit Impl(const RigOptions& rig_options) : options(rig_options) {}
+
+  Status bind(Port& port, const char* what, const udp::endpoint& at) {
+    boost::system::error_code error;
+    port.socket.open(at.protocol(), error);
+    if (!error) port.socket.bind(at, error);
+    if (!error) return Status::ok();
+    boost::system::error_code ignored;
+    port.socket.close(ignored);
+    return Status::error(std::string(what) + " port " + at.address().to_string() + ":" +
+                         std::to_string(at.port()) + ": " + error.message());
+  }
+
+  template <typename OnDatagram>
+  void receive(Port& port, OnDatagram on_datagram) {
+    port.socket.async_receive_from(
+        asio::buffer(port.buffer), port.from,
+        [this, &port, on_datagram](const boost::system::error_code& error, std::size_t size) {
+          if (error == asio::error::operation_aborted) return;
+          // Any other error is a datagram of ours that found nobody.
+          if (!error) {
+            pump();
+            on_datagram(std::span<const std::uint8_t>(port.buffer.data(), size), id_of(port.from));
+          }
+          receive(port, on_datagram);
+        });
+  }
+
+  void send(Port& port, PeerId to, std::span<const std::uint8_t> bytes) {
+    boost::system::error_code ignored;  // a datagram the system refuses is a lost one
+    port.socket.send_to(asio::buffer(bytes.data(), bytes.size()), endpoint_of(to), 0, ignored);
+  }
+
+  // Runs everything due and passes on what was sent.
+  void pump() {
+    for (;;) {
+      const RigEvent event = rig->step(monotonic_now());
+      if (event == RigEvent::kNone) break;
+      if (event == RigEvent::kControl) {
+        for (const auto& reply : rig->controller().replies()) send(robot, reply.to, reply.bytes());
+        log_changes();
+      } else if (const auto& record = rig->sensor().record()) {
+        send(sensor, record->to, record->bytes);
+      }
+    }
+  }
+
+  void log_changes() {
+    const Controller& controller = rig->controller();
+    if (controller.alarm().kind != alarm) log_alarm(controller.alarm());
+    alarm = controller.alarm().kind;
+    if (controller.session() == session) return;
+    session = controller.session();
+    if (session) {
+      const udp::endpoint peer = endpoint_of(*session);
+      spdlog::info("external control by {}:{}", peer.address().to_string(), peer.port());
+    } else {
+      spdlog::info("external control ended; arm holds");
+    }
+  }
+
+  void wake_at_next() {
+    timer.expires_at(std::chrono::steady_clock::time_point(std::chrono::nanoseconds(rig->next())));
+    timer.async_wait([this](const boost::system::error_code& error) {
+      if (error) return;
+      pump();
+      wake_at_next();
+    });
+  }
+
+  void wait_for_signal() {
+    signals.async_wait([this](const boost::system::error_code& error, int signal) {
+      if (error) return;
+      if (signal != SIGUSR1) return io.stop();
+      rig->controller().reset_alarm();
+      wait_for_signal();
+    });
+  }
+
+  RigOptions options;
+  asio::io_context io{1};
+  Port robot{udp::socket(io), {}, {}};
+  Port sensor{udp::socket(io), {}, {}};
+  asio::steady_timer timer{io};
+  asio::signal_set signals{io};
+  std::optional<Rig> rig;
+  AlarmKind alarm = AlarmKind::kNone;
+  std::optional<PeerId> session;
+};
+
+RigServer::RigServer(const RigOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+RigServer::~RigServer() = default;
+
+Status RigServer::open(const std::string& address, std::uint16_t robot_port,
+                       std::uint16_t sensor_port) {
+  boost::system::error_code error;
+  const auto ip = asio::ip::make_address_v4(address, error);
+  if (error) {
+    return Status::error("address '" + address + "': expected an IPv4 address like 127.0.0.1");
+  }
+  if (Status s = impl_->bind(impl_->robot, "robot", {ip, robot_port}); !s) return s;
+  return impl_->bind(impl_->sensor, "sensor", {ip, sensor_port});
+}
+
+std::uint16_t RigServer::robot_port() const { return impl_->robot.socket.local_endpoint().port(); }
+std::uint16_t RigServer::sensor_port() const {
+  return impl_->sensor.socket.local_endpoint().port();
+}
+
+void RigServer::handle_signals() {
+  for (const int signal : {SIGINT, SIGTERM, SIGUSR1}) impl_->signals.add(signal);
+  impl_->wait_for_signal();
+}
+
+void RigServer::run() {
+  Impl& impl = *impl_;
+  impl.rig.emplace(impl.options, monotonic_now());
+  impl.receive(impl.robot, [&impl](std::span<const std::uint8_t> bytes, PeerId from) {
+    impl.rig->controller().on_datagram(bytes, from);
+  });
+  impl.receive(impl.sensor, [&impl](std::span<const std::uint8_t> bytes, PeerId from) {
+    impl.rig->sensor().on_datagram(bytes, from);
+  });
+  impl.wake_at_next();
+  impl.io.run();
+}
+
+void RigServer::stop() { impl_->io.stop(); }
+
+void RigServer::post(std::function<void(Rig&)> f) {
+  asio::post(impl_->io, [this, f = std::move(f)] { f(*impl_->rig); });
+}
+
+}  // namespace handrail

@@ -1,0 +1,39 @@
+// The simulated laboratory on the network: the rig behind two UDP sockets, in real time.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "devices/rig/rig.h"
+#include "server/base/status.h"
+
+namespace handrail {
+
+class RigServer {
+ public:
+  explicit RigServer(const RigOptions& options);
+  ~RigServer();
+
+  // Binds both sockets; port 0 takes any free one. `address` is IPv4. The error names what could
+  // not be bound and why.
+  Status open(const std::string& address, std::uint16_t robot_port, std::uint16_t sensor_port);
+  std::uint16_t robot_port() const;
+  std::uint16_t sensor_port() const;
+
+  // SIGINT and SIGTERM end run(); SIGUSR1 is the operator's alarm reset. Before run().
+  void handle_signals();
+  // Serves until stop(); the rig's time begins with the call.
+  void run();
+  // Ends run(). From any thread.
+  void stop();
+  // Has run()'s thread call `f` on the rig soon. From any thread.
+  void post(std::function<void(Rig&)> f);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace handrail
