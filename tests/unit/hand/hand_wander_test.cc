@@ -1,0 +1,115 @@
+#include "devices/hand/hand_wander.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <vector>
+
+namespace handrail {
+namespace {
+
+constexpr double kTick = 1e-3;
+
+constexpr double kCoarse = 10e-3;
+
+// Power of one axis of a track sampled every kCoarse, at `hertz`, by direct correlation.
+double power_at(const std::vector<Vec3>& track, int axis, double hertz) {
+  const auto turn = std::polar(1.0, -2.0 * std::numbers::pi * hertz * kCoarse);
+  std::complex<double> phasor = 1.0;
+  std::complex<double> sum = 0.0;
+  for (const Vec3& p : track) {
+    sum += p[axis] * phasor;
+    phasor *= turn;
+  }
+  return std::norm(sum);
+}
+
+TEST(HandWander, TremorHasTheGivenRmsAndItsPowerFromEightToTwelveHertz) {
+  for (const std::uint64_t seed : {1u, 2u, 77u}) {
+    HandWander wander(seed, 0.05e-3, 0.0, 0.0);
+    std::vector<Vec3> track;
+    double sum = 0.0;
+    for (int i = 0; i < 6000; ++i) {
+      wander.step(kCoarse);
+      track.push_back(wander.position());
+      sum += track.back().squaredNorm();
+    }
+    EXPECT_NEAR(std::sqrt(sum / 6000.0), 0.05e-3, 0.005e-3) << seed;
+    for (int axis = 0; axis < 3; ++axis) {
+      double peak = 0.0;
+      double peak_at = 0.0;
+      double inside = 0.0;
+      double all = 0.0;
+      for (int bin = 1; bin < 40 * 60; ++bin) {
+        const double hertz = bin / 60.0;
+        const double power = power_at(track, axis, hertz);
+        all += power;
+        if (hertz >= 8.0 && hertz <= 12.0) inside += power;
+        if (power > peak) {
+          peak = power;
+          peak_at = hertz;
+        }
+      }
+      EXPECT_GE(peak_at, 8.0) << seed;
+      EXPECT_LE(peak_at, 12.0) << seed;
+      EXPECT_GT(inside, 0.95 * all) << seed;
+    }
+  }
+}
+
+TEST(HandWander, DriftSettlesToTheGivenRms) {
+  HandWander wander(5, 0.0, 0.97e-3, 0.0122);
+  double position = 0.0;
+  double rotation = 0.0;
+  constexpr int kSteps = 600'000;
+  for (int i = 0; i < kSteps; ++i) {
+    wander.step(5e-3);
+    position += wander.position().squaredNorm();
+    rotation += wander.rotation().squaredNorm();
+  }
+  EXPECT_NEAR(std::sqrt(position / kSteps), 0.97e-3, 0.1 * 0.97e-3);
+  EXPECT_NEAR(std::sqrt(rotation / kSteps), 0.0122, 0.1 * 0.0122);
+}
+
+TEST(HandWander, VelocityIsTheRateOfThePositionAndHasNoJumps) {
+  HandWander wander(3, 0.05e-3, 0.97e-3, 0.0);
+  Vec3 last = wander.position();
+  Vec3 last_v = wander.velocity();
+  for (int i = 0; i < 20'000; ++i) {
+    wander.step(kTick);
+    const Vec3 rate = (wander.position() - last) / kTick;
+    EXPECT_LT((rate - 0.5 * (wander.velocity() + last_v)).norm(), 0.2e-3) << i;
+    EXPECT_LT((wander.velocity() - last_v).norm(), 1.5e-3) << i;
+    last = wander.position();
+    last_v = wander.velocity();
+  }
+}
+
+TEST(HandWander, TremorPivotsTheStylus) {
+  HandWander wander(3, 0.05e-3, 0.0, 0.0);
+  wander.step(kTick);
+  const Vec3 p = wander.position();
+  const Vec3 moved = wander.rotation().cross(Vec3(0.0, 0.0, 0.05));
+  EXPECT_NEAR(moved.x(), p.x(), 1e-15);
+  EXPECT_NEAR(moved.y(), p.y(), 1e-15);
+}
+
+TEST(HandWander, AStillHandIsExactlyStill) {
+  HandWander wander(9, 0.0, 0.0, 0.0);
+  for (int i = 0; i < 100; ++i) wander.step(kTick);
+  EXPECT_EQ(wander.position(), Vec3::Zero());
+  EXPECT_EQ(wander.rotation(), Vec3::Zero());
+}
+
+TEST(HandWander, OtherSeedsGiveOtherMotion) {
+  HandWander a(1, 0.05e-3, 0.97e-3, 0.0);
+  HandWander b(2, 0.05e-3, 0.97e-3, 0.0);
+  a.step(kTick);
+  b.step(kTick);
+  EXPECT_NE(a.position(), b.position());
+}
+
+}  // namespace
+}  // namespace handrail
