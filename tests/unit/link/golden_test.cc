@@ -1,0 +1,133 @@
+// The bytes of proto/WIRE.md, which our encoder did not write, against the codec.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include "tests/unit/link/link_samples.h"
+
+namespace handrail {
+namespace {
+
+// The bytes of the code block below the heading `heading`.
+std::vector<std::uint8_t> golden(const std::string& heading) {
+  std::ifstream file(HANDRAIL_SOURCE_DIR "/proto/WIRE.md");
+  std::vector<std::uint8_t> bytes;
+  std::string line;
+  while (std::getline(file, line) && line != heading) {
+  }
+  while (std::getline(file, line) && line != "```") {
+  }
+  while (std::getline(file, line) && line != "```") {
+    std::istringstream words(line.substr(0, line.find('#')));
+    for (std::string word; words >> word;) {
+      bytes.push_back(static_cast<std::uint8_t>(std::stoul(word, nullptr, 16)));
+    }
+  }
+  return bytes;
+}
+
+const DatagramHeader kMasterHeader = {.session = 0x0123456789abcdef,
+                                      .sequence = 7,
+                                      .sent = 5'000'000'000,
+                                      .echo_session = 0xfedcba9876543210,
+                                      .echo_sequence = 6,
+                                      .echo_sent = 1'250'000'000,
+                                      .echo_held = 400'000};
+const DatagramHeader kSlaveHeader = {.session = 0xfedcba9876543210,
+                                     .sequence = 0x100000001,
+                                     .sent = 1'250'500'000,
+                                     .echo_session = 0x0123456789abcdef,
+                                     .echo_sequence = 7,
+                                     .echo_sent = 5'000'000'000,
+                                     .echo_held = 0};
+
+TEST(Golden, MasterBytesDecodeToTheDocumentedValues) {
+  const auto bytes = golden("### Master");
+  ASSERT_EQ(bytes.size(), 425u);
+  Codec codec;
+  DatagramHeader header;
+  MasterState state;
+  ASSERT_EQ(codec.decode(bytes, header, state), Reject::kNone);
+  EXPECT_EQ(header, kMasterHeader);
+  EXPECT_TRUE(same(state, sample_master()));
+}
+
+TEST(Golden, SlaveBytesDecodeToTheDocumentedValues) {
+  const auto bytes = golden("### Slave");
+  ASSERT_EQ(bytes.size(), 409u);
+  Codec codec;
+  DatagramHeader header;
+  SlaveState state;
+  ASSERT_EQ(codec.decode(bytes, header, state), Reject::kNone);
+  EXPECT_EQ(header, kSlaveHeader);
+  EXPECT_TRUE(same(state, sample_slave()));
+}
+
+TEST(Golden, EncodingTheDocumentedValuesGivesTheSameBytes) {
+  EXPECT_EQ(datagram(kMasterHeader, sample_master()), golden("### Master"));
+  EXPECT_EQ(datagram(kSlaveHeader, sample_slave()), golden("### Slave"));
+}
+
+TEST(Golden, EveryTruncationIsRefused) {
+  const auto bytes = golden("### Master");
+  Codec codec;
+  DatagramHeader header;
+  MasterState state;
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    const auto cut = std::span(bytes).first(size);
+    EXPECT_EQ(codec.decode(cut, header, state), size < 12 ? Reject::kSize : Reject::kLength)
+        << size;
+  }
+}
+
+TEST(Golden, TrailingBytesAreRefused) {
+  auto bytes = golden("### Slave");
+  Codec codec;
+  DatagramHeader header;
+  SlaveState state;
+  bytes.push_back(0);
+  EXPECT_EQ(codec.decode(bytes, header, state), Reject::kLength);
+  bytes.resize(kMaxDatagram + 1);
+  EXPECT_EQ(codec.decode(bytes, header, state), Reject::kSize);
+}
+
+TEST(Golden, EverySingleBitFlipIsRefused) {
+  Codec codec;
+  DatagramHeader header;
+  MasterState master;
+  SlaveState slave;
+  for (const char* heading : {"### Master", "### Slave"}) {
+    auto bytes = golden(heading);
+    ASSERT_GT(bytes.size(), 400u);
+    for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+      bytes[bit / 8] ^= static_cast<std::uint8_t>(1u << (bit % 8));
+      EXPECT_NE(codec.decode(bytes, header, master), Reject::kNone) << heading << " bit " << bit;
+      EXPECT_NE(codec.decode(bytes, header, slave), Reject::kNone) << heading << " bit " << bit;
+      bytes[bit / 8] ^= static_cast<std::uint8_t>(1u << (bit % 8));
+    }
+  }
+}
+
+TEST(Golden, TheOtherDirectionIsRefused) {
+  Codec codec;
+  DatagramHeader header;
+  MasterState master;
+  SlaveState slave;
+  EXPECT_EQ(codec.decode(golden("### Master"), header, slave), Reject::kKind);
+  EXPECT_EQ(codec.decode(golden("### Slave"), header, master), Reject::kKind);
+}
+
+TEST(Golden, AnotherVersionIsRefusedAsSuch) {
+  auto bytes = golden("### Master");
+  ASSERT_FALSE(bytes.empty());
+  bytes[4] = 2;
+  Codec codec;
+  DatagramHeader header;
+  MasterState master;
+  EXPECT_EQ(codec.decode(bytes, header, master), Reject::kVersion);
+}
+
+}  // namespace
+}  // namespace handrail

@@ -1,0 +1,128 @@
+// Which datagram may move the state: replay, order and restarted peers.
+#include <gtest/gtest.h>
+
+#include "server/link/peer.h"
+#include "tests/unit/link/link_samples.h"
+
+namespace handrail {
+namespace {
+
+constexpr Nanos kStart = 1000 * kSecond;
+constexpr std::uint64_t kOwn = 0xbbbb;
+
+class SessionTest : public ::testing::Test {
+ protected:
+  Reject receive(std::uint64_t session, std::uint64_t sequence, Nanos now) {
+    MasterState state = sample_master();
+    state.stop_epoch = static_cast<std::uint32_t>(sequence);
+    return slave.on_datagram(datagram(sample_header(session, sequence), state), now);
+  }
+  SlavePeer slave{kOwn};
+};
+
+TEST_F(SessionTest, TheNewestWinsInAnyOrderOfArrival) {
+  EXPECT_EQ(receive(1, 4, kStart), Reject::kNone);
+  EXPECT_EQ(receive(1, 2, kStart), Reject::kStale);
+  EXPECT_EQ(receive(1, 6, kStart), Reject::kNone);
+  EXPECT_EQ(receive(1, 5, kStart), Reject::kStale);
+  EXPECT_EQ(receive(1, 6, kStart), Reject::kDuplicate);
+  EXPECT_EQ(slave.newest().stop_epoch, 6u);
+}
+
+TEST_F(SessionTest, AReplayOfTheWholeHistoryMovesNothing) {
+  for (std::uint64_t n = 1; n <= 300; ++n) {
+    ASSERT_EQ(receive(1, n, kStart + static_cast<Nanos>(n) * kMillisecond), Reject::kNone);
+  }
+  const Nanos after = kStart + 10 * kSecond;
+  for (std::uint64_t n = 1; n <= 300; ++n) EXPECT_NE(receive(1, n, after), Reject::kNone) << n;
+  EXPECT_EQ(slave.newest().stop_epoch, 300u);
+  EXPECT_EQ(slave.snapshot().accepted, 300u);
+}
+
+TEST_F(SessionTest, TheLastSequenceIsAcceptedOnceAndThenOnlyANewSession) {
+  EXPECT_EQ(receive(1, UINT64_MAX, kStart), Reject::kNone);
+  EXPECT_EQ(receive(1, UINT64_MAX, kStart), Reject::kDuplicate);
+  EXPECT_EQ(receive(1, 1, kStart), Reject::kStale);
+  EXPECT_EQ(receive(2, 1, kStart + 201 * kMillisecond), Reject::kNone);
+}
+
+TEST_F(SessionTest, TheFirstSessionIsAcceptedAtOnce) {
+  EXPECT_EQ(receive(1, 1, kStart), Reject::kNone);
+  EXPECT_EQ(slave.snapshot().peer_epoch, 1u);
+}
+
+TEST_F(SessionTest, ARestartedPeerIsAcceptedAfterTwoHundredMillisecondsOfSilence) {
+  (void)receive(1, 9, kStart);
+  EXPECT_EQ(receive(2, 1, kStart + kMillisecond), Reject::kSessionBusy);
+  EXPECT_EQ(receive(2, 2, kStart + 200 * kMillisecond), Reject::kSessionBusy);
+  EXPECT_EQ(slave.snapshot().peer_epoch, 1u);
+  EXPECT_EQ(receive(2, 3, kStart + 200 * kMillisecond + 1), Reject::kNone);
+  EXPECT_EQ(slave.snapshot().peer_epoch, 2u);
+  EXPECT_EQ(slave.newest().stop_epoch, 3u);
+}
+
+TEST_F(SessionTest, AReplacedSessionNeverComesBack) {
+  (void)receive(1, 9, kStart);
+  (void)receive(2, 1, kStart + kSecond);
+  EXPECT_EQ(receive(1, 10, kStart + kSecond), Reject::kSessionRetired);
+  EXPECT_EQ(receive(1, 11, kStart + 10 * kSecond), Reject::kSessionRetired);
+  EXPECT_EQ(receive(2, 2, kStart + 10 * kSecond), Reject::kNone);
+}
+
+TEST_F(SessionTest, TheLastEightReplacedSessionsAreRemembered) {
+  Nanos now = kStart;
+  for (std::uint64_t session = 1; session <= 9; ++session, now += kSecond) {
+    ASSERT_EQ(receive(session, 1, now), Reject::kNone);
+  }
+  for (std::uint64_t session = 1; session <= 8; ++session) {
+    EXPECT_EQ(receive(session, 2, now), Reject::kSessionRetired) << session;
+  }
+  EXPECT_EQ(receive(9, 2, now), Reject::kNone);
+}
+
+TEST_F(SessionTest, ASilentSessionResumesWhereItWas) {
+  (void)receive(1, 9, kStart);
+  EXPECT_EQ(receive(1, 9, kStart + 60 * kSecond), Reject::kDuplicate);
+  EXPECT_EQ(receive(1, 10, kStart + 60 * kSecond), Reject::kNone);
+  EXPECT_EQ(slave.snapshot().peer_epoch, 1u);
+}
+
+TEST_F(SessionTest, AStalledIntruderDoesNotKeepTheSessionBusy) {
+  (void)receive(1, 9, kStart);
+  EXPECT_EQ(receive(1, 9, kStart + 150 * kMillisecond), Reject::kDuplicate);
+  EXPECT_EQ(receive(2, 1, kStart + 201 * kMillisecond), Reject::kNone);
+}
+
+TEST_F(SessionTest, TheReceiversOwnSessionIsRefused) {
+  EXPECT_EQ(receive(kOwn, 1, kStart), Reject::kHeader);
+  EXPECT_EQ(slave.snapshot().peer_epoch, 0u);
+}
+
+TEST_F(SessionTest, ANewSessionStartsItsOwnStatistics) {
+  for (std::uint64_t n = 1; n <= 100; ++n) (void)receive(1, n, kStart);
+  ASSERT_EQ(slave.snapshot().received_of_100, 100);
+  (void)receive(2, 77, kStart + kSecond);
+  EXPECT_EQ(slave.snapshot().received_of_100, 1);
+  EXPECT_DOUBLE_EQ(slave.snapshot().loss_share, 0.0);
+  EXPECT_EQ(slave.snapshot().round_trip, -1);
+  EXPECT_EQ(slave.snapshot().loop_age(kStart + kSecond), kForever);
+}
+
+TEST_F(SessionTest, ReorderIsNotCountedAsLoss) {
+  (void)receive(1, 1, kStart);
+  for (std::uint64_t n = 2; n <= 200; n += 2) {
+    (void)receive(1, n + 1, kStart);
+    EXPECT_EQ(receive(1, n, kStart), Reject::kStale);
+  }
+  EXPECT_EQ(slave.snapshot().received_of_100, 100);
+  EXPECT_DOUBLE_EQ(slave.snapshot().loss_share, 0.0);
+}
+
+TEST(RandomSessionId, DiffersFromStartToStartAndIsNeverZero) {
+  const std::uint64_t a = random_session_id();
+  EXPECT_NE(a, 0u);
+  EXPECT_NE(a, random_session_id());
+}
+
+}  // namespace
+}  // namespace handrail
