@@ -1,0 +1,48 @@
+// Blocking client of a master's operator socket.
+//
+// Wire: each message is a u32 length, little-endian, and that many bytes of protobuf, at most 64
+// KiB; one Reply for each Request, in order.
+#pragma once
+
+#include <string>
+
+#include "proto/operator.pb.h"
+#include "server/base/status.h"
+#include "server/base/time.h"
+
+namespace handrail {
+
+// What the command line returns to the shell.
+enum ExitCode : int { kExitDone = 0, kExitRefused = 1, kExitUsage = 2, kExitNoMaster = 3 };
+
+// One connection; not thread-safe. After a failed call the connection is closed, and the next call
+// opens a new one.
+class OperatorClient {
+ public:
+  explicit OperatorClient(std::string socket_path) : path_(std::move(socket_path)) {}
+  ~OperatorClient() { close(); }
+  OperatorClient(const OperatorClient&) = delete;
+  OperatorClient& operator=(const OperatorClient&) = delete;
+
+  // Sends the request and waits for its reply, at most `patience` in all. An error means that there
+  // is no master or none that answers, and names socket and cause; a refusal is a Reply with done
+  // false.
+  Result<pb::Reply> call(const pb::Request& request, Nanos patience);
+
+  void close() noexcept;
+
+ private:
+  Status connect(Nanos deadline);
+  Status send_all(const std::string& bytes, Nanos deadline);
+  Status receive_exactly(char* out, std::size_t size, Nanos deadline);
+  Status wait(short events, Nanos deadline);
+  Status failure(const std::string& what);
+
+  std::string path_;
+  int fd_ = -1;
+};
+
+// Done, refused or no master.
+ExitCode exit_code(const Result<pb::Reply>& reply);
+
+}  // namespace handrail

@@ -1,0 +1,63 @@
+// The command line as one table: each command's name, help, options and function.
+#pragma once
+
+#include <optional>
+#include <ostream>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "client/api/operator_client.h"
+
+namespace handrail {
+
+// What the user typed, not yet understood.
+struct Options {
+  std::string socket;
+  bool json = false;
+  bool watch = false;
+  bool one_way = false;
+  std::optional<std::string> at, end, direction, normal, axis, stiffness;  // tools
+  std::optional<std::string> by, rotate, seconds;                          // hand
+  std::optional<std::string> word;                                         // positional argument
+};
+
+// Where answers and complaints go.
+struct Console {
+  std::ostream& out;
+  std::ostream& err;
+  bool is_terminal = false;  // `out` understands cursor movement
+};
+
+// Options a command takes, besides --socket which all take.
+struct Takes {
+  bool json = false;
+  bool watch = false;
+  bool tool = false;
+  bool hand = false;
+  const char* word = nullptr;  // name of the positional argument
+  bool word_optional = false;
+};
+
+struct Command {
+  const char* name;  // one or two words, "scene show"
+  const char* help;
+  ExitCode (*run)(const Options&, const Console&);
+  Takes takes;
+};
+
+std::span<const Command> commands();
+// Help of a first word that has several commands behind it; empty for others.
+std::string group_help(const std::string& word);
+
+// Prints the error and returns kExitUsage.
+ExitCode complain(const Console& console, const std::string& text);
+
+// Sends one order and says how it went: `done_text`, the master's refusal, or why there is none.
+ExitCode send_order(const Options& options, const Console& console, const pb::Request& request,
+                    const std::string& done_text, Nanos patience = 5 * kSecond);
+
+// Parses `args` (without the program's name) and runs the command.
+ExitCode run_cli(const std::vector<std::string>& args, const Console& console);
+
+}  // namespace handrail

@@ -1,0 +1,105 @@
+#include "client/cli/command.h"
+#include "client/cli/hand_command.h"
+#include "client/cli/scene_command.h"
+#include "client/cli/status_command.h"
+#include "client/cli/tool_command.h"
+
+namespace handrail {
+namespace {
+
+// Engaging waits for a good link and for both sides to stand on the same pose.
+constexpr Nanos kEngagePatience = 30 * kSecond;
+
+ExitCode run_engage(const Options& o, const Console& c) {
+  pb::Request r;
+  r.set_engage(true);
+  return send_order(o, c, r, "engaged", kEngagePatience);
+}
+ExitCode run_disengage(const Options& o, const Console& c) {
+  pb::Request r;
+  r.set_disengage(true);
+  return send_order(o, c, r, "disengaged");
+}
+ExitCode run_clutch(const Options& o, const Console& c) {
+  if (*o.word != "on" && *o.word != "off") {
+    return complain(c, "clutch: '" + *o.word + "': expected on (hand free, arm holds) or off");
+  }
+  pb::Request r;
+  r.set_clutch(*o.word == "on");
+  return send_order(o, c, r, "clutch " + *o.word);
+}
+ExitCode run_stop(const Options& o, const Console& c) {
+  pb::Request r;
+  r.set_stop(true);
+  return send_order(o, c, r, "stopped; reset, then engage to go on");
+}
+ExitCode run_reset(const Options& o, const Console& c) {
+  pb::Request r;
+  r.set_reset(true);
+  return send_order(o, c, r, "reset; engage to go on");
+}
+
+constexpr Takes kTool{.tool = true};
+
+constexpr Command kCommands[] = {
+    {"status",
+     "Show session, link, loop, tools, forces and poses",
+     run_status,
+     {.json = true, .watch = true}},
+    {"engage", "Let the hand drive the arm", run_engage, {}},
+    {"disengage", "Stop following; the arm holds", run_disengage, {}},
+    {"clutch", "on: hand free, arm holds; off: follow again", run_clutch, {.word = "on|off"}},
+    {"stop", "Stop the arm now; stays stopped until reset", run_stop, {}},
+    {"reset", "Release a stop or a fault", run_reset, {}},
+    {"tool point", "Keep the tip on a point", run_tool<pb::Tool::POINT>, kTool},
+    {"tool line", "Keep the tip on a line", run_tool<pb::Tool::LINE>, kTool},
+    {"tool plane", "Keep the tip on a plane", run_tool<pb::Tool::PLANE>, kTool},
+    {"tool n-rotation", "Keep the orientation", run_tool<pb::Tool::N_ROTATION>, kTool},
+    {"tool f-rotation", "Keep one axis, turn freely about it", run_tool<pb::Tool::F_ROTATION>,
+     kTool},
+    {"tool off",
+     "Drop the tools, or only one of them",
+     run_tool_off,
+     {.word = "position|orientation", .word_optional = true}},
+    {"scene list", "List the scenes found", run_scene_list, {.json = true}},
+    {"scene show",
+     "Show a scene with its defaults",
+     run_scene_show,
+     {.json = true, .word = "NAME|FILE"}},
+    {"scene check", "Check a scene file", run_scene_check, {.word = "NAME|FILE"}},
+    {"scene load", "Load a scene in master and slave", run_scene_load, {.word = "NAME"}},
+    {"hand to", "Move the simulated hand", run_hand_to, {.hand = true}},
+};
+
+}  // namespace
+
+std::span<const Command> commands() { return kCommands; }
+
+std::string group_help(const std::string& word) {
+  if (word == "tool") return "Call and drop virtual tools (mm and directions in the robot base)";
+  if (word == "scene") return "Look at scenes, load one";
+  if (word == "hand") return "Move the hand of a simulated device";
+  return {};
+}
+
+ExitCode complain(const Console& console, const std::string& text) {
+  console.err << "handrail: " << text << '\n';
+  return kExitUsage;
+}
+
+ExitCode send_order(const Options& options, const Console& console, const pb::Request& request,
+                    const std::string& done_text, Nanos patience) {
+  OperatorClient client(options.socket);
+  const Result<pb::Reply> reply = client.call(request, patience);
+  if (!reply) {
+    console.err << "handrail: " << reply.message() << '\n';
+  } else if (!reply->done()) {
+    console.err << "handrail: refused: " << reply->reason() << '\n';
+  } else {
+    console.out << done_text << (reply->reason().empty() ? "" : " (" + reply->reason() + ")")
+                << '\n';
+  }
+  return exit_code(reply);
+}
+
+}  // namespace handrail

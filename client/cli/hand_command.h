@@ -1,0 +1,10 @@
+// handrail hand ...: steers the hand of a simulated device.
+#pragma once
+
+#include "client/cli/command.h"
+
+namespace handrail {
+
+ExitCode run_hand_to(const Options& options, const Console& console);
+
+}  // namespace handrail

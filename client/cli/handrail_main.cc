@@ -1,0 +1,14 @@
+// handrail: the operator's command line.
+#include <unistd.h>
+
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include "client/cli/command.h"
+
+int main(int argc, char** argv) {
+  const std::vector<std::string> args(argv + (argc > 0 ? 1 : 0), argv + argc);
+  const handrail::Console console{std::cout, std::cerr, ::isatty(STDOUT_FILENO) == 1};
+  return handrail::run_cli(args, console);
+}

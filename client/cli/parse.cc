@@ -1,0 +1,96 @@
+// The only file that knows the argument parser.
+#include <CLI/CLI.hpp>
+#include <cstdlib>
+#include <map>
+
+#include "client/cli/command.h"
+#include "proto/config.pb.h"
+
+namespace handrail {
+namespace {
+
+void add_text(CLI::App& app, const char* name, std::optional<std::string>& target,
+              const char* help) {
+  app.add_option_function<std::string>(
+         name, [&target](const std::string& text) { target = text; }, help)
+      ->take_last();
+}
+
+void add_tool_options(CLI::App& app, Options& o) {
+  add_text(app, "--at", o.at, "anchor x,y,z in mm; without it the present tip");
+  add_text(app, "--dir", o.direction, "forward: x,y,z or x|y|z with or without sign");
+  add_text(app, "--normal", o.normal, "normal of the plane, written as --dir");
+  add_text(app, "--axis", o.axis, "axis to keep, written as --dir; without it the tool's own");
+  add_text(app, "--end", o.end, "no travel past x,y,z in mm");
+  app.add_flag("--one-way", o.one_way, "forward only; without it both ways");
+  add_text(app, "--stiffness", o.stiffness, "at the hand, 0 to 10 N/mm; without it the scene's");
+}
+
+void add_hand_options(CLI::App& app, Options& o) {
+  add_text(app, "--by", o.by, "displacement x,y,z in mm: right, up, toward the user");
+  add_text(app, "--rotate", o.rotate, "rotation vector rx,ry,rz in degrees");
+  add_text(app, "--seconds", o.seconds, "duration of the move, 1 without it");
+}
+
+void add_options(CLI::App& app, const Takes& takes, Options& o) {
+  if (takes.json) app.add_flag("--json", o.json, "print JSON");
+  if (takes.watch) app.add_flag("--watch", o.watch, "refresh 5 times a second until Ctrl-C");
+  if (takes.tool) add_tool_options(app, o);
+  if (takes.hand) add_hand_options(app, o);
+  if (takes.word == nullptr) return;
+  app.add_option_function<std::string>(
+         takes.word, [&o](const std::string& text) { o.word = text; }, "")
+      ->required(!takes.word_optional);
+}
+
+std::string default_socket() {
+  if (const char* path = std::getenv("HANDRAIL_SOCKET"); path != nullptr && *path != '\0') {
+    return path;
+  }
+  return pb::MasterConfig().operator_socket();
+}
+
+}  // namespace
+
+ExitCode run_cli(const std::vector<std::string>& args, const Console& console) {
+  CLI::App app("Operate a Handrail master: engage, call tools, watch.", "handrail");
+  Options options;
+  options.socket = default_socket();
+  app.require_subcommand(1);
+  app.fallthrough();
+  app.add_option("--socket", options.socket, "the master's socket (or HANDRAIL_SOCKET)");
+  app.footer("Exit: 0 done, 1 refused, 2 usage or bad file, 3 no master.");
+  std::map<std::string, CLI::App*> groups;
+  std::vector<std::pair<CLI::App*, const Command*>> leaves;
+  for (const Command& command : commands()) {
+    const std::string name = command.name;
+    const std::size_t blank = name.find(' ');
+    CLI::App* parent = &app;
+    if (blank != std::string::npos) {
+      CLI::App*& group = groups[name.substr(0, blank)];
+      if (group == nullptr) {
+        group = app.add_subcommand(name.substr(0, blank), group_help(name.substr(0, blank)));
+        group->require_subcommand(1)->fallthrough();
+      }
+      parent = group;
+    }
+    const std::string last = blank == std::string::npos ? name : name.substr(blank + 1);
+    CLI::App* leaf = parent->add_subcommand(last, command.help)->fallthrough();
+    add_options(*leaf, command.takes, options);
+    leaves.emplace_back(leaf, &command);
+  }
+  try {
+    app.parse(std::vector<std::string>(args.rbegin(), args.rend()));
+  } catch (const CLI::Success& help) {
+    app.exit(help, console.out, console.err);
+    return kExitDone;
+  } catch (const CLI::ParseError& error) {
+    return complain(console, std::string(error.what()) + " (see handrail --help)");
+  }
+  for (const auto& [leaf, command] : leaves) {
+    if (leaf->parsed()) return command->run(options, console);
+  }
+  return complain(console, "no command (see handrail --help)");
+}
+
+}  // namespace handrail

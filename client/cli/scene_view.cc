@@ -1,0 +1,74 @@
+#include "client/cli/scene_view.h"
+
+#include <google/protobuf/text_format.h>
+
+#include <iomanip>
+#include <sstream>
+
+#include "proto/field.pb.h"
+
+namespace handrail {
+namespace {
+
+using google::protobuf::FieldDescriptor;
+using google::protobuf::Message;
+using google::protobuf::TextFormat;
+
+void print_message(const Message& m, const std::string& prefix, std::ostream& out);
+
+std::string value_text(const Message& m, const FieldDescriptor& f) {
+  std::string text, one;
+  if (!f.is_repeated()) {
+    TextFormat::PrintFieldValueToString(m, &f, -1, &text);
+    return text;
+  }
+  for (int i = 0; i < m.GetReflection()->FieldSize(m, &f); ++i) {
+    TextFormat::PrintFieldValueToString(m, &f, i, &one);
+    text.append(i > 0 ? ", " : "").append(one);
+  }
+  return text;
+}
+
+void print_field(const Message& m, const FieldDescriptor& f, const std::string& prefix,
+                 std::ostream& out) {
+  const google::protobuf::Reflection& r = *m.GetReflection();
+  const std::string name = prefix + f.name();
+  if (f.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
+    if (!f.is_repeated()) return print_message(r.GetMessage(m, &f), name + ".", out);
+    for (int i = 0; i < r.FieldSize(m, &f); ++i) {
+      print_message(r.GetRepeatedMessage(m, &f, i), name + "[" + std::to_string(i) + "].", out);
+    }
+    return;
+  }
+  const bool is_set = f.is_repeated() ? r.FieldSize(m, &f) > 0 : r.HasField(m, &f);
+  const std::string& unit = f.options().GetExtension(pb::range).unit();
+  out << std::left << std::setw(36) << name << (f.is_repeated() && !is_set ? "-" : value_text(m, f))
+      << (unit.empty() || !is_set ? "" : " ") << (is_set ? unit : "")
+      << (is_set ? "" : (unit.empty() ? "" : " " + unit) + "  (default)") << '\n';
+}
+
+void print_message(const Message& m, const std::string& prefix, std::ostream& out) {
+  for (int i = 0; i < m.GetDescriptor()->field_count(); ++i) {
+    print_field(m, *m.GetDescriptor()->field(i), prefix, out);
+  }
+}
+
+}  // namespace
+
+std::string scene_text(const pb::Scene& scene) {
+  std::ostringstream out;
+  print_message(scene, "", out);
+  return out.str();
+}
+
+pb::Scene with_sections(pb::Scene scene) {
+  const google::protobuf::Descriptor& type = *scene.GetDescriptor();
+  for (int i = 0; i < type.field_count(); ++i) {
+    const FieldDescriptor& f = *type.field(i);
+    const bool section = !f.is_repeated() && f.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE;
+    if (section) scene.GetReflection()->MutableMessage(&scene, &f);
+  }
+  return scene;
+}
+
+}  // namespace handrail

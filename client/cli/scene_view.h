@@ -1,0 +1,16 @@
+// A scene file's values for people, defaults included.
+#pragma once
+
+#include <string>
+
+#include "proto/scene.pb.h"
+
+namespace handrail {
+
+// One line a value: name, value, unit, and whether it is a default.
+std::string scene_text(const pb::Scene& scene);
+
+// The scene with every section present, so that JSON shows the defaults too.
+pb::Scene with_sections(pb::Scene scene);
+
+}  // namespace handrail

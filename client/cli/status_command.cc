@@ -1,0 +1,59 @@
+#include "client/cli/status_command.h"
+
+#include <poll.h>
+#include <signal.h>
+
+#include "client/cli/json_text.h"
+#include "client/cli/status_view.h"
+
+namespace handrail {
+namespace {
+
+constexpr int kRefreshMs = 200;
+constexpr Nanos kPatience = 2 * kSecond;
+
+volatile sig_atomic_t interrupted = 0;
+
+void catch_interrupts() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { interrupted = 1; };
+  ::sigaction(SIGINT, &action, nullptr);
+  ::sigaction(SIGTERM, &action, nullptr);
+}
+
+void show(const pb::Status& status, const Options& options, const Console& console) {
+  if (options.json) {
+    console.out << json_text(status, !options.watch) << '\n';
+    return;
+  }
+  // Home, then clear what is left of the last screen.
+  if (options.watch && console.is_terminal) console.out << "\033[H\033[J";
+  console.out << status_text(status);
+  if (options.watch && !console.is_terminal) console.out << '\n';
+}
+
+}  // namespace
+
+ExitCode run_status(const Options& options, const Console& console) {
+  OperatorClient client(options.socket);
+  pb::Request request;
+  request.set_status(true);
+  if (options.watch) catch_interrupts();
+  do {
+    const Result<pb::Reply> reply = client.call(request, kPatience);
+    if (interrupted != 0) break;
+    const ExitCode code = exit_code(reply);
+    if (code != kExitDone) {
+      console.err << "handrail: " << (reply ? "refused: " + reply->reason() : reply.message())
+                  << '\n';
+      return code;
+    }
+    show(reply->status(), options, console);
+    console.out.flush();
+    if (!console.out) return kExitDone;
+    if (options.watch) ::poll(nullptr, 0, kRefreshMs);
+  } while (options.watch && interrupted == 0);
+  return kExitDone;
+}
+
+}  // namespace handrail

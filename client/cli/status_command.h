@@ -1,0 +1,11 @@
+// handrail status
+#pragma once
+
+#include "client/cli/command.h"
+
+namespace handrail {
+
+// Once, or with --watch 5 times a second until SIGINT or SIGTERM, which end it with kExitDone.
+ExitCode run_status(const Options& options, const Console& console);
+
+}  // namespace handrail

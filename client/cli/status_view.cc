@@ -1,0 +1,116 @@
+#include "client/cli/status_view.h"
+
+#include <array>
+#include <cstdio>
+#include <initializer_list>
+
+namespace handrail {
+namespace {
+
+using Numbers = google::protobuf::RepeatedField<double>;
+
+std::string number(double value, int decimals, int width = 0) {
+  std::array<char, 64> buffer;
+  const int n = std::snprintf(buffer.data(), buffer.size(), "%*.*f", width, decimals, value);
+  return std::string(buffer.data(), static_cast<std::size_t>(n < 0 ? 0 : n < 64 ? n : 63));
+}
+
+// The master says -1 for "none yet".
+std::string milliseconds(double value) {
+  return value < 0.0 ? "none yet" : number(value, 2) + " ms";
+}
+
+std::string line(const char* label, std::initializer_list<std::string> parts) {
+  std::string out = label;
+  out.resize(11, ' ');
+  bool first = true;
+  for (const std::string& part : parts) {
+    if (part.empty()) continue;
+    out.append(first ? "" : "   ").append(part);
+    first = false;
+  }
+  return out + '\n';
+}
+
+std::string labelled(const char* label, const std::string& value) {
+  return std::string(label) + " " + (value.empty() ? "-" : value);
+}
+
+std::string vector_text(const Numbers& v, int decimals, int width) {
+  std::string out;
+  for (const double x : v) out.append(out.empty() ? "" : " ").append(number(x, decimals, width));
+  return out.empty() ? "-" : out;
+}
+
+std::string session_text(const pb::Status& s) {
+  std::string out = line("session", {s.state(), labelled("reason:", s.reason())});
+  out += line("", {labelled("wanted:", s.desired()), labelled("slave:", s.slave_state()),
+                   labelled("reason:", s.slave_reason()),
+                   labelled("stops:", std::to_string(s.stop_epoch()))});
+  out += line("scene", {s.scene().empty() ? "-" : s.scene(), labelled("slave:", s.slave_scene())});
+  for (const std::string& difference : s.hash_mismatch())
+    out += line("", {"differs: " + difference});
+  out += line("device", {s.device() + (s.device_simulated() ? " (simulated)" : ""),
+                         s.hand_moving() ? "hand moving" : ""});
+  return out;
+}
+
+std::string link_text(const pb::Status& s) {
+  return line("link", {labelled("age", milliseconds(s.packet_age_ms())),
+                       labelled("loss", number(100.0 * s.loss_share(), 1) + " %"),
+                       labelled("round trip", milliseconds(s.round_trip_ms())),
+                       labelled("oldest applied", milliseconds(s.oldest_applied_ms()))}) +
+         line("", {labelled("accepted", std::to_string(s.datagrams_accepted())),
+                   labelled("rejected", std::to_string(s.datagrams_rejected()))});
+}
+
+std::string loop_text(const pb::Status& s) {
+  const pb::Lateness& l = s.loop_lateness_us();
+  return line("loop", {labelled("ticks", std::to_string(s.ticks())),
+                       labelled("overruns", std::to_string(s.overruns())),
+                       labelled("slave overruns", std::to_string(s.slave_overruns()))}) +
+         line("", {"late [us]:", labelled("p50", number(l.p50(), 1)),
+                   labelled("p99", number(l.p99(), 1)), labelled("p99.9", number(l.p999(), 1)),
+                   labelled("max", number(l.max(), 1))}) +
+         line("", {labelled("real time:", s.realtime())});
+}
+
+std::string tool_text(const char* label, const pb::ToolStatus& tool, bool is_position) {
+  if (tool.kind().empty() || tool.kind() == "none") return labelled(label, "none");
+  std::string out = labelled(label, tool.kind()) + " #" + std::to_string(tool.id()) + ", ";
+  out += is_position ? number(tool.deviation_mm(), 3) + " mm off"
+                     : number(tool.deviation_deg(), 2) + " deg off";
+  return out + (tool.blending() ? ", easing in" : "");
+}
+
+std::string share_text(const char* label, const pb::ForceShare& share) {
+  return labelled(label, number(share.magnitude_n(), 3));
+}
+
+std::string pose_text(const char* label, const pb::PoseMm& pose) {
+  std::string name = label;
+  name.resize(14, ' ');
+  if (pose.position_mm_size() == 0) return name + "-";
+  return name + vector_text(pose.position_mm(), 3, 10) + "   q " +
+         vector_text(pose.quaternion(), 5, 8);
+}
+
+}  // namespace
+
+std::string status_text(const pb::Status& s) {
+  std::string out = session_text(s) + link_text(s) + loop_text(s);
+  out += line("tools", {tool_text("position:", s.position_tool(), true)});
+  out += line("", {tool_text("orientation:", s.orientation_tool(), false)});
+  out += line("force [N]",
+              {share_text("tool", s.tool_force()), share_text("spring", s.spring_force()),
+               share_text("limits", s.limited_force()), share_text("device", s.device_force())});
+  out += line("contact",
+              {s.has_contact_force() ? vector_text(s.contact_force_n(), 2, 0) : "no sensor"});
+  out += line("pose [mm]", {pose_text("command", s.command())});
+  out += line("", {pose_text("slave command", s.slave_command())});
+  out += line("", {pose_text("tip", s.tip())});
+  out += line("", {pose_text("hand", s.hand())});
+  return out;
+}
+
+}  // namespace handrail

@@ -1,0 +1,214 @@
+#include "server/master/operator_server.h"
+
+#include <algorithm>
+#include <array>
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/write.hpp>
+#include <chrono>
+
+#include "server/base/clock.h"
+#include "server/base/length_prefix.h"
+
+namespace handrail {
+
+namespace asio = boost::asio;
+using Error = boost::system::error_code;
+using Socket = asio::local::stream_protocol::socket;
+
+namespace {
+
+pb::Reply refusal(const std::string& reason) {
+  pb::Reply reply;
+  reply.set_done(false);
+  reply.set_reason(reason);
+  return reply;
+}
+
+// An order switched off, as in `engage: false`, is none.
+bool has_order(const pb::Request& r) {
+  switch (r.order_case()) {
+    case pb::Request::kStatus:
+      return r.status();
+    case pb::Request::kEngage:
+      return r.engage();
+    case pb::Request::kDisengage:
+      return r.disengage();
+    case pb::Request::kStop:
+      return r.stop();
+    case pb::Request::kReset:
+      return r.reset();
+    case pb::Request::ORDER_NOT_SET:
+      return false;
+    default:
+      return true;
+  }
+}
+
+}  // namespace
+
+// One connection: wait for a frame, read it, have it handled, answer, again. It lives as long as
+// an operation or an outstanding reply holds it.
+class OperatorServer::Client : public std::enable_shared_from_this<Client> {
+ public:
+  Client(Socket socket, OperatorHandler& handler)
+      : socket_(std::move(socket)), timer_(socket_.get_executor()), handler_(handler) {}
+
+  void await_frame() {
+    idle_since_ = monotonic_now();
+    socket_.async_wait(Socket::wait_read, [self = shared_from_this()](Error error) {
+      if (error) return;
+      self->idle_since_ = kForever;
+      self->read_header();
+    });
+  }
+  // Answers and, with `last`, closes afterwards.
+  void answer(const pb::Reply& reply, bool last) {
+    out_ = framed(reply.SerializeAsString());
+    limit_time();
+    asio::async_write(socket_, asio::buffer(out_),
+                      [self = shared_from_this(), last](Error error, std::size_t) {
+                        self->timer_.cancel();
+                        if (error || last) return self->close();
+                        self->await_frame();
+                      });
+  }
+  void close() {
+    Error ignored;
+    timer_.cancel();
+    socket_.close(ignored);
+  }
+  bool is_open() const { return socket_.is_open(); }
+  Nanos idle_since() const { return idle_since_; }
+
+ private:
+  void limit_time() {
+    timer_.expires_after(std::chrono::nanoseconds(kPatience));
+    timer_.async_wait([weak = weak_from_this()](Error error) {
+      const auto self = weak.lock();
+      if (!error && self) self->close();
+    });
+  }
+  void read_header() {
+    limit_time();
+    asio::async_read(socket_, asio::buffer(header_),
+                     [self = shared_from_this()](Error error, std::size_t) {
+                       if (error) return self->close();
+                       self->read_body();
+                     });
+  }
+  void read_body() {
+    const std::uint32_t size = frame_size(header_.data());
+    if (size > kMaxFrame) {
+      const std::string text = std::to_string(size);
+      return answer(refusal("a request of " + text + " bytes, expected at most 65536"), true);
+    }
+    body_.resize(size);
+    asio::async_read(socket_, asio::buffer(body_),
+                     [self = shared_from_this()](Error error, std::size_t) {
+                       if (error) return self->close();
+                       self->timer_.cancel();
+                       self->obey();
+                     });
+  }
+  void obey() {
+    if (!is_open()) return;
+    pb::Request request;
+    if (!request.ParseFromString(body_)) return answer(refusal("the request is garbled"), true);
+    if (!has_order(request)) return answer(refusal("the request holds no order"), true);
+    auto answered = std::make_shared<bool>(false);
+    handler_.handle(request, [self = shared_from_this(), answered](pb::Reply reply) {
+      asio::post(self->socket_.get_executor(), [self, answered, reply = std::move(reply)] {
+        if (std::exchange(*answered, true) || !self->is_open()) return;
+        self->answer(reply, false);
+      });
+    });
+  }
+
+  Socket socket_;
+  asio::steady_timer timer_;
+  OperatorHandler& handler_;
+  Nanos idle_since_ = kForever;  // kForever while a request is in progress
+  std::array<char, kFrameHeader> header_{};
+  std::string body_;
+  std::string out_;
+};
+
+OperatorServer::OperatorServer(asio::io_context& io, OperatorHandler& handler)
+    : handler_(handler), acceptor_(io), pause_(io) {}
+
+OperatorServer::~OperatorServer() { stop(); }
+
+Status OperatorServer::start(const std::string& path) {
+  if (Status status = file_.claim(path); !status) return status;
+  acceptor_.assign(asio::local::stream_protocol(), file_.release());
+  running_ = std::make_shared<int>();
+  accept();
+  return Status::ok();
+}
+
+void OperatorServer::stop() {
+  Error ignored;
+  running_.reset();
+  pause_.cancel();
+  acceptor_.close(ignored);
+  for (const auto& weak : clients_) {
+    if (const auto client = weak.lock()) client->close();
+  }
+  clients_.clear();
+  file_.remove();
+}
+
+std::size_t OperatorServer::clients() const {
+  return static_cast<std::size_t>(
+      std::count_if(clients_.begin(), clients_.end(), [](const std::weak_ptr<Client>& weak) {
+        const auto client = weak.lock();
+        return client && client->is_open();
+      }));
+}
+
+void OperatorServer::accept() {
+  acceptor_.async_accept([this, running = std::weak_ptr(running_)](Error error, Socket socket) {
+    if (running.expired()) return;
+    if (!error) {
+      admit(std::move(socket));
+      return accept();
+    }
+    // Out of descriptors, most likely: asking again at once would only spin.
+    pause_.expires_after(std::chrono::milliseconds(100));
+    pause_.async_wait([this, running](Error) {
+      if (!running.expired()) accept();
+    });
+  });
+}
+
+void OperatorServer::admit(Socket socket) {
+  const auto client = std::make_shared<Client>(std::move(socket), handler_);
+  if (!make_room()) {
+    return client->answer(refusal("16 clients are connected already"), true);
+  }
+  clients_.push_back(client);
+  client->await_frame();
+}
+
+// True when one more client may stay, if need be in place of the one silent longest.
+bool OperatorServer::make_room() {
+  clients_.erase(std::remove_if(clients_.begin(), clients_.end(),
+                                [](const std::weak_ptr<Client>& weak) {
+                                  const auto client = weak.lock();
+                                  return !client || !client->is_open();
+                                }),
+                 clients_.end());
+  if (clients_.size() < kMaxClients) return true;
+  std::shared_ptr<Client> oldest;
+  for (const auto& weak : clients_) {
+    const auto client = weak.lock();
+    if (!oldest || client->idle_since() < oldest->idle_since()) oldest = client;
+  }
+  if (oldest->idle_since() > monotonic_now() - kIdle) return false;
+  oldest->close();
+  return true;
+}
+
+}  // namespace handrail
