@@ -1,0 +1,91 @@
+#include "server/lab/cell.h"
+
+#include "devices/net_ft/rdt_packet.h"
+
+namespace handrail {
+namespace {
+
+constexpr PeerId kSlave = 1;
+
+}  // namespace
+
+Cell::Cell(const CellOptions& options)
+    : options_(options),
+      rig_(options.rig, 0),
+      client_({kMxtLong, options.rig.controller.period, 100}) {
+  to_controller(client_.start(0));
+  rig_.sensor().on_datagram(encode_rdt(RdtRequest{RdtCommand::kStream, 0}), kSlave);
+}
+
+void Cell::tick(const HandReading& hand, const HapticOrder& order) noexcept {
+  now_ += kTick;
+  sent_count_ = 0;
+  run_rig();
+
+  to_master_.receive(now_);
+  HapticInput in;
+  in.hand = hand;
+  in.order = order;
+  in.slave = to_master_.newest;
+  in.slave_known = to_master_.known;
+  in.slave_age = to_master_.known ? now_ - to_master_.arrived : kForever;
+  haptic_step(options_.haptic, in, to_seconds(kTick), haptic_, haptic_out_);
+
+  to_slave_.send(haptic_out_.link, now_ + options_.transit);
+  // The slave's IO repeats its newest state at the same rate.
+  to_master_.send(follow_out_.link, now_ + options_.transit);
+}
+
+void Cell::run_rig() noexcept {
+  for (;;) {
+    const Nanos at = rig_.next();
+    if (at > now_) break;
+    const RigEvent event = rig_.step(at);
+    if (event == RigEvent::kSensor) read_sensor();
+    if (event != RigEvent::kControl) continue;
+    for (const Controller::Outgoing& packet : rig_.controller().replies()) {
+      RobotReply reply;
+      if (client_.on_datagram(packet.bytes(), at, reply) == RobotEvent::kReply) {
+        on_reply(reply, at);
+      }
+    }
+    if (client_.poll(at) == RobotEvent::kSilence) to_controller(client_.packet());
+  }
+}
+
+void Cell::read_sensor() noexcept {
+  const auto& record = rig_.sensor().record();
+  if (!record) return;
+  const auto decoded = decode_rdt_record(record->bytes);
+  follow_in_.wrench_valid = decoded && decoded->status == 0;
+  if (!follow_in_.wrench_valid) return;
+  const FtSourceOptions& scale = options_.rig.sensor;
+  for (int i = 0; i < 3; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    follow_in_.f_E_T.force[i] = decoded->counts[k] / scale.counts_per_n;
+    follow_in_.f_E_T.torque[i] = decoded->counts[k + 3] / scale.counts_per_n_m;
+  }
+}
+
+void Cell::on_reply(const RobotReply& reply, Nanos at) noexcept {
+  if (!follow_.placed) place(options_.follow, reply.q_commanded, follow_);
+  to_slave_.receive(at);
+  follow_in_.q_measured = reply.q_measured;
+  follow_in_.robot_ready = true;
+  follow_in_.master = to_slave_.newest;
+  follow_in_.master_known = to_slave_.known;
+  follow_in_.master_age = to_slave_.known ? at - to_slave_.arrived : kForever;
+  follow_step(options_.follow, follow_in_, follow_, follow_out_);
+  to_controller(client_.send(follow_out_.q_target));
+}
+
+void Cell::to_controller(MxtClient::Bytes bytes) noexcept {
+  rig_.controller().on_datagram(bytes, kSlave);
+  MxtPacket packet;
+  if (sent_count_ < sent_.size() && decode_mxt_request(bytes, packet) == MxtParse::kOk &&
+      packet.command == MxtCommand::kMove) {
+    sent_[sent_count_++] = packet.block[0].joints();
+  }
+}
+
+}  // namespace handrail

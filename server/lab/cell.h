@@ -1,0 +1,90 @@
+// One whole cell in virtual time: the master's and the slave's own steps, the robot driver's
+// packets and the simulated rig on one clock, without sockets, threads or sleeping.
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "devices/melfa/mxt_client.h"
+#include "devices/rig/rig.h"
+#include "server/control/follow_step.h"
+#include "server/control/haptic_step.h"
+
+namespace handrail {
+
+struct CellOptions {
+  HapticSettings haptic;
+  FollowSettings follow;
+  RigOptions rig;
+  Nanos transit = 0;  // one-way time of the link, on top of waiting for the next tick or cycle
+};
+
+// Same options, hands and orders: same answers, bit for bit. Large: keep it on the heap.
+class Cell {
+ public:
+  static constexpr Nanos kTick = kMillisecond;
+
+  explicit Cell(const CellOptions& options);
+
+  // Lets one master tick pass: first what the rig and the slave do until then, then the master's
+  // step with this hand and order. Allocates nothing.
+  void tick(const HandReading& hand, const HapticOrder& order = {}) noexcept;
+
+  Nanos now() const noexcept { return now_; }
+  const HapticOutput& master() const noexcept { return haptic_out_; }
+  const HapticState& master_state() const noexcept { return haptic_; }
+  const SlaveState& slave() const noexcept { return follow_out_.link; }
+  const Rig& rig() const noexcept { return rig_; }
+  // The joint targets in the datagrams sent to the controller during the last tick, as read back
+  // from their bytes [rad].
+  std::span<const JointVector> sent() const noexcept { return {sent_.data(), sent_count_}; }
+
+ private:
+  // What crosses the link takes `transit`: a short queue of whole states.
+  template <typename State>
+  struct Wire {
+    struct Entry {
+      State state;
+      Nanos due = 0;
+    };
+    std::array<Entry, 256> queue;
+    std::size_t head = 0, tail = 0;
+    State newest;
+    Nanos arrived = -kForever;
+    bool known = false;
+
+    void send(const State& state, Nanos due) noexcept {
+      queue[head++ % queue.size()] = {state, due};
+      if (head - tail > queue.size()) tail = head - queue.size();  // the oldest is lost
+    }
+    void receive(Nanos now) noexcept {
+      while (tail != head && queue[tail % queue.size()].due <= now) {
+        const Entry& entry = queue[tail++ % queue.size()];
+        newest = entry.state;
+        arrived = entry.due;
+        known = true;
+      }
+    }
+  };
+
+  void run_rig() noexcept;
+  void on_reply(const RobotReply& reply, Nanos at) noexcept;
+  void read_sensor() noexcept;
+  void to_controller(MxtClient::Bytes bytes) noexcept;
+
+  CellOptions options_;
+  Rig rig_;
+  MxtClient client_;
+  HapticState haptic_;
+  HapticOutput haptic_out_;
+  FollowState follow_;
+  FollowInput follow_in_;
+  FollowOutput follow_out_;
+  Wire<MasterState> to_slave_;
+  Wire<SlaveState> to_master_;
+  std::array<JointVector, 4> sent_;
+  std::size_t sent_count_ = 0;
+  Nanos now_ = 0;
+};
+
+}  // namespace handrail
