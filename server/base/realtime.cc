@@ -1,0 +1,58 @@
+#include "server/base/realtime.h"
+
+#include <linux/capability.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+namespace handrail {
+namespace {
+
+bool may_lock_without_limit() {
+  __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
+  __user_cap_data_struct data[_LINUX_CAPABILITY_U32S_3]{};
+  if (syscall(SYS_capget, &header, data) == 0 && (data[0].effective & (1u << CAP_IPC_LOCK)) != 0) {
+    return true;
+  }
+  rlimit limit{};
+  return getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY;
+}
+
+std::string cause() { return std::string(" (") + std::strerror(errno) + ")"; }
+
+// Under a limit, locking future pages would turn a later allocation into a failure.
+std::string lock_memory(bool& locked) {
+  if (!may_lock_without_limit()) return "memory not locked (no permission to lock all of it)";
+  locked = mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
+  return locked ? "memory locked" : "memory not locked" + cause();
+}
+
+std::string take_fifo(int priority, bool& fifo) {
+  const sched_param wanted{priority};
+  fifo = sched_setscheduler(0, SCHED_FIFO | SCHED_RESET_ON_FORK, &wanted) == 0;
+  return fifo ? "SCHED_FIFO " + std::to_string(priority) : "ordinary scheduling" + cause();
+}
+
+std::string refine_timers(bool& fine) {
+  fine = prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL) == 0;
+  return fine ? "timer slack 1 ns" : "default timer slack" + cause();
+}
+
+}  // namespace
+
+RealtimeGrant enter_realtime(int priority) {
+  RealtimeGrant grant;
+  grant.report = lock_memory(grant.memory_locked);
+  grant.report += ", " + take_fifo(priority, grant.fifo);
+  grant.report += ", " + refine_timers(grant.fine_timers);
+  if (grant.fifo) grant.priority = priority;
+  return grant;
+}
+
+}  // namespace handrail

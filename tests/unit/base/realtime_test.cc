@@ -1,0 +1,51 @@
+#include "server/base/realtime.h"
+
+#include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/prctl.h>
+
+#include <thread>
+
+namespace handrail {
+namespace {
+
+// In a thread of its own, so that the test program itself stays ordinary.
+template <typename Body>
+void in_thread(Body body) {
+  std::thread(body).join();
+}
+
+TEST(EnterRealtime, ReportsWhatTheThreadReallyGot) {
+  in_thread([] {
+    const RealtimeGrant grant = enter_realtime(10);
+    sched_param param{};
+    sched_getparam(0, &param);
+    const int policy = sched_getscheduler(0) & ~SCHED_RESET_ON_FORK;
+    EXPECT_EQ(grant.fifo, policy == SCHED_FIFO);
+    EXPECT_EQ(grant.priority, param.sched_priority);
+    EXPECT_EQ(grant.fine_timers, prctl(PR_GET_TIMERSLACK, 0, 0, 0, 0) == 1);
+    EXPECT_EQ(grant.report.find("SCHED_FIFO 10") != std::string::npos, grant.fifo);
+    EXPECT_EQ(grant.report.find("memory locked") != std::string::npos, grant.memory_locked);
+  });
+}
+
+TEST(EnterRealtime, ARefusedPriorityIsSaidAndTheThreadGoesOn) {
+  in_thread([] {
+    const RealtimeGrant grant = enter_realtime(1000);
+    EXPECT_FALSE(grant.fifo);
+    EXPECT_EQ(grant.priority, 0);
+    EXPECT_NE(grant.report.find("ordinary scheduling (Invalid argument)"), std::string::npos)
+        << grant.report;
+    EXPECT_EQ(sched_getscheduler(0) & ~SCHED_RESET_ON_FORK, SCHED_OTHER);
+  });
+}
+
+TEST(EnterRealtime, ThreadsStartedAfterwardsAreOrdinary) {
+  in_thread([] {
+    (void)enter_realtime(10);
+    in_thread([] { EXPECT_EQ(sched_getscheduler(0) & ~SCHED_RESET_ON_FORK, SCHED_OTHER); });
+  });
+}
+
+}  // namespace
+}  // namespace handrail
