@@ -1,0 +1,132 @@
+// The driver over a real socket, against a peer that plays bytes written by hand.
+#include "devices/melfa/melfa_robot.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/mxt/scripted_mxt_peer.h"
+
+namespace handrail {
+namespace {
+
+using golden::Packet;
+using test::ScriptedMxtPeer;
+
+// So long a cycle that a slow machine does not fall silent by itself.
+constexpr Nanos kNoHurry = 30 * kSecond;
+
+MelfaOptions options_for(const ScriptedMxtPeer& peer, Nanos period, std::size_t size = kMxtLong) {
+  MelfaOptions options;
+  options.port = peer.port();
+  options.client.period = period;
+  options.client.packet_bytes = size;
+  return options;
+}
+
+TEST(MelfaRobot, SpeaksTheGoldenConversation) {
+  ScriptedMxtPeer peer;
+  peer.expect(golden::null_long()).reply(golden::reply_long());
+  peer.expect(golden::move_long(1)).reply(golden::reply_long());
+  peer.expect(golden::move_long(2)).reply(golden::reply_long());
+  peer.expect(golden::end_long(3));
+  peer.play();
+  MelfaRobot robot(options_for(peer, kNoHurry));
+  RobotReply reply;
+  const Status connected = robot.connect(kNoHurry, reply);
+  ASSERT_TRUE(connected) << connected.message();
+  EXPECT_EQ(reply.q_measured, golden::kMeasured);
+  EXPECT_EQ(reply.q_commanded, golden::kTarget);
+  for (int i = 0; i < 2; ++i) {
+    robot.send(golden::kTarget);
+    EXPECT_EQ(robot.wait(reply), RobotEvent::kReply);
+  }
+  robot.end();
+  robot.end();
+  EXPECT_EQ(robot.counters().sent, 4u);
+  EXPECT_EQ(robot.counters().replies, 3u);
+  EXPECT_EQ(robot.counters().repeats, 0u);
+}
+
+TEST(MelfaRobot, SpeaksTheShortFormToOldControllers) {
+  ScriptedMxtPeer peer;
+  peer.expect(golden::null_short()).reply(golden::reply_short());
+  peer.expect(golden::move_short(1)).reply(golden::reply_short());
+  peer.expect(golden::end_short(2));
+  peer.play();
+  MelfaRobot robot(options_for(peer, kNoHurry, kMxtShort));
+  RobotReply reply;
+  ASSERT_TRUE(robot.connect(kNoHurry, reply));
+  robot.send(golden::kTarget);
+  EXPECT_EQ(robot.wait(reply), RobotEvent::kReply);
+  robot.end();
+}
+
+TEST(MelfaRobot, ReportsGarbageOnceAndWaitsOnForTheReply) {
+  ScriptedMxtPeer peer;
+  peer.expect(golden::null_long()).reply(golden::reply_long());
+  peer.expect(golden::move_long(1)).reply(Packet{1, 2, 3}).reply(golden::reply_short());
+  peer.expect(golden::move_long(2)).reply(golden::reply_long());
+  peer.expect(golden::end_long(3));
+  peer.play();
+  MelfaRobot robot(options_for(peer, kNoHurry));
+  RobotReply reply;
+  ASSERT_TRUE(robot.connect(kNoHurry, reply));
+  robot.send(golden::kTarget);
+  while (robot.counters().rejected < 2) EXPECT_EQ(robot.wait(reply), RobotEvent::kRejected);
+  robot.send(golden::kTarget);
+  EXPECT_EQ(robot.wait(reply), RobotEvent::kReply);
+  robot.end();
+}
+
+TEST(MelfaRobot, SendsTheHeldTargetAgainWhenTheControllerIsSilent) {
+  ScriptedMxtPeer peer;
+  peer.expect(golden::null_long()).reply(golden::reply_long());
+  peer.expect(golden::move_long(1));
+  peer.expect(golden::move_long(2)).ignore_the_rest();
+  peer.play();
+  MelfaRobot robot(options_for(peer, 500 * kMillisecond));
+  RobotReply reply;
+  ASSERT_TRUE(robot.connect(kNoHurry, reply));
+  robot.send(golden::kTarget);
+  EXPECT_EQ(robot.wait(reply), RobotEvent::kSilence);
+  EXPECT_EQ(robot.counters().repeats, 1u);
+}
+
+TEST(MelfaRobot, LosesTheSessionAfterAHundredSilences) {
+  ScriptedMxtPeer silent;
+  silent.ignore_the_rest().play();
+  MelfaRobot robot(options_for(silent, 100 * kMicrosecond));
+  RobotReply reply;
+  const Status connected = robot.connect(kNoHurry, reply);
+  EXPECT_FALSE(connected);
+  EXPECT_NE(connected.message().find(std::to_string(silent.port())), std::string::npos)
+      << connected.message();
+  EXPECT_EQ(robot.counters().repeats, 99u);
+  EXPECT_EQ(robot.wait(reply), RobotEvent::kLost);
+  robot.send(golden::kTarget);
+  EXPECT_EQ(robot.counters().sent, 100u);
+}
+
+TEST(MelfaRobot, NamesAddressAndCauseWhenItCannotConnect) {
+  RobotReply reply;
+  MelfaOptions options;
+  options.address = "robot.example";
+  EXPECT_NE(MelfaRobot(options).connect(kSecond, reply).message().find("'robot.example'"),
+            std::string::npos);
+  options = MelfaOptions{};
+  options.client.packet_bytes = 65;
+  EXPECT_NE(MelfaRobot(options).connect(kSecond, reply).message().find("65"), std::string::npos);
+}
+
+TEST(MelfaRobot, SaysThatTheAnswersHadTheWrongSize) {
+  ScriptedMxtPeer peer;
+  peer.expect(golden::null_long()).reply(golden::reply_short()).ignore_the_rest();
+  peer.play();
+  MelfaRobot robot(options_for(peer, 2 * kMillisecond));
+  RobotReply reply;
+  const std::string message = robot.connect(kNoHurry, reply).message();
+  EXPECT_NE(message.find("196"), std::string::npos) << message;
+  EXPECT_NE(message.find("packet_bytes"), std::string::npos) << message;
+}
+
+}  // namespace
+}  // namespace handrail

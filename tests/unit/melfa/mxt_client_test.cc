@@ -1,0 +1,162 @@
+#include "devices/melfa/mxt_client.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/support/mxt/mxt_golden.h"
+#include "tests/support/no_allocation.h"
+
+namespace handrail {
+namespace {
+
+using golden::Packet;
+
+constexpr Nanos kPeriod = kMxtPeriod;
+
+Packet copy(MxtClient::Bytes bytes) { return {bytes.begin(), bytes.end()}; }
+
+class MxtClientTest : public ::testing::Test {
+ protected:
+  void open() {
+    client_.start(0);
+    ASSERT_EQ(client_.on_datagram(golden::reply_long(), kPeriod, reply_), RobotEvent::kReply);
+  }
+
+  MxtClient client_{MxtClientOptions{}};
+  RobotReply reply_;
+};
+
+TEST_F(MxtClientTest, SpeaksTheGoldenConversation) {
+  EXPECT_EQ(copy(client_.start(0)), golden::null_long());
+  EXPECT_EQ(client_.on_datagram(golden::reply_long(), kPeriod, reply_), RobotEvent::kReply);
+  EXPECT_EQ(reply_.q_measured, golden::kMeasured);
+  EXPECT_EQ(reply_.q_commanded, golden::kTarget);
+  EXPECT_EQ(reply_.missed_cycles, 3u);
+  EXPECT_EQ(copy(client_.send(golden::kTarget)), golden::move_long(1));
+  EXPECT_EQ(copy(client_.send(golden::kTarget)), golden::move_long(2));
+  EXPECT_EQ(copy(client_.end()), golden::end_long(3));
+  EXPECT_FALSE(client_.open());
+}
+
+TEST_F(MxtClientTest, SpeaksTheShortFormToOldControllers) {
+  MxtClient client{MxtClientOptions{.packet_bytes = kMxtShort}};
+  EXPECT_EQ(copy(client.start(0)), golden::null_short());
+  EXPECT_EQ(client.on_datagram(golden::reply_short(), kPeriod, reply_), RobotEvent::kReply);
+  EXPECT_EQ(reply_.q_measured, golden::kMeasured);
+  EXPECT_EQ(reply_.q_commanded, golden::kMeasured);
+  EXPECT_EQ(copy(client.send(golden::kTarget)), golden::move_short(1));
+  EXPECT_EQ(copy(client.end()), golden::end_short(2));
+}
+
+TEST_F(MxtClientTest, RepeatsTheSameTargetAfterTwoPeriodsOfSilence) {
+  open();
+  client_.send(golden::kTarget);
+  EXPECT_EQ(client_.poll(3 * kPeriod - 1), std::nullopt);
+  EXPECT_EQ(client_.poll(3 * kPeriod), RobotEvent::kSilence);
+  EXPECT_EQ(copy(client_.packet()), golden::move_long(2));
+  EXPECT_EQ(client_.poll(5 * kPeriod - 1), std::nullopt);
+  EXPECT_EQ(client_.poll(5 * kPeriod), RobotEvent::kSilence);
+  EXPECT_EQ(copy(client_.packet()), golden::move_long(3));
+  EXPECT_EQ(client_.counters().repeats, 2u);
+}
+
+TEST_F(MxtClientTest, RepeatsTheOpeningPacketUntilTheFirstCommand) {
+  client_.start(0);
+  Packet again = golden::null_long();
+  again[60] = 1;
+  EXPECT_EQ(client_.poll(2 * kPeriod), RobotEvent::kSilence);
+  EXPECT_EQ(copy(client_.packet()), again);
+  EXPECT_EQ(client_.on_datagram(golden::reply_long(), 3 * kPeriod, reply_), RobotEvent::kReply);
+  EXPECT_EQ(client_.poll(5 * kPeriod), RobotEvent::kSilence);
+  again[60] = 2;
+  EXPECT_EQ(copy(client_.packet()), again) << "no MOVE before the first send()";
+}
+
+TEST_F(MxtClientTest, EndsTheSessionAfterAHundredLosses) {
+  open();
+  client_.send(golden::kTarget);
+  for (int loss = 1; loss < 100; ++loss) {
+    ASSERT_EQ(client_.poll(client_.deadline()), RobotEvent::kSilence) << loss;
+  }
+  EXPECT_EQ(client_.poll(client_.deadline()), RobotEvent::kLost);
+  EXPECT_FALSE(client_.open());
+  EXPECT_TRUE(client_.send(golden::kTarget).empty());
+  EXPECT_EQ(client_.on_datagram(golden::reply_long(), kForever, reply_), RobotEvent::kLost);
+  EXPECT_EQ(client_.poll(kForever), RobotEvent::kLost);
+  EXPECT_TRUE(client_.end().empty());
+}
+
+TEST_F(MxtClientTest, AReplyStartsTheCountOfLossesAnew) {
+  open();
+  client_.send(golden::kTarget);
+  for (int loss = 0; loss < 99; ++loss) client_.poll(client_.deadline());
+  const Nanos now = client_.deadline() - 1;
+  EXPECT_EQ(client_.on_datagram(golden::reply_long(), now, reply_), RobotEvent::kReply);
+  EXPECT_EQ(client_.deadline(), now + 2 * kPeriod);
+  for (int loss = 1; loss < 100; ++loss) {
+    ASSERT_EQ(client_.poll(client_.deadline()), RobotEvent::kSilence) << loss;
+  }
+  EXPECT_EQ(client_.poll(client_.deadline()), RobotEvent::kLost);
+}
+
+TEST_F(MxtClientTest, DropsWrongPacketsWithoutTouchingTheReplyOrTheDeadline) {
+  open();
+  const Nanos deadline = client_.deadline();
+  Packet pose = golden::reply_long();
+  pose[2] = pose[4] = 7;
+  Packet nan = golden::reply_long();
+  nan[10] = 0xc0;
+  nan[11] = 0x7f;
+  const Packet garbage{1, 2, 3};
+  for (const Packet& bad :
+       {golden::reply_short(), pose, nan, garbage, Packet{}, Packet(196, 0xff)}) {
+    RobotReply untouched;
+    EXPECT_EQ(client_.on_datagram(bad, kPeriod + 1, untouched), RobotEvent::kRejected);
+    EXPECT_TRUE(untouched.q_measured.isZero());
+  }
+  EXPECT_EQ(client_.counters().rejected, 6u);
+  EXPECT_EQ(client_.deadline(), deadline);
+}
+
+TEST_F(MxtClientTest, IgnoresThePacketCounterOfTheReply) {
+  open();
+  for (const std::uint8_t count : Packet{0x00, 0xff, 0x01}) {
+    Packet reply = golden::reply_long();
+    std::fill(reply.begin() + 60, reply.begin() + 64, count);
+    EXPECT_EQ(client_.on_datagram(reply, kPeriod, reply_), RobotEvent::kReply);
+  }
+}
+
+TEST_F(MxtClientTest, FindsTheFeedbackInWhicheverBlockCarriesIt) {
+  client_.start(0);
+  Packet swapped = golden::reply_long();
+  std::swap_ranges(swapped.begin() + 8, swapped.begin() + 48, swapped.begin() + 68);
+  swapped[2] = swapped[4] = 2;
+  swapped[64] = 8;
+  EXPECT_EQ(client_.on_datagram(swapped, kPeriod, reply_), RobotEvent::kReply);
+  EXPECT_EQ(reply_.q_measured, golden::kMeasured);
+  EXPECT_EQ(reply_.q_commanded, golden::kTarget);
+}
+
+TEST_F(MxtClientTest, StartsANewSessionAfterALostOne) {
+  open();
+  client_.send(golden::kTarget);
+  while (client_.poll(client_.deadline()) != RobotEvent::kLost) {
+  }
+  EXPECT_EQ(copy(client_.start(kForever)), golden::null_long());
+  EXPECT_EQ(client_.on_datagram(golden::reply_long(), kForever, reply_), RobotEvent::kReply);
+}
+
+TEST_F(MxtClientTest, DoesNotAllocate) {
+  const Packet reply = golden::reply_long();
+  test::NoAllocation guard("an MXT cycle");
+  client_.start(0);
+  client_.on_datagram(reply, kPeriod, reply_);
+  client_.send(golden::kTarget);
+  client_.poll(client_.deadline());
+  client_.end();
+}
+
+}  // namespace
+}  // namespace handrail
