@@ -12,8 +12,14 @@ constexpr double kTurnSpeed = 6.0;  // turning faster than J6 ever could [rad/s]
 constexpr double kArrived = 1e-12;  // [m], [rad]: below rounding
 // Room for the path's curvature in joint space and for the wire's 32-bit floats, so that the guard,
 // which takes no margin, never has to act.
+// Room for the wire's 32-bit floats, so that the guard, which takes no margin, never has to act.
 constexpr double kMargin = 0.97;
-constexpr double kStopMargin = 0.85;
+// A joint's acceleration is shared between the bend of the path in joint space at the present speed
+// and the braking that must remain possible: bends may take this share ...
+constexpr double kBendShare = 0.4;
+// ... and braking takes what the bend leaves of this one, but at least the last.
+constexpr double kBrakeShare = 0.9;
+constexpr double kLeastBrakeShare = 0.3;
 constexpr int kHalvings = 6;
 
 struct Candidate {
@@ -47,15 +53,28 @@ void accept(const Candidate& c, MotionState& state) {
   state.tip_step = c.tip;
 }
 
-// Share of the last tip step that may remain: the joint that needs longest to stop decides.
-double brake_share(const MotionSettings& settings, const MotionState& state) {
-  double share = 0.0;
+// How slowly the tip may go on along its last step: the joint that needs longest to stop decides.
+struct Braking {
+  double share = 0.0;                      // of the last tip step
+  JointVector step = JointVector::Zero();  // the joint step that makes, nearly
+};
+
+Braking slowest(const MotionSettings& settings, const MotionState& state) {
+  Braking out;
+  if (standing(state)) return out;
+  // Going on at the same speed takes this step, which differs from the last by the path's bend.
+  Candidate c;
+  const JointVector on = candidate(settings, state, state.tip_step, c) ? c.step : state.step;
   for (int i = 0; i < kJoints; ++i) {
     const double a = kMargin * settings.limits.max_acceleration[i] * settings.dt * settings.dt;
-    const double last = std::abs(state.step[i]);
-    if (last > a) share = std::max(share, 1.0 - a / last);
+    const double needed = std::abs(state.step[i]) - a;
+    if (needed > 0.0 && on[i] * state.step[i] > 0.0) {
+      out.share = std::max(out.share, needed / std::abs(on[i]));
+    }
   }
-  return share;
+  out.share = std::min(out.share, 1.0);
+  out.step = out.share * on;
+  return out;
 }
 
 // Stops in joint space: for the cycle in which the straight path cannot be kept.
@@ -65,6 +84,32 @@ void brake_joints(const MotionSettings& settings, const StepBox& box, MotionStat
   state.q += box.brake;
   state.X_ST = forward(settings.arm, state.q);
   state.tip_step = {state.X_ST.p - before.p, rotation_log(state.X_ST.q * before.q.conjugate())};
+}
+
+// Speed at which the path may be followed, at most 1, in units of the candidate `c` a cycle; `half`
+// is the joint step to its middle, `remaining` the way to the target in the same units. Slow enough
+// for the bends, to stop on the target and to stop every joint before the end of its range.
+double allowed_speed(const MotionSettings& settings, const MotionState& state, const Candidate& c,
+                     const JointVector& half, double remaining) {
+  const double size = c.tip.linear.norm() + c.tip.angular.norm();
+  const double last = (state.tip_step.linear.norm() + state.tip_step.angular.norm()) / size;
+  double speed = 1.0;
+  double stop = remaining;  // deceleration along the path, candidates a cycle^2
+  for (int i = 0; i < kJoints; ++i) {
+    const double a = settings.limits.max_acceleration[i] * settings.dt * settings.dt;
+    // q(s) = slope s + bend s^2 / 2 through the middle and the end.
+    const double slope = 4.0 * half[i] - c.step[i];
+    const double bend = std::abs(4.0 * (c.step[i] - 2.0 * half[i]));
+    if (bend * speed * speed > kBendShare * a) speed = std::sqrt(kBendShare * a / bend);
+    const double brake = std::max(kLeastBrakeShare * a, kBrakeShare * a - bend * last * last);
+    const double rate = std::max(std::abs(slope), std::abs(c.step[i]));
+    if (rate * remaining > a) stop = std::min(stop, brake / rate);
+    const double room = c.step[i] > 0.0 ? settings.limits.upper[i] - state.q[i]
+                                        : state.q[i] - settings.limits.lower[i];
+    const double toward = longest_stoppable(room, std::min(brake, 0.6 * a));
+    if (rate * speed > toward) speed = toward / rate;
+  }
+  return std::min(speed, longest_stoppable(remaining, stop));
 }
 
 // Which limit of the box the step `to` breaks first.
@@ -87,10 +132,9 @@ Reason binding(const MotionSettings& settings, const MotionState& state, const S
 // Takes the longest blend between braking and `wanted` that the limits allow.
 void step_between(const MotionSettings& settings, const StepBox& box, const Candidate& wanted,
                   MotionState& state) {
-  const double keep = brake_share(settings, state);
-  const Twist slow = keep * state.tip_step;
-  const JointVector slow_joints = keep * state.step;
-  double share = box.largest_share(slow_joints, wanted.step);
+  const Braking braking = slowest(settings, state);
+  const Twist slow = braking.share * state.tip_step;
+  double share = box.largest_share(braking.step, wanted.step);
   for (int i = 0; i < 4; ++i) {
     Candidate c;
     if (candidate(settings, state, blend(slow, wanted.tip, share), c) && box.contains(c.step)) {
@@ -141,18 +185,11 @@ Reason move_toward(const MotionSettings& settings, const Pose& target, double sh
     part *= 0.5;
   }
 
-  // Slow enough to stop where the way ends, as joints go along it here.
-  const double remaining = 1.0 / part;
-  double a = 1e9;  // change of step a cycle, in units of the candidate
-  for (int i = 0; i < kJoints; ++i) {
-    const double d = std::abs(c.step[i]);
-    if (d > 0.0) {
-      a = std::min(
-          a, kStopMargin * settings.limits.max_acceleration[i] * settings.dt * settings.dt / d);
-    }
-  }
-  const double fraction = share * std::min(1.0, longest_stoppable(remaining, a));
-  if (fraction < 1.0 && !candidate(settings, state, (fraction * part) * way, c)) {
+  Candidate half;
+  const bool known = candidate(settings, state, (0.5 * part) * way, half);
+  const double speed =
+      share * allowed_speed(settings, state, c, known ? half.step : 0.5 * c.step, 1.0 / part);
+  if (speed < 1.0 && !candidate(settings, state, (speed * part) * way, c)) {
     brake(settings, state);
     return Reason::kOutOfReach;
   }
@@ -175,14 +212,14 @@ void brake(const MotionSettings& settings, MotionState& state) noexcept {
     return;
   }
   const StepBox box = step_box(settings.limits, state.q, state.step, settings.dt, kMargin);
-  const double keep = brake_share(settings, state);
-  if (keep == 0.0) {
+  const double share = slowest(settings, state).share;
+  if (share == 0.0) {
     state.step.setZero();
     state.tip_step = Twist();
     return;
   }
   Candidate c;
-  if (candidate(settings, state, keep * state.tip_step, c) && box.contains(c.step)) {
+  if (candidate(settings, state, share * state.tip_step, c) && box.contains(c.step)) {
     accept(c, state);
   } else {
     brake_joints(settings, box, state);
