@@ -49,8 +49,8 @@ std::string refine_timers(bool& fine) {
 RealtimeGrant enter_realtime(int priority) {
   RealtimeGrant grant;
   grant.report = lock_memory(grant.memory_locked);
-  grant.report += ", " + take_fifo(priority, grant.fifo);
   grant.report += ", " + refine_timers(grant.fine_timers);
+  grant.report += ", " + take_fifo(priority, grant.fifo);
   if (grant.fifo) grant.priority = priority;
   return grant;
 }

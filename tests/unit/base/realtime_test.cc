@@ -23,7 +23,8 @@ TEST(EnterRealtime, ReportsWhatTheThreadReallyGot) {
     const int policy = sched_getscheduler(0) & ~SCHED_RESET_ON_FORK;
     EXPECT_EQ(grant.fifo, policy == SCHED_FIFO);
     EXPECT_EQ(grant.priority, param.sched_priority);
-    EXPECT_EQ(grant.fine_timers, prctl(PR_GET_TIMERSLACK, 0, 0, 0, 0) == 1);
+    // Some kernels report 0 for a SCHED_FIFO thread, which has no slack at all.
+    EXPECT_EQ(grant.fine_timers, prctl(PR_GET_TIMERSLACK, 0, 0, 0, 0) <= 1);
     EXPECT_EQ(grant.report.find("SCHED_FIFO 10") != std::string::npos, grant.fifo);
     EXPECT_EQ(grant.report.find("memory locked") != std::string::npos, grant.memory_locked);
   });
