@@ -1,0 +1,242 @@
+#include "tests/lint/rules.h"
+
+#include <algorithm>
+#include <map>
+#include <regex>
+#include <set>
+
+namespace handrail::lint {
+namespace {
+
+using Folders = std::set<std::string>;
+
+Folders operator+(Folders a, const Folders& b) {
+  a.insert(b.begin(), b.end());
+  return a;
+}
+
+// A folder's own files are always allowed. "devices" is the interfaces and the registry.
+const std::map<std::string, Folders>& table() {
+  static const Folders base = {"server/base"};
+  static const Folders steps =
+      base + Folders{"server/scene", "server/kinematics", "server/constraint", "server/effects"};
+  static const Folders daemons =
+      steps + Folders{"server/control", "server/link", "server/record", "proto", "devices"};
+  static const Folders sim = steps + Folders{"devices", "devices/hand"};
+  static const Folders all_devices = {"devices/hand",   "devices/omni", "devices/melfa",
+                                      "devices/net_ft", "devices/udp",  "devices/rig"};
+  static const std::map<std::string, Folders> rows = {
+      {"proto", {}},
+      {"server/base", {}},
+      {"server/scene", base + Folders{"proto"}},
+      {"server/kinematics", base},
+      {"server/constraint", base + Folders{"server/scene"}},
+      {"server/effects", base + Folders{"server/scene"}},
+      {"server/control",
+       base + Folders{"server/constraint", "server/effects", "server/kinematics"}},
+      {"server/link", base + Folders{"proto"}},
+      {"server/record", base + Folders{"proto"}},
+      {"server/master", daemons},
+      {"server/slave", daemons + Folders{"devices/melfa", "devices/net_ft"}},
+      {"server/lab", daemons + all_devices + Folders{"server/master", "server/slave"}},
+      {"devices", steps + all_devices},
+      {"devices/udp", base},
+      {"devices/melfa", base + Folders{"devices", "devices/udp"}},
+      {"devices/net_ft", base + Folders{"devices", "devices/udp"}},
+      {"devices/hand", sim},
+      {"devices/omni", sim},
+      {"devices/rig", sim + Folders{"proto", "devices/melfa", "devices/net_ft", "devices/udp"}},
+      {"client/api", base + Folders{"proto", "server/link"}},
+      {"client/cli", base + Folders{"proto", "server/link", "server/scene", "client/api"}},
+      {"client/console", base + Folders{"proto", "server/link", "client/api"}}};
+  return rows;
+}
+
+bool is_project_path(const std::string& path) {
+  for (const char* top : {"proto/", "server/", "devices/", "client/", "tests/"}) {
+    if (starts_with(path, top)) return true;
+  }
+  return false;
+}
+
+bool is_test(const std::string& path) { return starts_with(path, "tests/"); }
+
+std::string stem_of(const std::string& path) {
+  const std::size_t slash = path.rfind('/');
+  const std::string name = slash == std::string::npos ? path : path.substr(slash + 1);
+  return name.substr(0, name.find('.'));
+}
+
+// Files of the simulation and of scenes that may see generated protobuf headers: the readers of
+// text files, the check of field ranges they share, and mains.
+bool reads_text(const std::string& stem) {
+  return ends_with(stem, "_io") || ends_with(stem, "_main") || stem == "field_check";
+}
+
+Violations forbid(const File& source, const std::vector<std::string>& starts,
+                  const std::string& why) {
+  Violations found;
+  for (const std::string& include : includes_of(source.text)) {
+    for (const std::string& start : starts) {
+      if (starts_with(include, start)) {
+        found.push_back(source.path + ": includes " + include + ", but " + why);
+      }
+    }
+  }
+  return found;
+}
+
+}  // namespace
+
+std::string folder_of(const std::string& path) {
+  const std::size_t first = path.find('/');
+  if (first == std::string::npos) return "";
+  const std::size_t second = path.find('/', first + 1);
+  if (second == std::string::npos || starts_with(path, "proto/")) return path.substr(0, first);
+  return path.substr(0, second);
+}
+
+bool is_in_table(const std::string& folder) { return table().count(folder) != 0; }
+
+bool may_use(const std::string& path, const std::string& folder) {
+  const std::string own = folder_of(path);
+  if (own == folder) return true;
+  const auto row = table().find(own);
+  return row != table().end() && row->second.count(folder) != 0;
+}
+
+Violations include_direction(const File& source) {
+  const std::string own = folder_of(source.path);
+  if (!is_in_table(own)) return {source.path + ": folder " + own + " has no row in the table"};
+  Violations found;
+  for (const std::string& include : includes_of(source.text)) {
+    if (!is_project_path(include)) continue;
+    const std::string folder = folder_of(include);
+    const bool io_only = folder == "proto" && (own == "server/scene" || own == "devices/rig");
+    if (!may_use(source.path, folder)) {
+      found.push_back(source.path + ": " + own + " may not include " + include);
+    } else if (io_only && !reads_text(stem_of(source.path))) {
+      found.push_back(source.path + ": only *_io files here may include " + include);
+    }
+  }
+  return found;
+}
+
+Violations link_direction(const File& cmake) {
+  static const std::regex call(R"(handrail_library\(\s*(\w+)([^)]*)\))");
+  static const std::regex target(R"(handrail_(\w+))");
+  const std::string text = cmake_only(cmake.text);
+  Violations found;
+  for (auto it = std::sregex_iterator(text.begin(), text.end(), call); it != std::sregex_iterator();
+       ++it) {
+    const std::string targets = (*it)[2];
+    for (auto dep = std::sregex_iterator(targets.begin(), targets.end(), target);
+         dep != std::sregex_iterator(); ++dep) {
+      const std::string name = (*dep)[1];
+      bool allowed = name == "options" || may_use(cmake.path, name);
+      for (const char* top : {"server/", "devices/", "client/"}) {
+        allowed |= may_use(cmake.path, top + name);
+      }
+      allowed |= name == "client_api" && may_use(cmake.path, "client/api");
+      allowed |= name == "registry" && may_use(cmake.path, "devices");
+      if (!allowed) found.push_back(cmake.path + ": may not link handrail_" + name);
+    }
+  }
+  return found;
+}
+
+Violations base_dependencies(const File& source) {
+  if (folder_of(source.path) != "server/base") return {};
+  return forbid(source, {"boost/", "spdlog/", "google/", "CLI/", "gtest/", "benchmark/"},
+                "base depends on the standard library and Eigen only");
+}
+
+Violations pure_folders(const File& source) {
+  static const std::set<std::string> pure = {"server/kinematics", "server/constraint",
+                                             "server/effects", "server/control"};
+  if (pure.count(folder_of(source.path)) == 0) return {};
+  return forbid(
+      source,
+      {"chrono", "ctime", "time.h", "thread", "mutex", "shared_mutex", "condition_variable",
+       "future", "semaphore", "iostream", "fstream", "sstream", "spdlog", "boost/", "sys/",
+       "server/base/clock.h", "server/base/pacer.h", "server/base/realtime.h"},
+      "steps are pure: no clock, thread, lock, stream, log or socket");
+}
+
+Violations logging(const File& source) {
+  if (is_test(source.path)) return {};
+  const std::string folder = folder_of(source.path);
+  const bool speaks = starts_with(folder, "devices") || starts_with(folder, "client") ||
+                      folder == "server/master" || folder == "server/slave" ||
+                      folder == "server/record" || folder == "server/lab";
+  if (speaks && ends_with(source.path, ".cc")) return {};
+  return forbid(source, {"spdlog/"},
+                "logs are written by .cc files of daemons, client and devices");
+}
+
+Violations networking(const File& source) {
+  const std::string folder = folder_of(source.path), stem = stem_of(source.path);
+  if (is_test(source.path) || folder == "devices/udp" || starts_with(folder, "client/")) return {};
+  for (const char* role : {"_main", "_transport", "_server", "_socket", "_robot", "_sensor"}) {
+    if (ends_with(stem, role)) return {};
+  }
+  return forbid(source, {"boost/asio", "boost/beast", "sys/socket.h", "netinet/"},
+                "sockets stay in *_transport, *_server, *_socket, *_robot, *_sensor and *_main");
+}
+
+Violations heavy_headers(const std::vector<File>& sources) {
+  Violations found;
+  for (const std::string heavy : {"boost/beast", "CLI/"}) {
+    std::set<std::string> users;
+    for (const File& source : sources) {
+      for (const std::string& include : includes_of(source.text)) {
+        if (starts_with(include, heavy)) users.insert(source.path);
+      }
+    }
+    if (users.size() <= 2) continue;
+    std::string list;
+    for (const std::string& user : users) list += " " + user;
+    found.push_back(heavy + " is included by more than two files:" + list);
+  }
+  return found;
+}
+
+Violations file_size(const File& source) {
+  constexpr std::ptrdiff_t kMost = 400;
+  const std::ptrdiff_t lines = std::count(source.text.begin(), source.text.end(), '\n');
+  if (lines <= kMost) return {};
+  return {source.path + ": " + std::to_string(lines) + " lines, split at " + std::to_string(kMost)};
+}
+
+Violations build_options(const File& cmake) {
+  const std::string text = ends_with(cmake.path, ".json") ? cmake.text : cmake_only(cmake.text);
+  Violations found;
+  for (const std::string option : {"-ffast-math", "-Ofast", "-march=native"}) {
+    if (text.find(option) != std::string::npos) found.push_back(cmake.path + ": uses " + option);
+  }
+  return found;
+}
+
+Violations assertions(const File& test) {
+  static const std::regex head(
+      R"(\b(?:TEST|TEST_F|TEST_P|TYPED_TEST|TYPED_TEST_P|RC_GTEST_PROP)\s*\(\s*(\w+)\s*,\s*(\w+))");
+  static const std::regex asserts(
+      R"(\b(?:EXPECT_|ASSERT_|RC_ASSERT|FAIL\(|ADD_FAILURE|NoAllocation|rc::check|(?:expect|assert|check|require)(?:_\w+)?\s*[(<]))");
+  const std::string code = code_only(test.text);
+  Violations found;
+  for (auto it = std::sregex_iterator(code.begin(), code.end(), head); it != std::sregex_iterator();
+       ++it) {
+    const std::size_t open = code.find('{', static_cast<std::size_t>(it->position()));
+    std::size_t end = open;
+    for (int depth = 0; end < code.size(); ++end) {
+      depth += code[end] == '{' ? 1 : (code[end] == '}' ? -1 : 0);
+      if (depth == 0) break;
+    }
+    if (open == std::string::npos || !std::regex_search(code.substr(open, end - open), asserts)) {
+      found.push_back(test.path + ": " + it->str(1) + "." + it->str(2) + " asserts nothing");
+    }
+  }
+  return found;
+}
+
+}  // namespace handrail::lint
