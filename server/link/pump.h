@@ -1,0 +1,66 @@
+// Moves datagrams between a transport and a peer.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "server/base/time.h"
+#include "server/link/peer.h"
+#include "server/link/transport.h"
+
+namespace handrail {
+
+// Call receive() and send() at least once a kSendPeriod, and receive() whenever something waits.
+// Real-time safe, one thread at a time. Transport and peer must outlive it.
+template <typename Local, typename Remote>
+class LinkPump {
+ public:
+  // With receive() not called for longer than this, what waits is older than it looks.
+  static constexpr Nanos kStall = 20 * kMillisecond;
+
+  LinkPump(Transport& transport, LinkPeer<Local, Remote>& peer)
+      : transport_(transport), peer_(peer) {}
+
+  // Takes what waits, at most kBatch datagrams. True when the peer's newest state has changed.
+  // After a stall of our own everything that waits is dropped and counted: the next datagram, a
+  // millisecond away, tells its age truly.
+  bool receive(Nanos now) noexcept {
+    dropping_ = dropping_ || (last_receive_ != -kForever && now - last_receive_ > kStall);
+    last_receive_ = now;
+    bool changed = false;
+    for (int i = 0; i < kBatch; ++i) {
+      const auto arrival = transport_.receive(buffer_);
+      if (!arrival) {
+        dropping_ = false;
+        break;
+      }
+      if (dropping_) {
+        peer_.count_dropped(Reject::kAfterStall);
+      } else if (!arrival->from_peer) {
+        peer_.count_dropped(Reject::kSender);
+      } else if (peer_.on_datagram(std::span(buffer_).first(arrival->size), now) == Reject::kNone) {
+        transport_.adopt_sender();
+        changed = true;
+      }
+    }
+    return changed;
+  }
+
+  // Sends `state` if a datagram is due.
+  void send(Nanos now, const Local& state) noexcept {
+    const std::size_t size = peer_.poll(now, state, buffer_);
+    if (size != 0) (void)transport_.send(std::span(buffer_).first(size));
+  }
+
+ private:
+  static constexpr int kBatch = 256;
+
+  Transport& transport_;
+  LinkPeer<Local, Remote>& peer_;
+  std::array<std::uint8_t, kMaxDatagram + 1> buffer_{};  // one more shows what is too long
+  Nanos last_receive_ = -kForever;
+  bool dropping_ = false;
+};
+
+}  // namespace handrail

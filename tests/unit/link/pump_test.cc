@@ -1,0 +1,123 @@
+#include "server/link/pump.h"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+
+#include "tests/unit/link/link_samples.h"
+
+namespace handrail {
+namespace {
+
+constexpr Nanos kStart = 1000 * kSecond;
+
+// Plays datagrams from a script and keeps what is sent.
+class ScriptedTransport : public Transport {
+ public:
+  struct Entry {
+    std::vector<std::uint8_t> bytes;
+    bool from_peer = true;
+  };
+  std::deque<Entry> waiting;
+  std::vector<std::size_t> sent;
+  int adopted = 0;
+
+  std::optional<Arrival> receive(std::span<std::uint8_t> buffer) noexcept override {
+    if (waiting.empty()) return std::nullopt;
+    const Entry entry = waiting.front();
+    waiting.pop_front();
+    const std::size_t size = std::min(entry.bytes.size(), buffer.size());
+    std::copy_n(entry.bytes.begin(), size, buffer.begin());
+    return Arrival{size, entry.from_peer};
+  }
+  void adopt_sender() noexcept override { ++adopted; }
+  bool send(std::span<const std::uint8_t> bytes) noexcept override {
+    sent.push_back(bytes.size());
+    return true;
+  }
+};
+
+class PumpTest : public ::testing::Test {
+ protected:
+  void arrive(std::uint64_t sequence, bool from_peer = true) {
+    MasterState state = sample_master();
+    state.stop_epoch = static_cast<std::uint32_t>(sequence);
+    net.waiting.push_back({datagram(sample_header(7, sequence), state), from_peer});
+  }
+  std::uint64_t rejected(Reject cause) { return peer.rejects()[static_cast<std::size_t>(cause)]; }
+
+  ScriptedTransport net;
+  SlavePeer peer{1};
+  LinkPump<SlaveState, MasterState> pump{net, peer};
+};
+
+TEST_F(PumpTest, TakesEverythingThatWaitsAndKeepsTheNewest) {
+  for (const std::uint64_t n : {1, 3, 2}) arrive(n);
+  EXPECT_TRUE(pump.receive(kStart));
+  EXPECT_EQ(peer.newest().stop_epoch, 3u);
+  EXPECT_TRUE(net.waiting.empty());
+  EXPECT_FALSE(pump.receive(kStart + 1));
+}
+
+TEST_F(PumpTest, OnlyAcceptedDatagramsTellWhereThePeerIs) {
+  arrive(1);
+  arrive(1);
+  net.waiting.push_back({{1, 2, 3}});
+  (void)pump.receive(kStart);
+  EXPECT_EQ(net.adopted, 1);
+}
+
+TEST_F(PumpTest, StrangersAreCountedAndNotRead) {
+  arrive(1, false);
+  EXPECT_FALSE(pump.receive(kStart));
+  EXPECT_EQ(rejected(Reject::kSender), 1u);
+  EXPECT_EQ(peer.snapshot().peer_epoch, 0u);
+  EXPECT_EQ(net.adopted, 0);
+}
+
+TEST_F(PumpTest, WhatWaitedThroughOurOwnStallIsDropped) {
+  arrive(1);
+  (void)pump.receive(kStart);
+  for (std::uint64_t n = 2; n < 12; ++n) arrive(n);
+  EXPECT_FALSE(pump.receive(kStart + 20 * kMillisecond + 1));
+  EXPECT_EQ(rejected(Reject::kAfterStall), 10u);
+  EXPECT_EQ(peer.newest().stop_epoch, 1u);
+  arrive(12);
+  EXPECT_TRUE(pump.receive(kStart + 22 * kMillisecond));
+  EXPECT_EQ(peer.newest().stop_epoch, 12u);
+}
+
+TEST_F(PumpTest, APauseWithinTheLimitDropsNothing) {
+  arrive(1);
+  (void)pump.receive(kStart);
+  arrive(2);
+  EXPECT_TRUE(pump.receive(kStart + 20 * kMillisecond));
+}
+
+TEST_F(PumpTest, AQueueLongerThanABatchIsDroppedToItsEndAfterAStall) {
+  (void)pump.receive(kStart);
+  for (std::uint64_t n = 1; n <= 300; ++n) arrive(n);
+  (void)pump.receive(kStart + kSecond);
+  EXPECT_EQ(rejected(Reject::kAfterStall), 256u);
+  EXPECT_FALSE(pump.receive(kStart + kSecond));
+  EXPECT_EQ(rejected(Reject::kAfterStall), 300u);
+  EXPECT_EQ(peer.snapshot().accepted, 0u);
+}
+
+TEST_F(PumpTest, AnOversizedDatagramIsRefused) {
+  auto bytes = datagram(sample_header(), sample_master());
+  bytes.resize(2000);
+  net.waiting.push_back({bytes});
+  EXPECT_FALSE(pump.receive(kStart));
+  EXPECT_EQ(rejected(Reject::kSize), 1u);
+}
+
+TEST_F(PumpTest, SendsWhatIsDueAndNoMore) {
+  for (Nanos t = 0; t < 10 * kMillisecond; t += kMillisecond / 4) {
+    pump.send(kStart + t, sample_slave());
+  }
+  EXPECT_EQ(net.sent, std::vector<std::size_t>(10, 409));
+}
+
+}  // namespace
+}  // namespace handrail
