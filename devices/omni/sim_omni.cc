@@ -79,7 +79,7 @@ void SimOmni::observe(double dt) noexcept {
 
 void SimOmni::write(const Wrench& f_H_M) noexcept {
   wrench_ = Wrench{};
-  if (!open_ || !is_finite(f_H_M)) return;
+  if (!is_finite(f_H_M)) return;
   wrench_.force = limited(f_H_M.force, capabilities_.max_force);
   wrench_.torque = limited(f_H_M.torque, capabilities_.max_torque);
 }

@@ -80,6 +80,22 @@ TEST(HandModel, FrictionHoldsTheBodyExactlyUntilPushedHarder) {
   EXPECT_EQ(hand.pose().p, rest);
 }
 
+TEST(HandModel, AMoveTooSlowForItsFrictionSticksAndSlipsWithoutJumps) {
+  HandModel hand(still_hand(), stylus());
+  hand.steer(move({0.002, 0.0, 0.0}, 10.0));
+  int stuck = 0;
+  for (int i = 0; i < 10'000; ++i) {
+    const Vec3 before = hand.pose().p;
+    const Vec3 v_before = hand.velocity();
+    hand.step(kTick, Wrench{});
+    const Vec3 moved = hand.pose().p - before;
+    stuck += moved.norm() == 0.0 ? 1 : 0;
+    EXPECT_LE(moved.norm(), 2.0 * kTick * std::max(v_before.norm(), hand.velocity().norm()) + 1e-6);
+  }
+  EXPECT_GT(stuck, 1000);
+  EXPECT_NEAR(hand.pose().p.x(), 0.002, 0.26 / 250.0);
+}
+
 // The device as a wall on a delayed reading: bounded, and settling, for firm and for light grips.
 TEST(HandModel, StaysBoundedAgainstAStiffVirtualSpring) {
   for (const double stiffness : {250.0, 50.0}) {

@@ -73,10 +73,11 @@ TEST(HandMotion, NewMoveTakesOverWithoutAJumpInSpeedOrAcceleration) {
   VectorMotion last = motion.position();
   Quat last_q = motion.orientation();
   Vec3 last_turn = Vec3::Zero();
+  Vec3 last_bend = Vec3::Zero();
   for (int i = 0; i < 1500; ++i) {
-    if (i == 300) {
+    if (i == 300 || i == 700) {
       HandIntent other = move({0.0, 0.04, -0.01}, 0.6);
-      other.rotation_M = Vec3(0.5, 0.0, 0.2);
+      other.rotation_M = i == 300 ? Vec3(0.5, 0.0, 0.2) : Vec3(0.0, -0.4, 0.8);
       motion.steer(other);
     }
     motion.step(kTick);
@@ -86,7 +87,10 @@ TEST(HandMotion, NewMoveTakesOverWithoutAJumpInSpeedOrAcceleration) {
     EXPECT_LT((now.a - last.a).norm(), 60.0 * kTick + 1e-9) << i;
     const Vec3 turned = rotation_log(motion.orientation() * last_q.conjugate());
     EXPECT_LT((turned - last_turn).norm(), 25.0 * kTick * kTick) << i;
+    const Vec3 bend = (turned - last_turn) / (kTick * kTick);
+    EXPECT_LT((bend - last_bend).norm(), 2.0) << i;
     last = now;
+    last_bend = bend;
     last_q = motion.orientation();
     last_turn = turned;
   }

@@ -58,7 +58,7 @@ TEST(RecordedHandIo, TextWhereANumberShouldBeNamesLineColumnAndValue) {
                     HasSubstr("expected a number")));
   EXPECT_THAT(error_of(kHeader + "0,1,2mm\n"), AllOf(StartsWith("hand.csv:2: "), HasSubstr("2mm")));
   EXPECT_THAT(error_of(kHeader + "0,1,\n"), AllOf(StartsWith("hand.csv:2: "), HasSubstr("y_mm")));
-  EXPECT_THAT(error_of(kHeader + "0,1,+-2\n"), StartsWith("hand.csv:2: "));
+  EXPECT_THAT(error_of(kHeader + "0,1,+-2\n"), HasSubstr("\"+-2\""));
 }
 
 TEST(RecordedHandIo, RefusesNumbersThatAreNotFiniteOrOutOfRange) {

@@ -158,6 +158,27 @@ TEST(SimOmni, AHardVirtualSpringNeitherDivergesNorBuzzes) {
   }
 }
 
+TEST(SimOmni, AnyHandAConfigurationAllowsStaysBounded) {
+  for (const double mass : {0.01, 5.0}) {
+    for (const double stiffness : {10.0, 5000.0}) {
+      for (const double damping_ratio : {0.0, 5.0}) {
+        HandOptions options;
+        options.mass = mass;
+        options.stiffness = stiffness;
+        options.damping_ratio = damping_ratio;
+        Bench bench(options);
+        bench.steer({0.05, 0.0, 0.0}, 0.2);
+        for (int i = 0; i < 5000; ++i) {
+          // Pushes to and fro at 4 Hz, as hard as the device can.
+          bench.tick(force(i / 125 % 2 == 0 ? 3.3 : -3.3, 0.0, 1.0));
+          ASSERT_LT(bench.sample().X_MH.p.norm(), 0.15)
+              << mass << " kg, " << stiffness << " N/m, " << damping_ratio << ", tick " << i;
+        }
+      }
+    }
+  }
+}
+
 TEST(SimOmni, ALongStallCostsBoundedWork) {
   SimOmni stalled(still_hand(), false);
   ASSERT_TRUE(stalled.open().is_ok());
