@@ -20,25 +20,26 @@ double StepBox::largest_share(const JointVector& from, const JointVector& to) co
 }
 
 StepBox step_box(const JointLimits& limits, const JointVector& q, const JointVector& last,
-                 double dt, double margin) noexcept {
+                 double dt, double margin, double reserve) noexcept {
   StepBox box;
   for (int i = 0; i < kJoints; ++i) {
     const double v = margin * limits.max_speed[i] * dt;
     const double a = margin * limits.max_acceleration[i] * dt * dt;
     const double full = limits.max_acceleration[i] * dt * dt;
+    const double stop = reserve * full;
     box.brake[i] = last[i] > 0.0 ? std::max(last[i] - full, 0.0) : std::min(last[i] + full, 0.0);
     // Range and speed yield to braking: nothing can slow a joint faster than its brake.
     box.high[i] = std::max(
-        {box.brake[i], std::min({last[i] + a, v, longest_stoppable(limits.upper[i] - q[i], a)})});
+        {box.brake[i], std::min({last[i] + a, v, longest_stoppable(limits.upper[i] - q[i], stop)})});
     box.low[i] = std::min(
-        {box.brake[i], std::max({last[i] - a, -v, -longest_stoppable(q[i] - limits.lower[i], a)})});
+        {box.brake[i], std::max({last[i] - a, -v, -longest_stoppable(q[i] - limits.lower[i], stop)})});
   }
   return box;
 }
 
 Guarded guard(const JointLimits& limits, const JointVector& q, const JointVector& last,
               const JointVector& q_wanted, double dt) noexcept {
-  const StepBox box = step_box(limits, q, last, dt, 1.0);
+  const StepBox box = step_box(limits, q, last, dt, 1.0, 1.0);
   const JointVector wanted = q_wanted - q;
   if (box.contains(wanted)) return {q_wanted, Reason::kNone};
   if (!wanted.allFinite()) return {q + box.brake, Reason::kGuard};

@@ -29,11 +29,11 @@ struct StepBox {
 };
 
 // The box of steps from `q` after a step `last`, both commanded, never measured (limiting against
-// the measured position halves the speed). `margin` in (0, 1] takes that share of speed,
-// acceleration and braking. Each joint can still stop before the end of its range. dt > 0 [s].
-// Real-time safe.
+// the measured position halves the speed). `margin` in (0, 1] takes that share of speed and
+// acceleration. Each joint can still stop before the end of its range with the share `reserve` of
+// its acceleration. dt > 0 [s]. Real-time safe.
 StepBox step_box(const JointLimits& limits, const JointVector& q, const JointVector& last,
-                 double dt, double margin) noexcept;
+                 double dt, double margin, double reserve) noexcept;
 
 struct Guarded {
   JointVector q;                  // safe to send

@@ -20,6 +20,9 @@ constexpr double kBendShare = 0.4;
 // ... and braking takes what the bend leaves of this one, but at least the last.
 constexpr double kBrakeShare = 0.9;
 constexpr double kLeastBrakeShare = 0.3;
+constexpr double kRangeReserve = 0.5;
+constexpr double kPlentyOfRoom = 0.25;  // [rad]: no bend within a stopping distance takes as much
+constexpr double kAtEnd = 1e-9;         // [rad]
 constexpr int kHalvings = 6;
 
 struct Candidate {
@@ -129,21 +132,60 @@ Reason binding(const MotionSettings& settings, const MotionState& state, const S
   return reason;
 }
 
+// What braking may use of a joint's acceleration, and what planning leaves for it near a range's
+// end.
+StepBox braking_box(const MotionSettings& settings, const MotionState& state) {
+  return step_box(settings.limits, state.q, state.step, settings.dt, kMargin, kMargin);
+}
+StepBox planning_box(const MotionSettings& settings, const MotionState& state) {
+  return step_box(settings.limits, state.q, state.step, settings.dt, kMargin, kRangeReserve);
+}
+
+// True when the tip, having taken step `c`, could brake along it and every joint would still be in
+// its range where it comes to rest. Steps chosen so leave a way to stop on the path at any time.
+bool can_stop(const MotionSettings& settings, const MotionState& state, const Candidate& c) {
+  double cycles = 0.0;  // braking takes this many from the step's speed
+  double room = 1e9;    // least room of a joint beyond a straight stop in joint space
+  for (int i = 0; i < kJoints; ++i) {
+    const double a = settings.limits.max_acceleration[i] * settings.dt * settings.dt;
+    cycles = std::max(cycles, std::abs(c.step[i]) / (kRangeReserve * a));
+  }
+  const double further = 0.5 * cycles;  // way to rest, in units of the step
+  for (int i = 0; i < kJoints; ++i) {
+    const double end = state.q[i] + (1.0 + further) * c.step[i];
+    room = std::min({room, settings.limits.upper[i] - end, end - settings.limits.lower[i]});
+  }
+  if (room > kPlentyOfRoom) return true;
+  MotionState there;
+  there.q = state.q + c.step;
+  there.X_ST = c.X_ST;
+  Candidate rest;
+  if (!candidate(settings, there, further * c.tip, rest)) return false;
+  const JointVector q = there.q + rest.step;
+  return (settings.limits.upper - q).minCoeff() >= -kAtEnd &&
+         (q - settings.limits.lower).minCoeff() >= -kAtEnd;
+}
+
 // Takes the longest blend between braking and `wanted` that the limits allow.
 void step_between(const MotionSettings& settings, const StepBox& box, const Candidate& wanted,
                   MotionState& state) {
   const Braking braking = slowest(settings, state);
   const Twist slow = braking.share * state.tip_step;
   double share = box.largest_share(braking.step, wanted.step);
-  for (int i = 0; i < 4; ++i) {
-    Candidate c;
-    if (candidate(settings, state, blend(slow, wanted.tip, share), c) && box.contains(c.step)) {
+  Candidate c;
+  for (int i = 0; i < 4 && share > 0.0; ++i, share *= 0.6) {
+    if (candidate(settings, state, blend(slow, wanted.tip, share), c) && box.contains(c.step) &&
+        can_stop(settings, state, c)) {
       accept(c, state);
       return;
     }
-    share = i < 2 ? 0.8 * share : 0.0;
   }
-  brake_joints(settings, box, state);
+  const StepBox last_resort = braking_box(settings, state);
+  if (candidate(settings, state, slow, c) && last_resort.contains(c.step)) {
+    accept(c, state);
+  } else {
+    brake_joints(settings, last_resort, state);
+  }
 }
 
 }  // namespace
@@ -194,8 +236,8 @@ Reason move_toward(const MotionSettings& settings, const Pose& target, double sh
     return Reason::kOutOfReach;
   }
 
-  const StepBox box = step_box(settings.limits, state.q, state.step, settings.dt, kMargin);
-  if (box.contains(c.step)) {
+  const StepBox box = planning_box(settings, state);
+  if (box.contains(c.step) && can_stop(settings, state, c)) {
     accept(c, state);
     if (halvings > 0) return Reason::kOutOfReach;
     return cycles > 1.0 && length > settings.tip_speed * settings.dt ? Reason::kTipSpeed
@@ -211,7 +253,7 @@ void brake(const MotionSettings& settings, MotionState& state) noexcept {
     state.tip_step = Twist();
     return;
   }
-  const StepBox box = step_box(settings.limits, state.q, state.step, settings.dt, kMargin);
+  const StepBox box = braking_box(settings, state);
   const double share = slowest(settings, state).share;
   if (share == 0.0) {
     state.step.setZero();
