@@ -37,19 +37,20 @@ VectorMotion RecordedMotion::motion_at(double t) const noexcept {
   const RecordedSample& a = samples_[i];
   const RecordedSample& b = samples_[i + 1];
   const double h = b.t - a.t;
-  if (is_gap(i)) {
-    return MinJerk({a.p, Vec3::Zero(), Vec3::Zero()}, b.p, h).at(t - a.t);
-  }
-  const double s = (t - a.t) / h;
-  const Vec3 d = b.p - a.p;
-  const Vec3 m0 = h * slope(i);
-  const Vec3 m1 = h * slope(i + 1);
-  const Vec3 c2 = 3.0 * d - 2.0 * m0 - m1;
-  const Vec3 c3 = m0 + m1 - 2.0 * d;
   VectorMotion m;
-  m.p = a.p + s * (m0 + s * (c2 + s * c3));
-  m.v = (m0 + s * (2.0 * c2 + s * 3.0 * c3)) / h;
-  // The curve is monotone between the two; only rounding can leave their box.
+  if (is_gap(i)) {
+    m = MinJerk({a.p, Vec3::Zero(), Vec3::Zero()}, b.p, h).at(t - a.t);
+  } else {
+    const double s = (t - a.t) / h;
+    const Vec3 d = b.p - a.p;
+    const Vec3 m0 = h * slope(i);
+    const Vec3 m1 = h * slope(i + 1);
+    const Vec3 c2 = 3.0 * d - 2.0 * m0 - m1;
+    const Vec3 c3 = m0 + m1 - 2.0 * d;
+    m.p = a.p + s * (m0 + s * (c2 + s * c3));
+    m.v = (m0 + s * (2.0 * c2 + s * 3.0 * c3)) / h;
+  }
+  // Both curves are monotone between the two samples; only rounding can leave their box.
   m.p = m.p.cwiseMax(a.p.cwiseMin(b.p)).cwiseMin(a.p.cwiseMax(b.p));
   return m;
 }

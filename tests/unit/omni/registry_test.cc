@@ -43,6 +43,9 @@ TEST(Registry, NamesAHandOptionThatMakesNoSense) {
   EXPECT_THAT(make_haptic_device(options).message(),
               AllOf(HasSubstr("mass"), HasSubstr("expected a finite number > 0")));
   options.hand = HandOptions{};
+  options.hand.stiffness = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(make_haptic_device(options).message(), HasSubstr("stiffness is inf"));
+  options.hand = HandOptions{};
   options.hand.drift_rms = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(make_haptic_device(options).message(), HasSubstr("drift_rms is nan"));
 }

@@ -67,9 +67,12 @@ TEST(SimOmni, ReadsPositionsInStepsOfItsResolution) {
 TEST(SimOmni, SaturatesAtItsPeakForce) {
   Bench peak(still_hand());
   Bench beyond(still_hand());
+  Bench far_beyond(still_hand());
   peak.run(2000, force(0.0, 3.3, 0.0));
   beyond.run(2000, force(0.0, 40.0, 0.0));
+  far_beyond.run(2000, force(0.0, 1e200, 0.0));
   EXPECT_EQ(peak.sample().X_MH.p, beyond.sample().X_MH.p);
+  EXPECT_EQ(peak.sample().X_MH.p, far_beyond.sample().X_MH.p);
   EXPECT_NEAR(peak.sample().X_MH.p.y(), 3.3 / 250.0, 0.26 / 250.0 + 0.055e-3);
 }
 
