@@ -1,0 +1,60 @@
+#include <gtest/gtest.h>
+
+#include "devices/rig/rig_options_io.h"
+#include "proto/config.pb.h"
+#include "server/base/units.h"
+
+namespace handrail {
+namespace {
+
+TEST(RigOptions, AnEmptyConfigurationGivesTheDocumentedDefaults) {
+  const auto options = rig_options(pb::RigConfig{});
+  ASSERT_TRUE(options) << options.message();
+  EXPECT_DOUBLE_EQ(options->controller.arm.lag, 0.045);
+  EXPECT_DOUBLE_EQ(options->controller.arm.spread, 0.03);
+  EXPECT_DOUBLE_EQ(options->controller.arm.repeatability, 4e-5);
+  EXPECT_TRUE(options->controller.arm.q_start.isApprox(ServoArmOptions::default_start()));
+  EXPECT_EQ(options->controller.time_out_cycles, -1);
+  EXPECT_EQ(options->controller.drop_share, 0.0);
+  EXPECT_EQ(options->sensor.counts_per_n, 1e6);
+  EXPECT_EQ(options->sensor.range_n, 1000.0);
+  EXPECT_EQ(options->sensor.noise_n, 0.05);
+}
+
+TEST(RigOptions, ConvertsMillimetresDegreesAndMilliseconds) {
+  pb::RigConfig config;
+  config.set_repeatability_mm(0.1);
+  config.set_drop_share(0.01);
+  config.set_mxttout_cycles(12);
+  for (const double lag : {30.0, 35.0, 40.0, 45.0, 50.0, 60.0}) config.add_joint_lag_ms(lag);
+  for (const double q : {0.0, 20.0, 110.0, 0.0, 50.0, 0.0}) config.add_start_joints_deg(q);
+  const auto options = rig_options(config);
+  ASSERT_TRUE(options) << options.message();
+  EXPECT_DOUBLE_EQ(options->controller.arm.repeatability, 1e-4);
+  EXPECT_DOUBLE_EQ(options->controller.arm.joint_lag[5], 0.060);
+  EXPECT_DOUBLE_EQ(options->controller.arm.q_start[2], 110.0 * kDeg);
+  EXPECT_EQ(options->controller.time_out_cycles, 12);
+  EXPECT_EQ(options->controller.drop_share, 0.01);
+  EXPECT_EQ(options->sensor.drop_share, 0.01);
+}
+
+TEST(RigOptions, NamesAStartOutsideTheJointRanges) {
+  pb::RigConfig config;
+  for (const double q : {0.0, 0.0, 40.0, 0.0, 90.0, 0.0}) config.add_start_joints_deg(q);
+  const auto options = rig_options(config);
+  ASSERT_FALSE(options);
+  EXPECT_NE(options.message().find("start_joints_deg: J3 = 40"), std::string::npos)
+      << options.message();
+}
+
+TEST(RigOptions, NamesAListThatIsNotSixLong) {
+  pb::RigConfig config;
+  config.add_joint_lag_ms(45.0);
+  const auto options = rig_options(config);
+  ASSERT_FALSE(options);
+  EXPECT_NE(options.message().find("joint_lag_ms: 1 values, expected 6"), std::string::npos)
+      << options.message();
+}
+
+}  // namespace
+}  // namespace handrail
