@@ -85,6 +85,14 @@ Reason read_force(const FollowSettings& settings, const FollowInput& in, FollowS
   return in.wrench_valid ? Reason::kSensorInvalid : Reason::kSensorMissing;
 }
 
+// On a one-way tool the command never asks the tip to go back: where limits made it turn late, it
+// is ahead of a command that has turned already, and waits there.
+Vec3 not_behind(const ToolDefinition& tool, const Vec3& p_SU, const Vec3& p_ST) {
+  if (!tool.one_way) return p_SU;
+  const double behind = (p_ST - p_SU).dot(tool.direction_S);
+  return behind > 0.0 ? Vec3(p_SU + behind * tool.direction_S) : p_SU;
+}
+
 // Moves toward the newest command; returns what intervened.
 Reason follow(const FollowSettings& settings, const FollowInput& in, FollowState& s) {
   if (!valid_command(in.master)) {
@@ -92,7 +100,8 @@ Reason follow(const FollowSettings& settings, const FollowInput& in, FollowState
     return Reason::kCommandInvalid;
   }
   s.oldest_applied = std::max(s.oldest_applied, in.master_age);
-  const Bumped bumped = bump(settings.bumper, in.master.X_SU.p, s.f_E_S, s.motion.X_ST.p);
+  const Vec3 p_SU = not_behind(in.master.position_tool, in.master.X_SU.p, s.motion.X_ST.p);
+  const Bumped bumped = bump(settings.bumper, p_SU, s.f_E_S, s.motion.X_ST.p);
   const Reason limit = move_toward(settings.motion, {bumped.p_SB, in.master.X_SU.q},
                                    share_of_speed(in.master_age), s.motion);
   return bumped.acting ? Reason::kBumper : limit;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "server/control/guard.h"
 
@@ -22,6 +23,7 @@ constexpr double kBrakeShare = 0.9;
 constexpr double kLeastBrakeShare = 0.3;
 constexpr double kRangeReserve = 0.5;
 constexpr double kPlentyOfRoom = 0.25;  // [rad]: no bend within a stopping distance takes as much
+constexpr double kNearWrist = 0.2;      // |sin J5| under which J4 and J6 may bend sharply
 constexpr double kAtEnd = 1e-9;         // [rad]
 constexpr int kHalvings = 6;
 
@@ -37,6 +39,18 @@ Twist blend(const Twist& from, const Twist& to, double s) {
           from.angular + s * (to.angular - from.angular)};
 }
 
+// The same pose with the wrist flipped: (J4 + pi, -J5, J6 + pi), turned the way nearest the seed. A
+// path straight through J5 = 0 keeps J4 and J6 and changes the sign of J5; holding on to the sign
+// would spin J4 and J6 by half a turn instead.
+void take_nearer_wrist(const JointVector& seed, JointVector& q) {
+  JointVector flipped = q;
+  flipped[4] = -q[4];
+  for (const int i : {3, 5}) {
+    flipped[i] += q[i] > seed[i] ? -std::numbers::pi : std::numbers::pi;
+  }
+  if ((flipped - seed).cwiseAbs().maxCoeff() < (q - seed).cwiseAbs().maxCoeff()) q = flipped;
+}
+
 bool candidate(const MotionSettings& settings, const MotionState& state, const Twist& tip,
                Candidate& out) {
   out.tip = tip;
@@ -45,6 +59,7 @@ bool candidate(const MotionSettings& settings, const MotionState& state, const T
                                        : (rotation_exp(tip.angular) * state.X_ST.q).normalized();
   JointVector q;
   if (inverse_near(settings.arm, out.X_ST, state.q, q) != InverseStatus::kOk) return false;
+  if (std::abs(q[4]) < kNearWrist) take_nearer_wrist(state.q, q);
   out.step = q - state.q;
   return true;
 }
@@ -155,15 +170,19 @@ bool can_stop(const MotionSettings& settings, const MotionState& state, const Ca
     const double end = state.q[i] + (1.0 + further) * c.step[i];
     room = std::min({room, settings.limits.upper[i] - end, end - settings.limits.lower[i]});
   }
-  if (room > kPlentyOfRoom) return true;
+  if (room > kPlentyOfRoom && std::abs(std::sin(state.q[4])) > kNearWrist) return true;
   MotionState there;
   there.q = state.q + c.step;
   there.X_ST = c.X_ST;
   Candidate rest;
   if (!candidate(settings, there, further * c.tip, rest)) return false;
   const JointVector q = there.q + rest.step;
+  const double bent =
+      0.5 * kBendShare * settings.dt * settings.dt * (cycles + 1.0) * (cycles + 1.0);
   return (settings.limits.upper - q).minCoeff() >= -kAtEnd &&
-         (q - settings.limits.lower).minCoeff() >= -kAtEnd;
+         (q - settings.limits.lower).minCoeff() >= -kAtEnd &&
+         ((rest.step - further * c.step).cwiseAbs() - bent * settings.limits.max_acceleration)
+                 .maxCoeff() <= 0.0;
 }
 
 // Takes the longest blend between braking and `wanted` that the limits allow.
