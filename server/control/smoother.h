@@ -20,8 +20,8 @@ class RunningMean {
 
   // As if the last N samples had all been `value`. 1 <= length <= kMaxSmootherLength.
   void reset(const Value& value, int length) noexcept {
-    origin_ = value;
-    length_ = length;
+    origin_ = last_ = value;
+    equal_ = length_ = length;
     next_ = 0;
     wrapped_ = false;
     sum_.setZero();
@@ -43,7 +43,10 @@ class RunningMean {
       sum_ = rebuilt_;
       rebuilt_.setZero();
     }
-    return origin_ + sum_ / length_;
+    // A hand at rest commands exactly its pose, not one that differs in the last digits.
+    equal_ = value == last_ ? equal_ + (equal_ < length_) : 1;
+    last_ = value;
+    return equal_ == length_ ? value : Value(origin_ + sum_ / length_);
   }
 
  private:
@@ -51,7 +54,9 @@ class RunningMean {
   Value origin_ = Value::Zero();
   Value sum_ = Value::Zero();
   Value rebuilt_ = Value::Zero();
+  Value last_ = Value::Zero();
   int length_ = 1;
+  int equal_ = 1;  // newest samples that are the same, at most length_
   int next_ = 0;
   bool wrapped_ = false;
 };

@@ -1,0 +1,294 @@
+#include "server/control/session.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace handrail {
+namespace {
+
+constexpr LinkRung kRungs[] = {LinkRung::kNone, LinkRung::kFresh, LinkRung::kSlow,
+                               LinkRung::kHold, LinkRung::kLost,  LinkRung::kClosed};
+constexpr SessionState kStates[] = {SessionState::kOff,     SessionState::kAligning,
+                                    SessionState::kEngaged, SessionState::kClutched,
+                                    SessionState::kHold,    SessionState::kFault};
+constexpr Desired kWishes[] = {Desired::kOff, Desired::kEngaged, Desired::kClutched};
+
+bool one_of(SessionState state, std::initializer_list<SessionState> set) {
+  return std::find(set.begin(), set.end(), state) != set.end();
+}
+
+// What the master may do next, by name; everything not named here stays where it is.
+bool master_may(SessionState from, SessionState to) {
+  using enum SessionState;
+  switch (from) {
+    case kOff:
+      return one_of(to, {kOff, kAligning, kFault});
+    case kAligning:
+      return one_of(to, {kAligning, kOff, kEngaged, kClutched, kFault});
+    case kEngaged:
+    case kClutched:
+    case kHold:
+      return one_of(to, {kOff, kEngaged, kClutched, kHold, kFault});
+    case kFault:
+      return one_of(to, {kFault, kOff});
+    case kCount:
+      break;
+  }
+  return false;
+}
+
+bool slave_may(SessionState from, SessionState to) {
+  using enum SessionState;
+  switch (from) {
+    case kOff:
+      return one_of(to, {kOff, kAligning, kFault});
+    case kAligning:
+      return one_of(to, {kAligning, kOff, kEngaged, kFault});
+    case kEngaged:
+    case kClutched:
+    case kHold:
+      return one_of(to, {kOff, kEngaged, kClutched, kHold, kFault});
+    case kFault:
+      return one_of(to, {kFault, kOff});
+    case kCount:
+      break;
+  }
+  return false;
+}
+
+template <typename F>
+void for_every_master_input(F&& f) {
+  for (const Desired desired : kWishes) {
+    for (const LinkRung link : kRungs) {
+      for (const SessionState peer : kStates) {
+        for (const Reason mismatch : {Reason::kNone, Reason::kHashRobot}) {
+          for (const bool stop : {false, true}) {
+            for (const bool reset : {false, true}) {
+              f(MasterSessionInput{desired, link, peer, mismatch, stop, reset});
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+template <typename F>
+void for_every_slave_input(F&& f) {
+  for (const Desired desired : kWishes) {
+    for (const SessionState master : kStates) {
+      for (const LinkRung link : kRungs) {
+        for (int bits = 0; bits < 128; ++bits) {
+          const auto bit = [bits](int i) { return (bits >> i & 1) != 0; };
+          f(SlaveSessionInput{desired, master, link, bit(0), bit(1), bit(2),
+                              bit(3) ? Reason::kRobotAlarm : Reason::kNone, bit(4), bit(5),
+                              bit(6)});
+        }
+      }
+    }
+  }
+}
+
+TEST(Ladder, ChangesExactlyAt5And20And200And1000Milliseconds) {
+  EXPECT_EQ(rung_of(false, 0), LinkRung::kNone);
+  EXPECT_EQ(rung_of(true, 0), LinkRung::kFresh);
+  EXPECT_EQ(rung_of(true, 5 * kMillisecond), LinkRung::kFresh);
+  EXPECT_EQ(rung_of(true, 5 * kMillisecond + 1), LinkRung::kSlow);
+  EXPECT_EQ(rung_of(true, 20 * kMillisecond), LinkRung::kSlow);
+  EXPECT_EQ(rung_of(true, 20 * kMillisecond + 1), LinkRung::kHold);
+  EXPECT_EQ(rung_of(true, 200 * kMillisecond), LinkRung::kHold);
+  EXPECT_EQ(rung_of(true, 200 * kMillisecond + 1), LinkRung::kLost);
+  EXPECT_EQ(rung_of(true, kSecond), LinkRung::kLost);
+  EXPECT_EQ(rung_of(true, kSecond + 1), LinkRung::kClosed);
+  EXPECT_EQ(rung_of(true, kForever), LinkRung::kClosed);
+}
+
+TEST(MasterSession, OnlyNamedTransitionsHappenForEveryInput) {
+  for (const SessionState from : kStates) {
+    for_every_master_input([from](const MasterSessionInput& in) {
+      const SessionStep next = next_master(from, in);
+      EXPECT_TRUE(master_may(from, next.state)) << name_of(from) << " -> " << name_of(next.state);
+    });
+  }
+}
+
+TEST(MasterSession, AStopFaultsFromEveryStateAndOutranksAReset) {
+  for (const SessionState from : kStates) {
+    for_every_master_input([from](MasterSessionInput in) {
+      in.stop_latched = true;
+      EXPECT_EQ(next_master(from, in).state, SessionState::kFault);
+      EXPECT_EQ(next_master(from, in).reason, Reason::kStopRequested);
+    });
+  }
+}
+
+TEST(MasterSession, AlignsOnlyWithAFlowingLinkAHealthyPeerAndEqualConfigurations) {
+  for_every_master_input([](const MasterSessionInput& in) {
+    const bool may = in.desired != Desired::kOff && !in.stop_latched &&
+                     (in.link == LinkRung::kFresh || in.link == LinkRung::kSlow) &&
+                     in.peer != SessionState::kFault && in.mismatch == Reason::kNone;
+    EXPECT_EQ(next_master(SessionState::kOff, in).state == SessionState::kAligning, may);
+  });
+}
+
+TEST(MasterSession, SaysWhyItStaysOff) {
+  MasterSessionInput in;
+  EXPECT_EQ(next_master(SessionState::kOff, in).reason, Reason::kNotEngaged);
+  in.desired = Desired::kEngaged;
+  EXPECT_EQ(next_master(SessionState::kOff, in).reason, Reason::kNoPeer);
+  in.link = LinkRung::kFresh;
+  in.peer = SessionState::kFault;
+  EXPECT_EQ(next_master(SessionState::kOff, in).reason, Reason::kPeerFault);
+  in.peer = SessionState::kOff;
+  in.mismatch = Reason::kHashLimits;
+  EXPECT_EQ(next_master(SessionState::kOff, in).reason, Reason::kHashLimits);
+}
+
+TEST(MasterSession, EngagesOnlyWhenTheSlaveFollows) {
+  for_every_master_input([](const MasterSessionInput& in) {
+    const SessionState next = next_master(SessionState::kAligning, in).state;
+    if (next == SessionState::kEngaged || next == SessionState::kClutched) {
+      EXPECT_TRUE(follows(in.peer));
+      EXPECT_EQ(next == SessionState::kClutched, in.desired == Desired::kClutched);
+    }
+  });
+}
+
+TEST(MasterSession, DrivesOnlyWhileTheLinkFlowsAndThePeerFollows) {
+  for (const SessionState from :
+       {SessionState::kEngaged, SessionState::kClutched, SessionState::kHold}) {
+    for_every_master_input([from](const MasterSessionInput& in) {
+      const SessionState next = next_master(from, in).state;
+      const bool flowing = in.link == LinkRung::kFresh || in.link == LinkRung::kSlow;
+      if (follows(next)) {
+        EXPECT_TRUE(flowing && follows(in.peer) && in.desired != Desired::kOff);
+      }
+      if (in.desired == Desired::kOff && !in.stop_latched) {
+        EXPECT_EQ(next, SessionState::kOff);
+      }
+    });
+  }
+}
+
+TEST(MasterSession, HoldsOnAShortGapAndComesBackByItself) {
+  MasterSessionInput in{Desired::kEngaged, LinkRung::kHold, SessionState::kEngaged,
+                        Reason::kNone,     false,           false};
+  EXPECT_EQ(next_master(SessionState::kEngaged, in).state, SessionState::kHold);
+  EXPECT_EQ(next_master(SessionState::kEngaged, in).reason, Reason::kLinkHold);
+  in.link = LinkRung::kFresh;
+  EXPECT_EQ(next_master(SessionState::kHold, in).state, SessionState::kEngaged);
+}
+
+TEST(MasterSession, ALostLinkAFaultyPeerAndARestartedPeerLatch) {
+  for (const SessionState from :
+       {SessionState::kEngaged, SessionState::kClutched, SessionState::kHold}) {
+    MasterSessionInput in{
+        Desired::kEngaged, LinkRung::kFresh, SessionState::kEngaged, Reason::kNone, false, false};
+    in.link = LinkRung::kLost;
+    EXPECT_EQ(next_master(from, in).reason, Reason::kLinkLost);
+    EXPECT_EQ(next_master(from, in).state, SessionState::kFault);
+    in.link = LinkRung::kFresh;
+    in.peer = SessionState::kFault;
+    EXPECT_EQ(next_master(from, in).state, SessionState::kFault);
+    in.peer = SessionState::kOff;
+    EXPECT_EQ(next_master(from, in).state, SessionState::kFault);
+  }
+}
+
+TEST(MasterSession, LeavesAFaultOnlyByReset) {
+  for_every_master_input([](const MasterSessionInput& in) {
+    const bool left = next_master(SessionState::kFault, in).state != SessionState::kFault;
+    EXPECT_EQ(left, in.reset && !in.stop_latched);
+  });
+}
+
+TEST(SlaveSession, OnlyNamedTransitionsHappenForEveryInput) {
+  for (const SessionState from : kStates) {
+    for_every_slave_input([from](const SlaveSessionInput& in) {
+      const SessionStep next = next_slave(from, in);
+      EXPECT_TRUE(slave_may(from, next.state)) << name_of(from) << " -> " << name_of(next.state);
+    });
+  }
+}
+
+TEST(SlaveSession, AStopAndAFaultLatchFromEveryState) {
+  for (const SessionState from : kStates) {
+    for_every_slave_input([from](const SlaveSessionInput& in) {
+      if (!in.stop_latched && in.fault == Reason::kNone) return;
+      const SessionStep next = next_slave(from, in);
+      EXPECT_EQ(next.state, SessionState::kFault);
+      EXPECT_EQ(next.reason, in.stop_latched ? Reason::kStopRequested : in.fault);
+    });
+  }
+}
+
+TEST(SlaveSession, EngagesOnlyFromAlignmentOnTheHeldPose) {
+  for (const SessionState from : kStates) {
+    for_every_slave_input([from](const SlaveSessionInput& in) {
+      if (!follows(next_slave(from, in).state) || follows(from) || from == SessionState::kHold) {
+        return;
+      }
+      EXPECT_EQ(from, SessionState::kAligning);
+      EXPECT_TRUE(in.aligned);
+      EXPECT_FALSE(in.new_session);
+      EXPECT_TRUE(in.link == LinkRung::kFresh || in.link == LinkRung::kSlow);
+    });
+  }
+}
+
+TEST(SlaveSession, FollowsOnlyAFlowingLinkAndAMasterThatWantsIt) {
+  for (const SessionState from :
+       {SessionState::kEngaged, SessionState::kClutched, SessionState::kHold}) {
+    for_every_slave_input([from](const SlaveSessionInput& in) {
+      if (!follows(next_slave(from, in).state)) return;
+      EXPECT_TRUE(in.link == LinkRung::kFresh || in.link == LinkRung::kSlow);
+      EXPECT_NE(in.desired, Desired::kOff);
+      EXPECT_FALSE(in.new_session || in.shutdown);
+      EXPECT_FALSE(in.master == SessionState::kOff || in.master == SessionState::kFault);
+    });
+  }
+}
+
+TEST(SlaveSession, ARestartedMasterHasToEngageAgain) {
+  for (const SessionState from :
+       {SessionState::kEngaged, SessionState::kClutched, SessionState::kHold}) {
+    SlaveSessionInput in;
+    in.desired = Desired::kEngaged;
+    in.master = SessionState::kEngaged;
+    in.link = LinkRung::kFresh;
+    in.robot_ready = in.aligned = true;
+    in.new_session = true;
+    EXPECT_EQ(next_slave(from, in).state, SessionState::kOff);
+    in.new_session = false;
+    // From off, a master that claims to be engaged already is not followed.
+    EXPECT_EQ(next_slave(SessionState::kOff, in).state, SessionState::kOff);
+  }
+}
+
+TEST(SlaveSession, AGapOfMoreThan200MillisecondsLatches) {
+  SlaveSessionInput in;
+  in.desired = Desired::kEngaged;
+  in.master = SessionState::kEngaged;
+  in.robot_ready = true;
+  in.link = LinkRung::kHold;
+  EXPECT_EQ(next_slave(SessionState::kEngaged, in).state, SessionState::kHold);
+  for (const LinkRung link : {LinkRung::kLost, LinkRung::kClosed, LinkRung::kNone}) {
+    in.link = link;
+    EXPECT_EQ(next_slave(SessionState::kHold, in).state, SessionState::kFault);
+    EXPECT_EQ(next_slave(SessionState::kHold, in).reason, Reason::kLinkLost);
+  }
+  in.link = LinkRung::kFresh;
+  EXPECT_EQ(next_slave(SessionState::kFault, in).state, SessionState::kFault);
+  in.fault_released = true;
+  EXPECT_EQ(next_slave(SessionState::kFault, in).state, SessionState::kOff);
+}
+
+TEST(SlaveSession, AFaultIsNotReleasedWhileTheRobotIsNotReady) {
+  SlaveSessionInput in;
+  in.fault_released = true;
+  EXPECT_EQ(next_slave(SessionState::kFault, in).state, SessionState::kFault);
+}
+
+}  // namespace
+}  // namespace handrail
