@@ -33,7 +33,7 @@ struct Console {
 struct Takes {
   bool json = false;
   bool watch = false;
-  bool tool = false;
+  const char* tool = nullptr;  // the tool options that mean something, by name
   bool hand = false;
   const char* word = nullptr;  // name of the positional argument
   bool word_optional = false;

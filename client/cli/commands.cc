@@ -39,8 +39,6 @@ ExitCode run_reset(const Options& o, const Console& c) {
   return send_order(o, c, r, "reset; engage to go on");
 }
 
-constexpr Takes kTool{.tool = true};
-
 constexpr Command kCommands[] = {
     {"status",
      "Show session, link, loop, tools, forces and poses",
@@ -51,12 +49,23 @@ constexpr Command kCommands[] = {
     {"clutch", "on: hand free, arm holds; off: follow again", run_clutch, {.word = "on|off"}},
     {"stop", "Stop the arm now; stays stopped until reset", run_stop, {}},
     {"reset", "Release a stop or a fault", run_reset, {}},
-    {"tool point", "Keep the tip on a point", run_tool<pb::Tool::POINT>, kTool},
-    {"tool line", "Keep the tip on a line", run_tool<pb::Tool::LINE>, kTool},
-    {"tool plane", "Keep the tip on a plane", run_tool<pb::Tool::PLANE>, kTool},
-    {"tool n-rotation", "Keep the orientation", run_tool<pb::Tool::N_ROTATION>, kTool},
-    {"tool f-rotation", "Keep one axis, turn freely about it", run_tool<pb::Tool::F_ROTATION>,
-     kTool},
+    {"tool point",
+     "Keep the tip on a point",
+     run_tool<pb::Tool::POINT>,
+     {.tool = "--at --stiffness"}},
+    {"tool line",
+     "Keep the tip on a line",
+     run_tool<pb::Tool::LINE>,
+     {.tool = "--at --dir --end --one-way --stiffness"}},
+    {"tool plane",
+     "Keep the tip on a plane",
+     run_tool<pb::Tool::PLANE>,
+     {.tool = "--at --normal --dir --end --one-way --stiffness"}},
+    {"tool n-rotation", "Keep the orientation", run_tool<pb::Tool::N_ROTATION>, {.tool = "-"}},
+    {"tool f-rotation",
+     "Keep one axis, turn freely about it",
+     run_tool<pb::Tool::F_ROTATION>,
+     {.tool = "--axis"}},
     {"tool off",
      "Drop the tools, or only one of them",
      run_tool_off,

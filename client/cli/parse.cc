@@ -9,33 +9,42 @@
 namespace handrail {
 namespace {
 
-void add_text(CLI::App& app, const char* name, std::optional<std::string>& target,
-              const char* help) {
-  app.add_option_function<std::string>(
-         name, [&target](const std::string& text) { target = text; }, help)
-      ->take_last();
+CLI::Option* add_text(CLI::App& app, const char* name, std::optional<std::string>& target,
+                      const char* type, const char* help) {
+  return app
+      .add_option_function<std::string>(
+          name, [&target](const std::string& text) { target = text; }, help)
+      ->type_name(type);
 }
 
-void add_tool_options(CLI::App& app, Options& o) {
-  add_text(app, "--at", o.at, "anchor x,y,z in mm; without it the present tip");
-  add_text(app, "--dir", o.direction, "forward: x,y,z or x|y|z with or without sign");
-  add_text(app, "--normal", o.normal, "normal of the plane, written as --dir");
-  add_text(app, "--axis", o.axis, "axis to keep, written as --dir; without it the tool's own");
-  add_text(app, "--end", o.end, "no travel past x,y,z in mm");
-  app.add_flag("--one-way", o.one_way, "forward only; without it both ways");
-  add_text(app, "--stiffness", o.stiffness, "at the hand, 0 to 10 N/mm; without it the scene's");
+// Every tool takes every option, so that one without meaning gets an answer that says so; help
+// shows those `meant`.
+void add_tool_options(CLI::App& app, Options& o, const std::string& meant) {
+  const char* direction = "x,y,z or x|y|z";
+  CLI::Option* const all[] = {
+      add_text(app, "--at", o.at, "x,y,z", "anchor in mm; without it the present tip"),
+      add_text(app, "--dir", o.direction, direction, "forward; letters with or without sign"),
+      add_text(app, "--normal", o.normal, direction, "normal of the plane"),
+      add_text(app, "--axis", o.axis, direction, "axis to keep; without it the tool's own"),
+      add_text(app, "--end", o.end, "x,y,z", "no travel past this point in mm"),
+      app.add_flag("--one-way", o.one_way, "forward only; without it both ways"),
+      add_text(app, "--stiffness", o.stiffness, "N/mm", "at the hand, 0 to 10; 0 is the scene's"),
+  };
+  for (CLI::Option* option : all) {
+    if (meant.find(option->get_name()) == std::string::npos) option->group("");
+  }
 }
 
 void add_hand_options(CLI::App& app, Options& o) {
-  add_text(app, "--by", o.by, "displacement x,y,z in mm: right, up, toward the user");
-  add_text(app, "--rotate", o.rotate, "rotation vector rx,ry,rz in degrees");
-  add_text(app, "--seconds", o.seconds, "duration of the move, 1 without it");
+  add_text(app, "--by", o.by, "x,y,z", "displacement in mm: right, up, toward the user");
+  add_text(app, "--rotate", o.rotate, "rx,ry,rz", "rotation vector in degrees");
+  add_text(app, "--seconds", o.seconds, "T", "duration of the move, 1 without it");
 }
 
 void add_options(CLI::App& app, const Takes& takes, Options& o) {
   if (takes.json) app.add_flag("--json", o.json, "print JSON");
   if (takes.watch) app.add_flag("--watch", o.watch, "refresh 5 times a second until Ctrl-C");
-  if (takes.tool) add_tool_options(app, o);
+  if (takes.tool != nullptr) add_tool_options(app, o, takes.tool);
   if (takes.hand) add_hand_options(app, o);
   if (takes.word == nullptr) return;
   app.add_option_function<std::string>(
@@ -58,7 +67,8 @@ ExitCode run_cli(const std::vector<std::string>& args, const Console& console) {
   options.socket = default_socket();
   app.require_subcommand(1);
   app.fallthrough();
-  app.add_option("--socket", options.socket, "the master's socket (or HANDRAIL_SOCKET)");
+  app.add_option("--socket", options.socket, "the master's socket (or HANDRAIL_SOCKET)")
+      ->type_name("PATH");
   app.footer("Exit: 0 done, 1 refused, 2 usage or bad file, 3 no master.");
   std::map<std::string, CLI::App*> groups;
   std::vector<std::pair<CLI::App*, const Command*>> leaves;

@@ -1,7 +1,5 @@
 #include "client/cli/scene_command.h"
 
-#include <google/protobuf/struct.pb.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <iomanip>
@@ -21,33 +19,39 @@ Result<std::string> file_of(const std::string& word) {
   return SceneLibrary().find(word);
 }
 
-void add_text(google::protobuf::Struct& entry, const char* key, const std::string& text) {
-  (*entry.mutable_fields())[key].set_string_value(text);
+void print_json(const std::vector<pb::SceneEntry>& entries, std::ostream& out) {
+  out << "[";
+  const char* separator = "\n";
+  for (const pb::SceneEntry& entry : entries) {
+    out << separator << json_text(entry, false);
+    separator = ",\n";
+  }
+  out << "\n]\n";
+}
+
+void print_table(const std::vector<pb::SceneEntry>& entries, std::ostream& out) {
+  std::size_t width = 0;
+  for (const auto& entry : entries) width = std::max(width, entry.name().size());
+  for (const auto& entry : entries) {
+    out << std::left << std::setw(static_cast<int>(width) + 2) << entry.name()
+        << (entry.valid() ? entry.description() : "INVALID  " + entry.error()) << '\n';
+  }
 }
 
 }  // namespace
 
 ExitCode run_scene_list(const Options& options, const Console& console) {
-  const std::vector<SceneLibrary::Entry> entries = SceneLibrary().list();
-  std::size_t width = 4;
-  for (const auto& entry : entries) width = std::max(width, entry.name.size());
-  google::protobuf::ListValue list;
-  for (const auto& [name, file] : entries) {
+  std::vector<pb::SceneEntry> entries;
+  for (const auto& [name, file] : SceneLibrary().list()) {
     const Result<Scene> scene = load_scene_file(file);
-    const std::string description = scene ? scene->description : std::string();
-    if (options.json) {
-      google::protobuf::Struct& entry = *list.add_values()->mutable_struct_value();
-      add_text(entry, "name", name);
-      add_text(entry, "file", file);
-      add_text(entry, "description", description);
-      add_text(entry, "error", scene.message());
-      (*entry.mutable_fields())["valid"].set_bool_value(scene.is_ok());
-    } else {
-      console.out << std::left << std::setw(static_cast<int>(width) + 2) << name
-                  << (scene ? description : "INVALID  " + scene.message()) << '\n';
-    }
+    pb::SceneEntry& entry = entries.emplace_back();
+    entry.set_name(name);
+    entry.set_file(file);
+    entry.set_valid(scene.is_ok());
+    entry.set_description(scene ? scene->description : std::string());
+    entry.set_error(scene.message());
   }
-  if (options.json) console.out << json_text(list, true) << '\n';
+  options.json ? print_json(entries, console.out) : print_table(entries, console.out);
   return kExitDone;
 }
 

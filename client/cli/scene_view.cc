@@ -14,7 +14,8 @@ using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 using google::protobuf::TextFormat;
 
-void print_message(const Message& m, const std::string& prefix, std::ostream& out);
+// `all`: also the fields at their defaults.
+void print_message(const Message& m, const std::string& prefix, bool all, std::ostream& out);
 
 std::string value_text(const Message& m, const FieldDescriptor& f) {
   std::string text, one;
@@ -29,27 +30,29 @@ std::string value_text(const Message& m, const FieldDescriptor& f) {
   return text;
 }
 
-void print_field(const Message& m, const FieldDescriptor& f, const std::string& prefix,
+void print_field(const Message& m, const FieldDescriptor& f, const std::string& prefix, bool all,
                  std::ostream& out) {
   const google::protobuf::Reflection& r = *m.GetReflection();
   const std::string name = prefix + f.name();
   if (f.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
-    if (!f.is_repeated()) return print_message(r.GetMessage(m, &f), name + ".", out);
+    if (!f.is_repeated()) return print_message(r.GetMessage(m, &f), name + ".", all, out);
     for (int i = 0; i < r.FieldSize(m, &f); ++i) {
-      print_message(r.GetRepeatedMessage(m, &f, i), name + "[" + std::to_string(i) + "].", out);
+      print_message(r.GetRepeatedMessage(m, &f, i), name + "[" + std::to_string(i) + "].", false,
+                    out);
     }
     return;
   }
   const bool is_set = f.is_repeated() ? r.FieldSize(m, &f) > 0 : r.HasField(m, &f);
-  const std::string& unit = f.options().GetExtension(pb::range).unit();
-  out << std::left << std::setw(36) << name << (f.is_repeated() && !is_set ? "-" : value_text(m, f))
-      << (unit.empty() || !is_set ? "" : " ") << (is_set ? unit : "")
-      << (is_set ? "" : (unit.empty() ? "" : " " + unit) + "  (default)") << '\n';
+  if (!is_set && !all) return;
+  const bool empty = f.is_repeated() && !is_set;
+  const std::string unit = empty ? std::string() : f.options().GetExtension(pb::range).unit();
+  out << std::left << std::setw(36) << name << (empty ? "-" : value_text(m, f))
+      << (unit.empty() ? "" : " ") << unit << (is_set ? "" : "  (default)") << '\n';
 }
 
-void print_message(const Message& m, const std::string& prefix, std::ostream& out) {
+void print_message(const Message& m, const std::string& prefix, bool all, std::ostream& out) {
   for (int i = 0; i < m.GetDescriptor()->field_count(); ++i) {
-    print_field(m, *m.GetDescriptor()->field(i), prefix, out);
+    print_field(m, *m.GetDescriptor()->field(i), prefix, all, out);
   }
 }
 
@@ -57,7 +60,7 @@ void print_message(const Message& m, const std::string& prefix, std::ostream& ou
 
 std::string scene_text(const pb::Scene& scene) {
   std::ostringstream out;
-  print_message(scene, "", out);
+  print_message(scene, "", true, out);
   return out.str();
 }
 

@@ -3,6 +3,8 @@
 #include <poll.h>
 #include <signal.h>
 
+#include <atomic>
+
 #include "client/cli/json_text.h"
 #include "client/cli/status_view.h"
 
@@ -12,11 +14,13 @@ namespace {
 constexpr int kRefreshMs = 200;
 constexpr Nanos kPatience = 2 * kSecond;
 
-volatile sig_atomic_t interrupted = 0;
+std::atomic<bool> interrupted{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "set by a signal handler");
 
 void catch_interrupts() {
+  interrupted = false;
   struct sigaction action {};
-  action.sa_handler = [](int) { interrupted = 1; };
+  action.sa_handler = [](int) { interrupted = true; };
   ::sigaction(SIGINT, &action, nullptr);
   ::sigaction(SIGTERM, &action, nullptr);
 }
@@ -41,7 +45,7 @@ ExitCode run_status(const Options& options, const Console& console) {
   if (options.watch) catch_interrupts();
   do {
     const Result<pb::Reply> reply = client.call(request, kPatience);
-    if (interrupted != 0) break;
+    if (interrupted) break;
     const ExitCode code = exit_code(reply);
     if (code != kExitDone) {
       console.err << "handrail: " << (reply ? "refused: " + reply->reason() : reply.message())
@@ -52,7 +56,7 @@ ExitCode run_status(const Options& options, const Console& console) {
     console.out.flush();
     if (!console.out) return kExitDone;
     if (options.watch) ::poll(nullptr, 0, kRefreshMs);
-  } while (options.watch && interrupted == 0);
+  } while (options.watch && !interrupted);
   return kExitDone;
 }
 

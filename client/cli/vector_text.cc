@@ -55,7 +55,11 @@ Result<Vec3> parse_direction(const std::string& flag, const std::string& text) {
   const std::size_t sign = !text.empty() && (text[0] == '+' || text[0] == '-') ? 1 : 0;
   if (text.size() == sign + 1) {
     const int axis = text[sign] - 'x';
-    if (axis >= 0 && axis < 3) return Vec3(Vec3::Unit(axis) * (text[0] == '-' ? -1.0 : 1.0));
+    if (axis >= 0 && axis < 3) {
+      Vec3 v = Vec3::Zero();
+      v[axis] = text[0] == '-' ? -1.0 : 1.0;
+      return v;
+    }
   }
   const auto v = vector_from(text);
   if (!v) {
@@ -64,7 +68,7 @@ Result<Vec3> parse_direction(const std::string& flag, const std::string& text) {
                          "0,0.5,1");
   }
   if (v->stableNorm() < 1e-9)
-    return Status::error(opening(flag, text) + "a direction has a length");
+    return Status::error(opening(flag, text) + "expected a direction with a length");
   return *v;
 }
 

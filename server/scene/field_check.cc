@@ -95,7 +95,11 @@ std::optional<FieldProblem> check_field(const Message& m, const FieldDescriptor&
 
 std::string number_text(double value) {
   std::array<char, 32> buffer;
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
+  // Everyday sizes without an exponent.
+  const bool everyday = value == 0.0 || (std::abs(value) >= 1e-4 && std::abs(value) < 1e12);
+  char* const last = buffer.data() + buffer.size();
+  const auto end = everyday ? std::to_chars(buffer.data(), last, value, std::chars_format::fixed)
+                            : std::to_chars(buffer.data(), last, value);
   return std::string(buffer.data(), end.ptr);
 }
 

@@ -1,0 +1,165 @@
+// The operator socket as a file, and the protocol on it.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include "client/api/operator_client.h"
+#include "tests/loopback/operator_bench.h"
+
+namespace handrail {
+namespace {
+
+constexpr Nanos kPatience = 20 * kSecond;
+
+class OperatorApi : public testing::Test {
+ protected:
+  TempFolder folder_;
+  const std::string path_ = folder_.path() + "/run/operator.sock";
+};
+
+mode_t mode_of(const std::string& path) {
+  struct stat info {};
+  return ::stat(path.c_str(), &info) == 0 ? info.st_mode & 07777 : 0;
+}
+
+// What a killed master leaves behind.
+void leave_stale_socket(const std::string& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::copy(path.begin(), path.end(), address.sun_path);
+  const int fd = ::socket(AF_UNIX, SOCK_STREAM, 0);
+  ASSERT_EQ(::bind(fd, reinterpret_cast<sockaddr*>(&address), sizeof(address)), 0);
+  ::close(fd);
+}
+
+pb::Request status_request() {
+  pb::Request request;
+  request.set_status(true);
+  return request;
+}
+
+TEST_F(OperatorApi, SocketAndFolderAreForTheirOwnerOnly) {
+  const OperatorBench bench(path_);
+  ASSERT_TRUE(bench.status().is_ok()) << bench.status().message();
+  EXPECT_EQ(mode_of(path_), 0600U);
+  EXPECT_EQ(mode_of(folder_.path() + "/run"), 0700U);
+}
+
+TEST_F(OperatorApi, ReplacesTheFileOfAMasterThatEnded) {
+  ASSERT_EQ(::mkdir((folder_.path() + "/run").c_str(), 0700), 0);
+  leave_stale_socket(path_);
+  const OperatorBench bench(path_);
+  ASSERT_TRUE(bench.status().is_ok()) << bench.status().message();
+  EXPECT_TRUE(OperatorClient(path_).call(status_request(), kPatience).is_ok());
+}
+
+TEST_F(OperatorApi, RefusesToStartWhereAnotherMasterAnswers) {
+  OperatorBench first(path_);
+  ASSERT_TRUE(first.status().is_ok());
+  {
+    const OperatorBench second(path_);
+    EXPECT_EQ(second.status().message(),
+              "operator socket " + path_ + ": another master answers on it");
+  }
+  // The first one is unharmed.
+  EXPECT_TRUE(OperatorClient(path_).call(status_request(), kPatience).is_ok());
+}
+
+TEST_F(OperatorApi, LeavesAFileThatIsNoSocketAlone) {
+  const std::string file = folder_.write("precious", "data");
+  const OperatorBench bench(file);
+  EXPECT_EQ(bench.status().message(), "operator socket " + file + ": exists and is not a socket");
+  EXPECT_TRUE(std::filesystem::is_regular_file(file));
+}
+
+TEST_F(OperatorApi, RefusesAFolderThatOthersMayWriteTo) {
+  ASSERT_EQ(::mkdir((folder_.path() + "/run").c_str(), 0700), 0);
+  ASSERT_EQ(::chmod((folder_.path() + "/run").c_str(), 0777), 0);
+  const OperatorBench bench(path_);
+  EXPECT_NE(bench.status().message().find("others could replace it"), std::string::npos);
+}
+
+TEST_F(OperatorApi, RefusesAPathTooLongForASocket) {
+  const std::string path = folder_.path() + "/" + std::string(108, 'a');
+  const OperatorBench bench(path);
+  EXPECT_NE(bench.status().message().find("expected 1 to 107"), std::string::npos);
+  EXPECT_NE(OperatorClient(path).call(status_request(), kPatience).message().find("1 to 107"),
+            std::string::npos);
+}
+
+TEST_F(OperatorApi, RemovesItsOwnFileOnly) {
+  { const OperatorBench bench(path_); }
+  EXPECT_FALSE(std::filesystem::exists(path_));
+  {
+    const OperatorBench bench(path_);
+    std::filesystem::remove(path_);
+    leave_stale_socket(path_);
+  }
+  EXPECT_TRUE(std::filesystem::exists(path_)) << "belonged to somebody else";
+}
+
+TEST_F(OperatorApi, AnswersRequestsInOrder) {
+  const OperatorBench bench(path_);
+  RawClient client(path_);
+  ASSERT_TRUE(client.send(status_frame() + status_frame() + status_frame()));
+  for (std::uint64_t n = 1; n <= 3; ++n) EXPECT_EQ(client.receive().status().ticks(), n);
+}
+
+TEST_F(OperatorApi, UnderstandsAFrameThatComesByteByByte) {
+  const OperatorBench bench(path_);
+  RawClient client(path_);
+  for (const char byte : status_frame()) ASSERT_TRUE(client.send(std::string(1, byte)));
+  EXPECT_TRUE(client.receive().done());
+}
+
+TEST_F(OperatorApi, RefusesAnOversizeFrameAndCloses) {
+  const OperatorBench bench(path_);
+  RawClient client(path_);
+  const auto header = frame_header(kMaxFrame + 1);
+  ASSERT_TRUE(client.send(std::string(header.begin(), header.end())));
+  const pb::Reply reply = client.receive();
+  EXPECT_FALSE(reply.done());
+  EXPECT_EQ(reply.reason(), "a request of 65537 bytes, expected at most 65536");
+  EXPECT_EQ(client.receive().reason(), "(closed)");
+}
+
+TEST_F(OperatorApi, TakesAFrameOfExactlyTheLargestSize) {
+  OperatorBench bench(path_);
+  RawClient client(path_);
+  pb::Request request;
+  request.set_scene_load(std::string(kMaxFrame - 4, 'a'));
+  ASSERT_EQ(request.ByteSizeLong(), kMaxFrame);
+  // Its echo would be too long a reply to care about: only see that it arrives.
+  ASSERT_TRUE(client.send(framed(request.SerializeAsString())));
+  client.receive();
+  EXPECT_EQ(bench.master.requests, 1);
+}
+
+TEST_F(OperatorApi, RefusesGarbageAndEmptyOrdersAndCloses) {
+  OperatorBench bench(path_);
+  const std::pair<std::string, std::string> cases[] = {
+      {framed("\xff\xff\xff\xff\xff"), "the request is garbled"},
+      {framed(""), "the request holds no order"},
+      {framed(std::string("\x10\x00", 2)), "the request holds no order"},  // engage: false
+  };
+  for (const auto& [frame, reason] : cases) {
+    RawClient client(path_);
+    ASSERT_TRUE(client.send(frame));
+    const pb::Reply reply = client.receive();
+    EXPECT_FALSE(reply.done());
+    EXPECT_EQ(reply.reason(), reason);
+    EXPECT_EQ(client.receive().reason(), "(closed)");
+  }
+  EXPECT_EQ(bench.master.requests, 0);
+}
+
+TEST_F(OperatorApi, PassesClutchOffAsAnOrder) {
+  const OperatorBench bench(path_);
+  pb::Request request;
+  request.set_clutch(false);
+  const Result<pb::Reply> reply = OperatorClient(path_).call(request, kPatience);
+  ASSERT_TRUE(reply.is_ok()) << reply.message();
+  EXPECT_EQ(reply->reason(), "clutch: false");
+}
+
+}  // namespace
+}  // namespace handrail

@@ -1,0 +1,166 @@
+// Many clients, slow clients, clients that leave, and the command line against a served socket.
+#include <google/protobuf/util/json_util.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <memory>
+#include <sstream>
+
+#include "client/cli/command.h"
+#include "tests/loopback/operator_bench.h"
+
+namespace handrail {
+namespace {
+
+constexpr Nanos kPatience = 20 * kSecond;
+
+class OperatorClients : public testing::Test {
+ protected:
+  pb::Request order(void (pb::Request::*set)(bool)) {
+    pb::Request request;
+    (request.*set)(true);
+    return request;
+  }
+  // Waits for engage orders whose replies the master keeps.
+  std::vector<std::function<void(pb::Reply)>> kept(int requests) {
+    while (bench_->master.requests < requests) std::this_thread::yield();
+    bench_->run([] {});
+    return bench_->master.take_kept();
+  }
+  ExitCode cli(std::vector<std::string> args) {
+    args.insert(args.end(), {"--socket", path_});
+    out_.str("");
+    err_.str("");
+    return run_cli(args, Console{out_, err_});
+  }
+  TempFolder folder_;
+  const std::string path_ = folder_.path() + "/operator.sock";
+  std::unique_ptr<OperatorBench> bench_ = std::make_unique<OperatorBench>(path_);
+  std::ostringstream out_, err_;
+};
+
+TEST_F(OperatorClients, HalfAFrameDelaysNobodyAndIsCutOff) {
+  RawClient slow(path_);
+  ASSERT_TRUE(slow.send(status_frame().substr(0, 5)));
+  EXPECT_TRUE(OperatorClient(path_).call(order(&pb::Request::set_status), kPatience).is_ok());
+  EXPECT_EQ(slow.receive().reason(), "(closed)");
+}
+
+TEST_F(OperatorClients, ASeventeenthIsToldSoAndComesInOnceAnotherLeaves) {
+  std::vector<std::unique_ptr<RawClient>> clients;
+  for (std::size_t i = 0; i < OperatorServer::kMaxClients; ++i) {
+    clients.push_back(std::make_unique<RawClient>(path_));
+    ASSERT_TRUE(clients.back()->send(status_frame()));
+    ASSERT_TRUE(clients.back()->receive().done());
+  }
+  EXPECT_EQ(bench_->clients(), OperatorServer::kMaxClients);
+  RawClient refused(path_);
+  EXPECT_EQ(refused.receive().reason(), "16 clients are connected already");
+  EXPECT_EQ(refused.receive().reason(), "(closed)");
+  clients.pop_back();
+  while (bench_->clients() == OperatorServer::kMaxClients) std::this_thread::yield();
+  RawClient welcome(path_);
+  ASSERT_TRUE(welcome.send(status_frame()));
+  EXPECT_TRUE(welcome.receive().done());
+}
+
+TEST_F(OperatorClients, TheMasterMayAnswerLaterFromAnyThread) {
+  RawClient waiting(path_);
+  ASSERT_TRUE(waiting.send(framed(order(&pb::Request::set_engage).SerializeAsString())));
+  auto replies = kept(1);
+  ASSERT_EQ(replies.size(), 1U);
+  EXPECT_TRUE(OperatorClient(path_).call(order(&pb::Request::set_status), kPatience).is_ok());
+  pb::Reply reply;
+  reply.set_done(true);
+  reply.set_reason("at last");
+  replies[0](reply);
+  EXPECT_EQ(waiting.receive().reason(), "at last");
+}
+
+TEST_F(OperatorClients, AnAnswerToAClientThatLeftHarmsNobody) {
+  {
+    RawClient leaving(path_);
+    ASSERT_TRUE(leaving.send(framed(order(&pb::Request::set_engage).SerializeAsString())));
+    while (bench_->master.requests < 1) std::this_thread::yield();
+  }
+  for (const auto& reply : kept(1)) reply(pb::Reply());
+  EXPECT_TRUE(OperatorClient(path_).call(order(&pb::Request::set_status), kPatience).is_ok());
+}
+
+TEST_F(OperatorClients, AnAnswerAfterTheServerStoppedHarmsNobody) {
+  RawClient waiting(path_);
+  ASSERT_TRUE(waiting.send(framed(order(&pb::Request::set_engage).SerializeAsString())));
+  const auto replies = kept(1);
+  bench_.reset();
+  EXPECT_EQ(waiting.receive().reason(), "(closed)");
+}
+
+TEST_F(OperatorClients, ADroppedReplyClosesTheConnection) {
+  const auto reply = OperatorClient(path_).call(order(&pb::Request::set_stop), kPatience);
+  EXPECT_EQ(reply.message(), "no master on " + path_ + ": it closed the connection");
+  EXPECT_EQ(exit_code(reply), kExitNoMaster);
+}
+
+TEST_F(OperatorClients, GiveUpOnASilentMaster) {
+  const auto reply = OperatorClient(path_).call(order(&pb::Request::set_engage), 30 * kMillisecond);
+  EXPECT_EQ(reply.message(), "no master on " + path_ + ": no answer in time");
+}
+
+TEST_F(OperatorClients, ConnectAgainAfterTheMasterRestarted) {
+  OperatorClient client(path_);
+  ASSERT_TRUE(client.call(order(&pb::Request::set_status), kPatience).is_ok());
+  bench_.reset();
+  EXPECT_FALSE(client.call(order(&pb::Request::set_status), kPatience).is_ok());
+  EXPECT_EQ(client.call(order(&pb::Request::set_status), kPatience).message(),
+            "no master on " + path_ + ": no such socket");
+  bench_ = std::make_unique<OperatorBench>(path_);
+  EXPECT_TRUE(client.call(order(&pb::Request::set_status), kPatience).is_ok());
+}
+
+TEST_F(OperatorClients, CliExitsWithOneAndTheMastersReasonWhenRefused) {
+  EXPECT_EQ(cli({"reset"}), kExitRefused);
+  EXPECT_EQ(err_.str(), "handrail: refused: nothing to reset\n");
+}
+
+TEST_F(OperatorClients, CliSendsTheOrderItWasGiven) {
+  EXPECT_EQ(cli({"clutch", "on"}), kExitDone);
+  EXPECT_EQ(out_.str(), "clutch on (clutch: true)\n");
+  EXPECT_EQ(cli({"tool", "off", "position"}), kExitDone);
+  EXPECT_EQ(out_.str(), "tool off (tool_off { position: true orientation: false })\n");
+  EXPECT_EQ(cli({"tool", "line", "--dir", "-x", "--at", "-1,2,3"}), kExitDone);
+  EXPECT_EQ(out_.str(),
+            "tool called (tool { kind: LINE at_mm: -1 at_mm: 2 at_mm: 3 direction: -1 direction: 0 "
+            "direction: 0 })\n");
+  EXPECT_EQ(cli({"hand", "to", "--by", "-1,0,0", "--seconds", "2"}), kExitDone);
+  EXPECT_EQ(out_.str(),
+            "hand moves (hand { displacement_mm: -1 displacement_mm: 0 displacement_mm: 0 "
+            "rotation_deg: 0 rotation_deg: 0 rotation_deg: 0 duration_s: 2 })\n");
+}
+
+TEST_F(OperatorClients, CliPrintsStatusAsJsonWithTheFieldsOwnNames) {
+  EXPECT_EQ(cli({"status", "--json"}), kExitDone);
+  pb::Status status;
+  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(out_.str(), &status).ok()) << out_.str();
+  EXPECT_EQ(status.ticks(), 1U);
+  EXPECT_NE(out_.str().find("\"packet_age_ms\": 0"), std::string::npos);
+}
+
+TEST_F(OperatorClients, CliWatchPrintsOneJsonObjectALineUntilInterrupted) {
+  bench_->run([this] {
+    bench_->master.on_status = [](int n) {
+      if (n == 3) ::kill(::getpid(), SIGINT);
+    };
+  });
+  EXPECT_EQ(cli({"status", "--watch", "--json"}), kExitDone);
+  std::istringstream lines(out_.str());
+  int count = 0;
+  for (std::string line; std::getline(lines, line); ++count) {
+    pb::Status status;
+    EXPECT_TRUE(google::protobuf::util::JsonStringToMessage(line, &status).ok()) << line;
+  }
+  EXPECT_GE(count, 2);
+  ::signal(SIGINT, SIG_DFL);
+}
+
+}  // namespace
+}  // namespace handrail

@@ -1,0 +1,140 @@
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <algorithm>
+#include <sstream>
+
+#include "client/cli/command.h"
+
+namespace handrail {
+namespace {
+
+// What a command line prints and returns, with a socket that nobody serves.
+struct CliRun {
+  explicit CliRun(std::vector<std::string> args) {
+    std::ostringstream out_stream, err_stream;
+    code = run_cli(args, Console{out_stream, err_stream});
+    out = out_stream.str();
+    err = err_stream.str();
+  }
+  ExitCode code;
+  std::string out;
+  std::string err;
+};
+CliRun without_master(std::vector<std::string> args) {
+  args.insert(args.end(), {"--socket", "/nowhere/operator.sock"});
+  return CliRun(args);
+}
+
+TEST(Cli, PrintsHelpForEveryCommand) {
+  for (const Command& command : commands()) {
+    std::istringstream words(command.name);
+    std::vector<std::string> args;
+    for (std::string word; words >> word;) args.push_back(word);
+    args.push_back("--help");
+    const CliRun run(args);
+    EXPECT_EQ(run.code, kExitDone) << command.name;
+    EXPECT_NE(run.out.find(command.help), std::string::npos) << command.name;
+    EXPECT_EQ(run.err, "") << command.name;
+  }
+}
+
+TEST(Cli, EveryOrderWithoutAMasterExitsWithThree) {
+  const std::vector<std::vector<std::string>> lines = {
+      {"status"},
+      {"status", "--json"},
+      {"status", "--watch"},
+      {"engage"},
+      {"disengage"},
+      {"clutch", "on"},
+      {"clutch", "off"},
+      {"stop"},
+      {"reset"},
+      {"tool", "point"},
+      {"tool", "line", "--dir", "-x"},
+      {"tool", "line", "--dir", "x", "--at", "-1,2,3", "--end", "50,2,3", "--one-way"},
+      {"tool", "line", "--dir=-1,0,0", "--at=-1,-2,-3", "--stiffness", "0.5"},
+      {"tool", "plane", "--normal", "-z", "--dir", "-1,0,0"},
+      {"tool", "n-rotation"},
+      {"tool", "f-rotation", "--axis", "-z"},
+      {"tool", "off"},
+      {"tool", "off", "position"},
+      {"tool", "off", "orientation"},
+      {"scene", "load", "linear-movement"},
+      {"hand", "to", "--by", "-40,0,0", "--rotate", "-10,0,0", "--seconds", "2"},
+  };
+  for (const auto& line : lines) {
+    const CliRun run = without_master(line);
+    EXPECT_EQ(run.code, kExitNoMaster) << line[0] << ' ' << line.back() << ": " << run.err;
+    EXPECT_EQ(run.err, "handrail: no master on /nowhere/operator.sock: no such socket\n");
+    EXPECT_EQ(run.out, "");
+  }
+}
+
+TEST(Cli, EveryUsageErrorExitsWithTwoAndOneLine) {
+  const std::vector<std::vector<std::string>> lines = {
+      {},
+      {"bogus"},
+      {"status", "--bogus"},
+      {"tool"},
+      {"tool", "bogus"},
+      {"clutch"},
+      {"clutch", "maybe"},
+      {"clutch", "on", "off"},
+      {"engage", "--json"},
+      {"tool", "off", "both"},
+      {"tool", "line"},
+      {"tool", "line", "--dir"},
+      {"tool", "line", "--dir", "0,0,0"},
+      {"tool", "line", "--dir", "x", "--dir", "y"},
+      {"tool", "line", "--dir", "x", "--at", "100mm,0,0"},
+      {"tool", "line", "--dir", "x", "--at", "0,0,0", "--end", "-1,0,0"},
+      {"tool", "line", "--dir", "x", "--stiffness", "11"},
+      {"tool", "n-rotation", "--at", "1,2,3"},
+      {"tool", "point", "--one-way"},
+      {"scene"},
+      {"scene", "show"},
+      {"scene", "show", "no-such-scene"},
+      {"scene", "check", "/nowhere/x.scene"},
+      {"scene", "load", "../x"},
+      {"hand", "to"},
+      {"hand", "to", "--by", "1,2"},
+      {"hand", "to", "--by", "1,2,3", "--seconds", "0"},
+  };
+  for (const auto& line : lines) {
+    const CliRun run = without_master(line);
+    const std::string text = line.empty() ? "(nothing)" : line.back();
+    EXPECT_EQ(run.code, kExitUsage) << text;
+    EXPECT_TRUE(run.err.starts_with("handrail: ")) << text;
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+    EXPECT_EQ(run.out, "") << text;
+  }
+}
+
+TEST(Cli, TakesTheSocketFromTheEnvironment) {
+  ASSERT_EQ(::setenv("HANDRAIL_SOCKET", "/nowhere/other.sock", 1), 0);
+  const CliRun run({"stop"});
+  ::unsetenv("HANDRAIL_SOCKET");
+  EXPECT_EQ(run.err, "handrail: no master on /nowhere/other.sock: no such socket\n");
+}
+
+TEST(Cli, LooksAtScenesWithoutAMaster) {
+  EXPECT_NE(without_master({"scene", "list"}).out.find("linear-movement"), std::string::npos);
+  const CliRun json = without_master({"scene", "list", "--json"});
+  EXPECT_EQ(json.out.front(), '[');
+  EXPECT_NE(json.out.find("{\"name\":\"linear-movement\",\"file\":"), std::string::npos);
+  const CliRun show = without_master({"scene", "show", "plane"});
+  EXPECT_EQ(show.code, kExitDone);
+  EXPECT_NE(show.out.find("limits.tip_speed_mm_s               250 mm/s\n"), std::string::npos);
+  EXPECT_NE(show.out.find("bumper.threshold_n                  50 N  (default)\n"),
+            std::string::npos);
+  const CliRun show_json = without_master({"scene", "show", "plane", "--json"});
+  EXPECT_NE(show_json.out.find("\"threshold_n\": 50"), std::string::npos);
+  const CliRun check =
+      without_master({"scene", "check", HANDRAIL_SOURCE_DIR "/server/scene/library/plane.scene"});
+  EXPECT_EQ(check.code, kExitDone);
+  EXPECT_TRUE(check.out.ends_with("plane.scene: ok\n"));
+}
+
+}  // namespace
+}  // namespace handrail

@@ -1,0 +1,119 @@
+#include "server/scene/config_io.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/temp_folder.h"
+
+namespace handrail {
+namespace {
+
+// The error of a file with this text, without the file's folder.
+template <typename Config>
+std::string error_of(Result<Config> (*load)(const std::string&), const std::string& text) {
+  const TempFolder folder;
+  const std::string file = folder.write("c.conf", text);
+  const std::string error = load(file).message();
+  return error.starts_with(folder.path()) ? error.substr(folder.path().size() + 1) : error;
+}
+std::string master_error(const std::string& text) { return error_of(load_master_config, text); }
+std::string slave_error(const std::string& text) { return error_of(load_slave_config, text); }
+std::string rig_error(const std::string& text) { return error_of(load_rig_config, text); }
+
+TEST(Config, DefaultsNeedNoFileAndAreValid) {
+  ASSERT_TRUE(load_master_config("").is_ok());
+  EXPECT_EQ(load_master_config("")->slave_port(), 47002U);
+  EXPECT_EQ(load_slave_config("")->robot().packet_bytes(), 196U);
+  EXPECT_EQ(load_rig_config("")->servo_lag_ms(), 45.0);
+  EXPECT_EQ(master_error(""), "");
+  EXPECT_EQ(slave_error(""), "");
+  EXPECT_EQ(rig_error(""), "");
+}
+
+TEST(Config, AcceptsPortZeroWhereADaemonListens) {
+  EXPECT_EQ(master_error("link_port: 0"), "");
+  EXPECT_EQ(slave_error("link_port: 0"), "");
+  EXPECT_EQ(rig_error("robot_port: 0 sensor_port: 0"), "");
+}
+
+TEST(Config, RefusesPortZeroWhereADaemonSends) {
+  EXPECT_EQ(master_error("slave_port: 0"),
+            "c.conf:1:1: field 'slave_port': 0 is no port to send to, expected 1 to 65535");
+  EXPECT_EQ(slave_error("robot { port: 0 }"),
+            "c.conf:1:9: field 'robot.port': 0 is no port to send to, expected 1 to 65535");
+}
+
+TEST(Config, RefusesAddressesThatAreNone) {
+  EXPECT_EQ(slave_error("robot { address: 'localhost' }"),
+            "c.conf:1:9: field 'robot.address': 'localhost' is not an IPv4 address such as "
+            "127.0.0.1");
+  EXPECT_EQ(rig_error("address: '127.0.0.256'"),
+            "c.conf:1:1: field 'address': '127.0.0.256' is not an IPv4 address such as 127.0.0.1");
+}
+
+TEST(Config, KeepsThePlainLinkWithinTheMachine) {
+  EXPECT_EQ(master_error("\n  slave_address: '192.168.0.2'"),
+            "c.conf:2:3: field 'slave_address': '192.168.0.2' is not a loopback address: the link "
+            "is plain, so it is kept within this machine (127.x.x.x)");
+  EXPECT_NE(master_error("link_address: '0.0.0.0'").find("not a loopback"), std::string::npos);
+  EXPECT_NE(slave_error("link_address: '10.0.0.1'").find("not a loopback"), std::string::npos);
+  EXPECT_EQ(slave_error("robot { address: '192.168.0.2' }"), "");
+}
+
+TEST(Config, RefusesAnyOtherPacketSizeOfTheController) {
+  EXPECT_EQ(slave_error("robot { packet_bytes: 100 }"),
+            "c.conf:1:9: field 'robot.packet_bytes': 100 is neither 64 nor 196");
+  EXPECT_EQ(slave_error("robot { packet_bytes: 64 }"), "");
+}
+
+TEST(Config, RefusesTwoEndsOnOnePort) {
+  EXPECT_EQ(rig_error("sensor_port: 10000"),
+            "c.conf:1:1: field 'sensor_port': 10000 is taken by robot_port");
+  EXPECT_EQ(master_error("link_port: 5000 slave_port: 5000"),
+            "c.conf:1:17: field 'slave_port': 5000 is taken by link_port");
+  EXPECT_EQ(slave_error("link_port: 10000"),
+            "c.conf:1:1: field 'robot.port': 10000 is taken by link_port");
+  EXPECT_EQ(master_error("link_port: 5000 slave_port: 5000 slave_address: '127.0.0.2'"), "");
+}
+
+TEST(Config, MeasuresTheSocketsPath) {
+  const std::string longest(107, 'a');
+  EXPECT_EQ(socket_path_problem(longest), "");
+  EXPECT_EQ(
+      master_error("operator_socket: '" + longest + "a'"),
+      "c.conf:1:1: field 'operator_socket': a path of 108 bytes, but a Unix socket's path has "
+      "at most 107");
+  EXPECT_NE(socket_path_problem(""), "");
+}
+
+TEST(Config, WantsARecordingForARecordedHandOnly) {
+  EXPECT_EQ(master_error("device { kind: RECORDED }"),
+            "c.conf:1:1: field 'device.recording': missing, but kind RECORDED plays a file");
+  EXPECT_EQ(master_error("device { recording: 'a.csv' }"),
+            "c.conf:1:10: field 'device.recording': only used with kind: RECORDED");
+}
+
+TEST(Config, TakesRelativePathsFromTheFilesFolder) {
+  const TempFolder folder;
+  const std::string file = folder.write(
+      "c.conf",
+      "scene_path: 'mine' scene_path: '/abs' device { kind: RECORDED recording: 'a.csv' }");
+  const Result<pb::MasterConfig> config = load_master_config(file);
+  ASSERT_TRUE(config.is_ok()) << config.message();
+  EXPECT_EQ(config->device().recording(), folder.path() + "/a.csv");
+  EXPECT_EQ(config->scene_path(0), folder.path() + "/mine");
+  EXPECT_EQ(config->scene_path(1), "/abs");
+}
+
+TEST(Config, RefusesAFileThatIsNotThere) {
+  EXPECT_EQ(load_slave_config("/nowhere/c.conf").message(),
+            "/nowhere/c.conf: cannot open: No such file or directory");
+}
+
+TEST(Config, RefusesAFileOfMoreThanAMegabyte) {
+  const std::string text(1 << 20, ' ');
+  EXPECT_EQ(rig_error(text), "");
+  EXPECT_EQ(rig_error(text + " "), "c.conf: larger than the 1048576 bytes allowed");
+}
+
+}  // namespace
+}  // namespace handrail

@@ -1,0 +1,155 @@
+#include "server/scene/scene_io.h"
+
+#include <gtest/gtest.h>
+
+#include "server/base/units.h"
+#include "server/kinematics/rv2a.h"
+
+namespace handrail {
+namespace {
+
+std::string error_of(const std::string& text) {
+  return parse_scene("/x/a.scene", "name: 'a'\n" + text).message();
+}
+Scene scene_of(const std::string& text) {
+  const Result<Scene> scene = parse_scene("/x/a.scene", "name: 'a'\n" + text);
+  EXPECT_TRUE(scene.is_ok()) << scene.message();
+  return scene ? *scene : Scene();
+}
+
+TEST(SceneIo, DefaultsOfTheFileAndOfTheStructAgree) {
+  const Scene read = scene_of("");
+  const Scene made;
+  EXPECT_EQ(read.mapping.scale, made.mapping.scale);
+  EXPECT_EQ(read.mapping.R_SM, made.mapping.R_SM);
+  EXPECT_EQ(read.guidance.published_method, made.guidance.published_method);
+  EXPECT_DOUBLE_EQ(read.guidance.delta, made.guidance.delta);
+  EXPECT_DOUBLE_EQ(read.guidance.stiffness, made.guidance.stiffness);
+  EXPECT_DOUBLE_EQ(read.guidance.damping, made.guidance.damping);
+  EXPECT_DOUBLE_EQ(read.guidance.torque_stiffness, made.guidance.torque_stiffness);
+  EXPECT_DOUBLE_EQ(read.guidance.spring, made.guidance.spring);
+  EXPECT_DOUBLE_EQ(read.guidance.catch_up, made.guidance.catch_up);
+  EXPECT_DOUBLE_EQ(read.guidance.catch_up_rotation, made.guidance.catch_up_rotation);
+  EXPECT_EQ(read.smoother_samples, made.smoother_samples);
+  EXPECT_EQ(read.bumper.enabled, made.bumper.enabled);
+  EXPECT_DOUBLE_EQ(read.bumper.alpha, made.bumper.alpha);
+  EXPECT_DOUBLE_EQ(read.bumper.threshold, made.bumper.threshold);
+  EXPECT_DOUBLE_EQ(read.bumper.dead_band, made.bumper.dead_band);
+  EXPECT_DOUBLE_EQ(read.limits.tip_speed, made.limits.tip_speed);
+  EXPECT_DOUBLE_EQ(read.tip_length, made.tip_length);
+  EXPECT_TRUE(read.tools.empty());
+}
+
+TEST(SceneIo, DefaultLimitsAreTheArms) {
+  const Scene scene = scene_of("");
+  const JointLimits& arm = rv2a_limits();
+  EXPECT_EQ(scene.limits.joints.lower, arm.lower);
+  EXPECT_EQ(scene.limits.joints.upper, arm.upper);
+  EXPECT_EQ(scene.limits.joints.max_speed, arm.max_speed);
+  EXPECT_TRUE(scene.limits.joints.max_acceleration.isApprox(arm.max_acceleration, 1e-12));
+}
+
+TEST(SceneIo, DefaultRotationTurnsRightUpAndTowardTheUser) {
+  const Mat3 R = scene_of("").mapping.R_SM;
+  EXPECT_EQ(R.col(0), Vec3(0, -1, 0));
+  EXPECT_EQ(R.col(1), Vec3(0, 0, 1));
+  EXPECT_EQ(R.col(2), Vec3(-1, 0, 0));
+}
+
+TEST(SceneIo, ConvertsUnits) {
+  const Scene s = scene_of(
+      "guidance { method: PUBLISHED delta_mm: 0.2 damping_n_s_mm: 0.002 catch_up_deg_s: 90 }\n"
+      "bumper { alpha_mm_n: 0.02 } limits { speed_share: 0.5 tip_speed_mm_s: 250\n"
+      "joint_acceleration_deg_s2: [90, 90, 90, 90, 90, 180] } robot { tip_length_mm: 85 }");
+  EXPECT_TRUE(s.guidance.published_method);
+  EXPECT_DOUBLE_EQ(s.guidance.delta, 2e-4);
+  EXPECT_DOUBLE_EQ(s.guidance.damping, 2.0);
+  EXPECT_DOUBLE_EQ(s.guidance.catch_up_rotation, 90 * kDeg);
+  EXPECT_DOUBLE_EQ(s.bumper.alpha, 2e-5);
+  EXPECT_TRUE(s.limits.joints.max_speed.isApprox(0.5 * rv2a_limits().max_speed));
+  EXPECT_DOUBLE_EQ(s.limits.tip_speed, 0.25);
+  EXPECT_DOUBLE_EQ(s.limits.joints.max_acceleration[5], 180 * kDeg);
+  EXPECT_DOUBLE_EQ(s.tip_length, 0.085);
+}
+
+TEST(SceneIo, WantsTheNameOfTheFile) {
+  EXPECT_EQ(parse_scene("/x/b.scene", "\nname: 'a'").message(),
+            "/x/b.scene:2:1: field 'name': 'a' differs from the file's name 'b'");
+  EXPECT_EQ(parse_scene("/x/a b.scene", "name: 'a b'").message(),
+            "/x/a b.scene:1:1: field 'name': 'a b', expected 1 to 47 letters, digits, '-' and '_'");
+}
+
+TEST(SceneIo, RefusesAMatrixThatIsNoRotation) {
+  EXPECT_EQ(error_of("mapping { rotation: [1, 0, 0, 0, 1, 0, 0, 0, -1] }"),
+            "/x/a.scene:2:11: field 'mapping.rotation': determinant -1 mirrors, expected a "
+            "rotation (+1)");
+  EXPECT_EQ(error_of("mapping { rotation: [1, 0, 0, 0, 1, 0, 0, 0, 0.9] }"),
+            "/x/a.scene:2:11: field 'mapping.rotation': columns are off unit length or right "
+            "angles by 0.19");
+}
+
+TEST(SceneIo, RoundsARotationWrittenWithSevenDigitsToOne) {
+  const Mat3 R = scene_of(
+                     "mapping { rotation: [0.7071068, -0.7071068, 0, 0.7071068, 0.7071068, 0, "
+                     "0, 0, 1] }")
+                     .mapping.R_SM;
+  EXPECT_LT((R * R.transpose() - Mat3::Identity()).norm(), 1e-14);
+  EXPECT_NEAR(R(1, 0), 0.7071067811865476, 1e-7);
+}
+
+TEST(SceneIo, ChoosesTheSmoothersLength) {
+  EXPECT_EQ(scene_of("smoother { form: LOW_LAG }").smoother_samples, 105);
+  EXPECT_EQ(scene_of("smoother { form: LENGTH samples: 7 }").smoother_samples, 7);
+  EXPECT_EQ(error_of("smoother { samples: 7 }"),
+            "/x/a.scene:2:12: field 'smoother.samples': only used with form: LENGTH");
+}
+
+TEST(SceneIo, RefusesADeadBandThatSwallowsTheThreshold) {
+  EXPECT_EQ(
+      error_of("bumper { threshold_n: 5\ndead_band_n: 5 }"),
+      "/x/a.scene:3:1: field 'bumper.dead_band_n': dead band 5 N is not below the threshold 5 "
+      "N");
+}
+
+TEST(SceneIo, KeepsJointRangesWithinTheTable) {
+  EXPECT_EQ(
+      error_of("limits { joint_lower_deg: [-160, -45, 49, -160, -120, -200] }"),
+      "/x/a.scene:2:10: field 'limits.joint_lower_deg[2]': 49 is below Table 3.1's 50 deg for "
+      "J3");
+  EXPECT_EQ(error_of("limits { joint_upper_deg: [161, 135, 170, 160, 120, 200] }"),
+            "/x/a.scene:2:10: field 'limits.joint_upper_deg[0]': 161 is above Table 3.1's 160 deg "
+            "for J1");
+  EXPECT_EQ(error_of("limits { joint_upper_deg: [160, -45, 170, 160, 120, 200] }"),
+            "/x/a.scene:2:10: field 'limits.joint_upper_deg[1]': J2 would range from -45 to -45 "
+            "deg, expected lower below upper");
+}
+
+TEST(SceneIo, TakesOnePositionAndOneOrientationTool) {
+  const Scene s = scene_of("tool { kind: N_ROTATION } tool { kind: LINE direction: [0, 1, 0] }");
+  ASSERT_EQ(s.tools.size(), 2U);
+  EXPECT_EQ(s.tools[0].kind, ToolKind::kNRotation);
+  EXPECT_EQ(s.tools[1].kind, ToolKind::kLine);
+  EXPECT_EQ(error_of("tool { kind: POINT }\ntool { kind: PLANE normal: [0, 0, 1] }"),
+            "/x/a.scene:3:1: field 'tool[1]': a second position tool, at most one can be active");
+  EXPECT_EQ(
+      error_of("tool { kind: N_ROTATION }\ntool { kind: F_ROTATION }"),
+      "/x/a.scene:3:1: field 'tool[1]': a second orientation tool, at most one can be active");
+}
+
+TEST(SceneIo, PlacesAProblemOfATool) {
+  EXPECT_EQ(error_of("tool {\n  kind: LINE\n  direction: [1, 0, 0]\n  at_mm: [0, 0, 0]\n  end_mm: "
+                     "[-1, 0, 0]\n}"),
+            "/x/a.scene:6:3: field 'tool[0].end_mm': the end point lies behind the start");
+  EXPECT_EQ(error_of("tool {\n  kind: LINE\n  direction: [0, 0, 0]\n}"),
+            "/x/a.scene:4:3: field 'tool[0].direction': the direction has no length");
+}
+
+TEST(SceneIo, GivesTheMessageAsWritten) {
+  pb::Scene raw;
+  ASSERT_TRUE(parse_scene("/x/a.scene", "name: 'a'", &raw).is_ok());
+  EXPECT_EQ(raw.name(), "a");
+  EXPECT_FALSE(raw.has_mapping());
+}
+
+}  // namespace
+}  // namespace handrail

@@ -1,0 +1,75 @@
+#include "server/scene/scene_library.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/support/temp_folder.h"
+
+namespace handrail {
+namespace {
+
+TEST(SceneLibrary, ShipsScenesThatAllLoadWithoutWarning) {
+  const SceneLibrary library;
+  const auto entries = library.list();
+  EXPECT_GE(entries.size(), 3U);
+  for (const auto& [name, file] : entries) {
+    const Result<Scene> scene = library.load(name);
+    ASSERT_TRUE(scene.is_ok()) << scene.message();
+    EXPECT_EQ(scene->name, name);
+    EXPECT_FALSE(scene->description.empty()) << name;
+    EXPECT_TRUE(warnings_of(*scene).empty()) << name;
+  }
+}
+
+TEST(SceneLibrary, ShipsTheDefaultAndThePublishedMethods) {
+  const SceneLibrary library;
+  const Result<Scene> standard = library.load("linear-movement");
+  ASSERT_TRUE(standard.is_ok()) << standard.message();
+  EXPECT_FALSE(standard->guidance.published_method);
+  EXPECT_EQ(standard->smoother_samples, 200);
+  const Result<Scene> published = library.load("published");
+  ASSERT_TRUE(published.is_ok()) << published.message();
+  EXPECT_TRUE(published->guidance.published_method);
+  EXPECT_DOUBLE_EQ(published->guidance.delta, 1e-4);
+}
+
+TEST(SceneLibrary, LooksInTheFoldersGivenFirst) {
+  const TempFolder folder;
+  const std::string mine =
+      folder.write("linear-movement.scene", "name: 'linear-movement' mapping { scale: 5 }");
+  const SceneLibrary library({folder.path()});
+  EXPECT_EQ(*library.find("linear-movement"), mine);
+  EXPECT_EQ(library.load("linear-movement")->mapping.scale, 5.0);
+  const auto entries = library.list();
+  EXPECT_EQ(std::count_if(entries.begin(), entries.end(),
+                          [](const auto& e) { return e.name == "linear-movement"; }),
+            1);
+}
+
+TEST(SceneLibrary, LooksInTheFoldersOfTheEnvironment) {
+  const TempFolder folder;
+  folder.write("two/mine.scene", "name: 'mine'");
+  const std::string path = folder.path() + "/one:" + folder.path() + "/two";
+  ASSERT_EQ(::setenv("HANDRAIL_SCENE_PATH", path.c_str(), 1), 0);
+  const SceneLibrary library;
+  ::unsetenv("HANDRAIL_SCENE_PATH");
+  EXPECT_EQ(*library.find("mine"), folder.path() + "/two/mine.scene");
+}
+
+TEST(SceneLibrary, SaysWhereItLooked) {
+  const TempFolder folder;
+  const std::string error = SceneLibrary({folder.path()}).find("none").message();
+  EXPECT_TRUE(error.starts_with("scene 'none' not found in " + folder.path() + ", ")) << error;
+}
+
+TEST(SceneLibrary, NeverLeavesItsFolders) {
+  const TempFolder folder;
+  folder.write("secret.scene", "name: 'secret'");
+  const SceneLibrary library({folder.path() + "/inner"});
+  EXPECT_EQ(library.find("../secret").message(),
+            "scene '../secret': expected 1 to 47 letters, digits, '-' and '_'");
+}
+
+}  // namespace
+}  // namespace handrail
