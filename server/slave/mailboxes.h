@@ -1,0 +1,31 @@
+// Where the slave's two threads meet: newest values, nobody waits.
+#pragma once
+
+#include "server/base/link_state.h"
+#include "server/base/mailbox.h"
+#include "server/control/follow_step.h"
+#include "server/link/peer.h"
+
+namespace handrail {
+
+// The master's newest state and how it came.
+struct MasterNews {
+  MasterState state;
+  LinkSnapshot link;
+};
+
+// One record of the force sensor.
+struct ForceReading {
+  Wrench f_E_T;          // [N], [N m], axes of the tip frame
+  bool healthy = false;  // the sensor reports no fault
+  Nanos received_at = -kForever;
+};
+
+struct SlaveMailboxes {
+  Mailbox<MasterNews> master;        // IO to robot
+  Mailbox<ForceReading> force;       // IO to robot
+  Mailbox<FollowSettings> settings;  // IO to robot: another scene
+  Mailbox<SlaveState> state;         // robot to IO
+};
+
+}  // namespace handrail

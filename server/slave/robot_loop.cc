@@ -1,0 +1,141 @@
+#include "server/slave/robot_loop.h"
+
+#include <spdlog/spdlog.h>
+
+namespace handrail {
+namespace {
+
+// How often the session is stepped while no controller paces it.
+constexpr Nanos kIdlePeriod = 7 * kMillisecond;
+
+}  // namespace
+
+RobotLoop::RobotLoop(Robot& robot, const FollowSettings& settings, SlaveMailboxes& boxes,
+                     Nanos (*clock)() noexcept)
+    : robot_(robot), settings_(settings), boxes_(boxes), clock_(clock) {}
+
+Nanos RobotLoop::turn() {
+  if (!connected_) return turn_unconnected();
+  RobotReply reply;
+  const RobotEvent event = robot_.wait(reply);
+  const Nanos now = clock_();
+  switch (event) {
+    case RobotEvent::kReply:
+      ++cycles_;
+      input_.q_measured = reply.q_measured;
+      step(now, Reason::kNone);
+      robot_.send(output_.q_target);
+      break;
+    case RobotEvent::kSilence:
+      ++silences_;
+      if (output_.link.state != SessionState::kFault) output_.link.reason = Reason::kRobotSilent;
+      break;
+    case RobotEvent::kRejected:
+      if (output_.link.state != SessionState::kFault) output_.link.reason = Reason::kRobotBadPacket;
+      break;
+    case RobotEvent::kLost:
+      connected_ = false;
+      lost_ = true;
+      step(now, Reason::kRobotLost);
+      spdlog::error("{}: reset to connect again", describe(Reason::kRobotLost));
+      break;
+  }
+  publish();
+  finish_when_standing(now);
+  return 0;
+}
+
+Nanos RobotLoop::turn_unconnected() {
+  const Nanos now = clock_();
+  if (stop_requested_.load(std::memory_order_relaxed)) {
+    finish();
+    return 0;
+  }
+  step(now, Reason::kNone);
+  publish();
+  if (lost_ && reset_by_operator()) {
+    lost_ = false;
+    next_attempt_ = now;
+  }
+  if (lost_ || now < next_attempt_) return now + kIdlePeriod;
+  connect();
+  return connected_ ? 0 : clock_() + kIdlePeriod;
+}
+
+void RobotLoop::connect() {
+  RobotReply first;
+  const Status status = robot_.connect(kConnectPatience, first);
+  if (!status) {
+    next_attempt_ = clock_() + kRetry;
+    if (status.message() != last_problem_) spdlog::warn("{}; trying again", status.message());
+    last_problem_ = status.message();
+    return;
+  }
+  last_problem_.clear();
+  connected_ = true;
+  input_.q_measured = first.q_measured;
+  place(settings_, first.q_commanded, state_);
+  step(clock_(), Reason::kNone);
+  robot_.send(output_.q_target);
+  publish();
+  spdlog::info("connected to {}", robot_.capabilities().name);
+}
+
+void RobotLoop::step(Nanos now, Reason fault) {
+  take_settings();
+  take_news(now);
+  input_.robot_ready = connected_;
+  input_.fault = fault;
+  input_.shutdown = stop_requested_.load(std::memory_order_relaxed);
+  follow_step(settings_, input_, state_, output_);
+}
+
+void RobotLoop::take_news(Nanos now) {
+  if (boxes_.master.take(news_)) {
+    input_.master = news_.state;
+    input_.master_known = true;
+  }
+  input_.master_age = news_.link.age(now);
+  input_.new_session = peer_epoch_ != 0 && news_.link.peer_epoch != peer_epoch_;
+  peer_epoch_ = news_.link.peer_epoch;
+  (void)boxes_.force.take(force_);
+  input_.f_E_T = force_.f_E_T;
+  input_.wrench_valid = force_.healthy && now - force_.received_at <= kForceFresh;
+}
+
+// Another scene takes effect only while the arm stands and follows nobody.
+void RobotLoop::take_settings() {
+  settings_wait_ = boxes_.settings.take(next_settings_) || settings_wait_;
+  const bool idle = state_.session == SessionState::kOff || state_.session == SessionState::kFault;
+  if (!settings_wait_ || !idle || !standing(state_.motion)) return;
+  settings_ = next_settings_;
+  settings_wait_ = false;
+  if (state_.placed) place(settings_, state_.motion.q, state_);
+}
+
+void RobotLoop::publish() {
+  output_.link.cycles = cycles_;
+  output_.link.silences = silences_;
+  boxes_.state.publish(output_.link);
+}
+
+bool RobotLoop::reset_by_operator() const noexcept {
+  const MasterState& master = input_.master;
+  if (!input_.master_known || master.stop_epoch != master.released_epoch) return false;
+  return master.fault_reset == state_.fault_epoch || state_.fault == Reason::kStopRequested;
+}
+
+void RobotLoop::finish_when_standing(Nanos now) {
+  if (!stop_requested_.load(std::memory_order_relaxed)) return;
+  if (stop_since_ < 0) stop_since_ = now;
+  if (input_.shutdown && standing(state_.motion)) return finish();
+  if (now - stop_since_ > kStopPatience) finish();
+}
+
+void RobotLoop::finish() {
+  robot_.end();
+  connected_ = false;
+  finished_.store(true, std::memory_order_release);
+}
+
+}  // namespace handrail

@@ -1,0 +1,75 @@
+// The robot thread's work: one follow_step for every reply of the controller.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+
+#include "devices/robot.h"
+#include "server/base/clock.h"
+#include "server/control/follow_step.h"
+#include "server/slave/mailboxes.h"
+
+namespace handrail {
+
+// Connects, retrying every second; follows the master while the controller answers; comes to a stop
+// on the path and ends external control when asked to. A controller that is lost latches a fault
+// and is called again only after the operator's reset.
+//
+//   while (!loop.finished()) { const Nanos next = loop.turn(); if (next > 0) sleep_until(next); }
+class RobotLoop {
+ public:
+  static constexpr Nanos kRetry = kSecond;
+  static constexpr Nanos kConnectPatience = 100 * kMillisecond;
+  static constexpr Nanos kForceFresh = 20 * kMillisecond;  // older readings count as missing
+  static constexpr Nanos kStopPatience = 2 * kSecond;      // for coming to a stop at the end
+
+  // `clock` is read once a turn. Robot and mailboxes must outlive the loop.
+  RobotLoop(Robot& robot, const FollowSettings& settings, SlaveMailboxes& boxes,
+            Nanos (*clock)() noexcept = monotonic_now);
+
+  // Waits for the controller and answers it, or tries to connect. Returns when to come again; 0 =
+  // at once. Real-time safe while connected; logs and allocates otherwise.
+  Nanos turn();
+
+  // Asks the loop to stop the arm and finish. From any thread.
+  void request_stop() noexcept { stop_requested_.store(true, std::memory_order_relaxed); }
+  // True when turn() must not be called again. From any thread.
+  bool finished() const noexcept { return finished_.load(std::memory_order_acquire); }
+  bool connected() const noexcept { return connected_; }
+
+ private:
+  Nanos turn_unconnected();
+  void connect();
+  void step(Nanos now, Reason fault);
+  void take_news(Nanos now);
+  void take_settings();
+  void publish();
+  bool reset_by_operator() const noexcept;
+  void finish_when_standing(Nanos now);
+  void finish();
+
+  Robot& robot_;
+  FollowSettings settings_;
+  SlaveMailboxes& boxes_;
+  Nanos (*clock_)() noexcept;
+  FollowInput input_;
+  FollowState state_;
+  FollowOutput output_;
+  MasterNews news_;
+  ForceReading force_;
+  FollowSettings next_settings_;
+  bool settings_wait_ = false;
+  std::uint32_t peer_epoch_ = 0;
+  bool connected_ = false;
+  bool lost_ = false;  // and not yet reset by the operator
+  std::uint64_t cycles_ = 0;
+  std::uint64_t silences_ = 0;
+  Nanos next_attempt_ = -kForever;
+  Nanos stop_since_ = -1;
+  std::string last_problem_;
+  std::atomic<bool> stop_requested_{false};
+  std::atomic<bool> finished_{false};
+};
+
+}  // namespace handrail

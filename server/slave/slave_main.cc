@@ -1,0 +1,127 @@
+// handrail-slave: drives the robot arm as the master says, within the arm's limits.
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "devices/melfa/melfa_robot.h"
+#include "devices/net_ft/net_ft_sensor.h"
+#include "proto/config.pb.h"
+#include "server/base/daemon_args.h"
+#include "server/base/pacer.h"
+#include "server/base/realtime.h"
+#include "server/scene/config_io.h"
+#include "server/scene/scene_library.h"
+#include "server/slave/follow_settings.h"
+#include "server/slave/robot_loop.h"
+#include "server/slave/slave_server.h"
+
+namespace handrail {
+namespace {
+
+constexpr int kBadInput = 2;
+constexpr int kRobotPriority = 80;
+
+const char kWhat[] =
+    "The robot's side: follows the master's commands on the arm, within its limits, and reports\n"
+    "joints and contact forces back. SIGTERM stops the arm on its path, then exits.";
+
+int fail(const std::string& message) {
+  std::fprintf(stderr, "handrail-slave: %s\n", message.c_str());
+  return kBadInput;
+}
+
+std::uint16_t port_of(std::uint32_t value) { return static_cast<std::uint16_t>(value); }
+
+MelfaOptions robot_options(const pb::RobotConfig& config) {
+  MelfaOptions out;
+  out.address = config.address();
+  out.port = port_of(config.port());
+  out.client.packet_bytes = config.packet_bytes();
+  return out;
+}
+
+std::unique_ptr<NetFtSensor> make_sensor(const pb::FtConfig& config) {
+  if (!config.enabled()) return nullptr;
+  NetFtOptions options;
+  options.address = config.address();
+  options.port = port_of(config.port());
+  options.range_n = config.range_n();
+  options.client.counts_per_n = config.counts_per_n();
+  options.client.counts_per_n_m = config.counts_per_n_m();
+  return std::make_unique<NetFtSensor>(options);
+}
+
+void run_robot(RobotLoop& loop) {
+  sigset_t all;
+  sigfillset(&all);
+  pthread_sigmask(SIG_BLOCK, &all, nullptr);
+  spdlog::info("robot thread: {}", enter_realtime(kRobotPriority).report);
+  while (!loop.finished()) {
+    const Nanos next = loop.turn();
+    if (next > 0) sleep_until(next);
+  }
+}
+
+int run(const pb::SlaveConfig& config, bool check_only) {
+  MelfaRobot robot(robot_options(config.robot()));
+  const std::unique_ptr<NetFtSensor> sensor = make_sensor(config.force_sensor());
+  const SceneLibrary library({config.scene_path().begin(), config.scene_path().end()});
+  const auto settings_of = [&](const std::string& scene) -> Result<FollowSettings> {
+    const auto loaded = library.load(scene);
+    if (!loaded) return loaded.status();
+    return follow_settings(*loaded, robot.capabilities().period, sensor != nullptr,
+                           config.force_sensor().range_n());
+  };
+  const auto settings = settings_of(config.scene());
+  if (!settings) return fail(settings.message());
+  if (check_only) {
+    std::puts("configuration ok");
+    return 0;
+  }
+
+  SlaveMailboxes boxes;
+  SlaveServerOptions options;
+  options.address = config.link_address();
+  options.port = port_of(config.link_port());
+  options.load_scene = settings_of;
+  SlaveServer server(boxes, sensor.get(), options);
+  if (const Status opened = server.open(); !opened) return fail(opened.message());
+  if (sensor) {
+    if (const Status started = sensor->start(); !started) return fail(started.message());
+  }
+  RobotLoop loop(robot, *settings, boxes);
+  std::thread robot_thread([&loop] { run_robot(loop); });
+  std::printf("READY link_port=%d\n", server.port());
+  std::fflush(stdout);
+  server.run([&loop] { loop.request_stop(); }, [&loop] { return loop.finished(); });
+  robot_thread.join();
+  if (sensor) sensor->stop();
+  return 0;
+}
+
+}  // namespace
+}  // namespace handrail
+
+int main(int argc, char** argv) {
+  using namespace handrail;
+  const auto args = parse_daemon_args(argc, argv);
+  if (!args) return fail(args.message());
+  if (args->help) {
+    std::fputs(daemon_help("handrail-slave", kWhat).c_str(), stdout);
+    return 0;
+  }
+  if (args->version) {
+    std::puts("handrail-slave " HANDRAIL_VERSION);
+    return 0;
+  }
+  const auto config = load_slave_config(args->config_path);
+  if (!config) return fail(config.message());
+  // Standard output carries only the READY line.
+  spdlog::set_default_logger(spdlog::stderr_color_mt("handrail-slave"));
+  return run(*config, args->check);
+}

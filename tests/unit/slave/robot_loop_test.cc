@@ -1,0 +1,287 @@
+// The robot thread's work against a scripted robot, under a manual clock.
+#include "server/slave/robot_loop.h"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+
+#include "tests/support/no_allocation.h"
+
+namespace handrail {
+namespace {
+
+constexpr Nanos kPeriod = 7'100'000;
+
+Nanos now_value = 0;
+Nanos manual_now() noexcept { return now_value; }
+
+// Answers from a script, then with a reply a period. Its arm is where it was last told to be.
+class ScriptedRobot : public Robot {
+ public:
+  const RobotCapabilities& capabilities() const override { return capabilities_; }
+  Status connect(Nanos patience, RobotReply& first) override {
+    ++connects;
+    if (!present) {
+      now_value += patience;
+      return Status::error("no answer");
+    }
+    open = true;
+    first.q_measured = first.q_commanded = q;
+    return Status::ok();
+  }
+  RobotEvent wait(RobotReply& reply) noexcept override {
+    EXPECT_TRUE(open);
+    now_value += kPeriod;
+    RobotEvent event = RobotEvent::kReply;
+    if (!script.empty()) {
+      event = script.front();
+      script.pop_front();
+    }
+    if (event == RobotEvent::kLost) open = false;
+    reply.q_measured = reply.q_commanded = q;
+    return event;
+  }
+  void send(const JointVector& q_target) noexcept override {
+    EXPECT_TRUE(open);
+    largest_step = std::max(largest_step, (q_target - q).cwiseAbs().maxCoeff());
+    q = q_target;
+    ++sends;
+  }
+  void end() noexcept override {
+    ++ends;
+    open = false;
+  }
+
+  RobotCapabilities capabilities_{"scripted arm", kPeriod};
+  JointVector q = (JointVector() << 0, 0, 1.5707963, 0, 1.5707963, 0).finished();
+  std::deque<RobotEvent> script;
+  bool present = true;
+  bool open = false;
+  int connects = 0;
+  int sends = 0;
+  int ends = 0;
+  double largest_step = 0.0;
+};
+
+FollowSettings settings() {
+  FollowSettings s;
+  s.motion.limits = rv2a_limits();
+  s.scene = scene_name("first");
+  return s;
+}
+
+class RobotLoopTest : public ::testing::Test {
+ protected:
+  RobotLoopTest() { now_value = 1000 * kSecond; }
+
+  // One turn with the master's state freshly received, and what the slave then says.
+  const SlaveState& turn(bool fresh = true) {
+    if (fresh) {
+      news.link.received_at = now_value + kPeriod;
+      boxes.master.publish(news);
+    }
+    const Nanos next = loop.turn();
+    now_value = std::max(now_value, next);
+    (void)boxes.state.take(state);
+    return state;
+  }
+
+  // Goes through alignment to engagement, as a master would.
+  void engage() {
+    news.link.peer_epoch = 1;
+    turn();
+    turn();
+    news.state.desired = Desired::kEngaged;
+    news.state.state = SessionState::kAligning;
+    news.state.X_SU = state.X_ST_command;
+    news.state.has_command = true;
+    for (int i = 0; i < 5 && turn().state != SessionState::kEngaged; ++i) {
+    }
+    ASSERT_EQ(state.state, SessionState::kEngaged) << describe(state.reason);
+    news.state.state = SessionState::kEngaged;
+  }
+
+  SlaveMailboxes boxes;
+  ScriptedRobot robot;
+  RobotLoop loop{robot, settings(), boxes, manual_now};
+  MasterNews news;
+  SlaveState state;
+};
+
+TEST_F(RobotLoopTest, SaysThatNoRobotIsConnectedAndTriesEverySecond) {
+  robot.present = false;
+  const Nanos start = now_value;
+  while (now_value < start + 10 * kSecond) turn(false);
+  EXPECT_EQ(state.reason, Reason::kRobotNotConnected);
+  EXPECT_FALSE(state.has_pose);
+  EXPECT_EQ(state.cycles, 0u);
+  EXPECT_GE(robot.connects, 8);
+  EXPECT_LE(robot.connects, 10);
+  robot.present = true;
+  while (now_value < start + 12 * kSecond && !loop.connected()) turn(false);
+  EXPECT_TRUE(loop.connected());
+}
+
+TEST_F(RobotLoopTest, ConnectingMovesNothing) {
+  const JointVector before = robot.q;
+  for (int i = 0; i < 50; ++i) turn(false);
+  EXPECT_EQ(robot.q, before);
+  EXPECT_EQ(robot.sends, 50);  // the first on connecting, then one a reply
+  EXPECT_TRUE(state.has_pose);
+  EXPECT_EQ(state.cycles, 49u);
+}
+
+TEST_F(RobotLoopTest, AnswersEveryReplyOnceAndFollowsTheMaster) {
+  engage();
+  const double before = state.X_ST_command.p.z();
+  news.state.X_SU.p.z() += 0.01;
+  const int sends = robot.sends;
+  for (int i = 0; i < 100; ++i) turn();
+  EXPECT_EQ(robot.sends, sends + 100);
+  EXPECT_NEAR(state.X_ST_command.p.z(), before + 0.01, 1e-9);
+  EXPECT_GT(robot.largest_step, 0.0);
+}
+
+TEST_F(RobotLoopTest, SilenceIsCountedAndSaidAndMovesNothing) {
+  engage();
+  news.state.X_SU.p.z() += 0.01;
+  turn();
+  const int sends = robot.sends;
+  robot.script = {RobotEvent::kSilence, RobotEvent::kSilence};
+  turn();
+  turn();
+  EXPECT_EQ(robot.sends, sends);
+  EXPECT_EQ(state.silences, 2u);
+  EXPECT_EQ(state.reason, Reason::kRobotSilent);
+  EXPECT_NE(turn().reason, Reason::kRobotSilent);
+}
+
+TEST_F(RobotLoopTest, AnOldCommandIsNotFollowed) {
+  engage();
+  news.state.X_SU.p.z() += 0.05;
+  for (int i = 0; i < 4; ++i) turn(false);
+  EXPECT_EQ(state.state, SessionState::kHold);
+  EXPECT_EQ(state.reason, Reason::kLinkHold);
+}
+
+TEST_F(RobotLoopTest, ALostRobotLatchesAFaultAndIsCalledAgainOnlyAfterReset) {
+  engage();
+  robot.script = {RobotEvent::kLost};
+  turn();
+  EXPECT_EQ(state.state, SessionState::kFault);
+  EXPECT_EQ(state.fault, Reason::kRobotLost);
+  EXPECT_FALSE(state.has_pose);
+  const int connects = robot.connects;
+  for (int i = 0; i < 1000; ++i) turn();
+  EXPECT_EQ(robot.connects, connects);
+  EXPECT_EQ(state.state, SessionState::kFault);
+
+  news.state.desired = Desired::kOff;
+  news.state.state = SessionState::kOff;
+  news.state.fault_reset = state.fault_epoch;
+  for (int i = 0; i < 5; ++i) turn();
+  EXPECT_EQ(robot.connects, connects + 1);
+  EXPECT_EQ(state.state, SessionState::kOff);
+  EXPECT_TRUE(state.has_pose);
+}
+
+TEST_F(RobotLoopTest, AStandingStopKeepsALostRobotAway) {
+  engage();
+  robot.script = {RobotEvent::kLost};
+  turn();
+  news.state.stop_epoch = 1;
+  for (int i = 0; i < 10; ++i) turn();
+  EXPECT_EQ(state.fault, Reason::kStopRequested);
+  const int connects = robot.connects;
+  news.state.fault_reset = state.fault_epoch;
+  for (int i = 0; i < 300; ++i) turn();
+  EXPECT_EQ(robot.connects, connects);
+  news.state.released_epoch = 1;
+  for (int i = 0; i < 10; ++i) turn();
+  EXPECT_EQ(robot.connects, connects + 1);
+}
+
+TEST_F(RobotLoopTest, AsksToEndOnceTheArmStands) {
+  engage();
+  news.state.X_SU.p.z() += 0.05;
+  for (int i = 0; i < 10; ++i) turn();
+  const JointVector moving = robot.q;
+  loop.request_stop();
+  int turns = 0;
+  while (!loop.finished() && turns < 100) {
+    turn();
+    ++turns;
+  }
+  EXPECT_TRUE(loop.finished());
+  EXPECT_EQ(robot.ends, 1);
+  EXPECT_GT(turns, 1);  // it took some cycles to slow down
+  EXPECT_NE(robot.q, moving);
+}
+
+TEST_F(RobotLoopTest, EndsEvenWhenTheControllerHasFallenSilent) {
+  engage();
+  robot.script.assign(1000, RobotEvent::kSilence);
+  loop.request_stop();
+  const Nanos asked = now_value;
+  while (!loop.finished() && now_value < asked + 10 * kSecond) turn();
+  EXPECT_TRUE(loop.finished());
+  EXPECT_LE(now_value - asked, RobotLoop::kStopPatience + 3 * kPeriod);
+}
+
+TEST_F(RobotLoopTest, EndsAtOnceWithoutARobot) {
+  robot.present = false;
+  turn(false);
+  loop.request_stop();
+  loop.turn();
+  EXPECT_TRUE(loop.finished());
+}
+
+TEST_F(RobotLoopTest, AnotherSceneWaitsUntilTheArmIsLetGo) {
+  engage();
+  FollowSettings second = settings();
+  second.scene = scene_name("second");
+  boxes.settings.publish(second);
+  for (int i = 0; i < 10; ++i) turn();
+  EXPECT_EQ(text_of(state.scene), "first");
+  news.state.desired = Desired::kOff;
+  news.state.state = SessionState::kOff;
+  for (int i = 0; i < 3; ++i) turn();
+  EXPECT_EQ(text_of(state.scene), "second");
+}
+
+TEST_F(RobotLoopTest, ARestartedMasterEndsTheSession) {
+  engage();
+  news.link.peer_epoch = 2;
+  turn();
+  EXPECT_EQ(state.state, SessionState::kOff);
+  EXPECT_EQ(state.reason, Reason::kSessionClosed);
+}
+
+TEST_F(RobotLoopTest, OldOrFaultyForcesCountAsMissing) {
+  const auto wrench_known = [&](bool healthy, Nanos age) {
+    for (int i = 0; i < 5; ++i) {
+      ForceReading reading;
+      reading.f_E_T.force.z() = 5.0;
+      reading.healthy = healthy;
+      reading.received_at = now_value + kPeriod - age;
+      boxes.force.publish(reading);
+      turn();
+    }
+    return state.has_wrench;
+  };
+  turn();
+  EXPECT_TRUE(wrench_known(true, 0));
+  EXPECT_NEAR(state.f_E_S.force.norm(), 5.0, 1e-12);
+  EXPECT_FALSE(wrench_known(false, 0));
+  EXPECT_TRUE(wrench_known(true, RobotLoop::kForceFresh));
+  EXPECT_FALSE(wrench_known(true, RobotLoop::kForceFresh + 1));
+}
+
+TEST_F(RobotLoopTest, DoesNotAllocateWhileConnected) {
+  engage();
+  test::NoAllocation guard("the robot loop");
+  for (int i = 0; i < 100; ++i) turn();
+}
+
+}  // namespace
+}  // namespace handrail

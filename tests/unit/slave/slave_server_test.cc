@@ -1,0 +1,177 @@
+// The slave's IO thread on real sockets, loopback and port 0.
+#include "server/slave/slave_server.h"
+
+#include <gtest/gtest.h>
+#include <spdlog/sinks/null_sink.h>
+#include <spdlog/spdlog.h>
+
+#include <atomic>
+#include <csignal>
+#include <thread>
+
+#include "server/base/clock.h"
+#include "server/base/pacer.h"
+#include "server/link/pump.h"
+#include "server/link/udp_transport.h"
+
+namespace handrail {
+namespace {
+
+// Gives one record a poll.
+class CountingSensor : public FtSensor {
+ public:
+  const FtCapabilities& capabilities() const override { return capabilities_; }
+  Status start() override { return Status::ok(); }
+  bool poll(Nanos, FtSample& sample) noexcept override {
+    sample.sequence = ++sequence_;
+    sample.wrench.force.z() = 3.0;
+    sample.status = faulty ? 1 : 0;
+    return true;
+  }
+  void bias() noexcept override {}
+  void stop() noexcept override {}
+  std::atomic<bool> faulty{false};
+
+ private:
+  FtCapabilities capabilities_;
+  std::uint32_t sequence_ = 0;
+};
+
+class SlaveServerTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    previous_ = spdlog::default_logger();
+    spdlog::set_default_logger(spdlog::null_logger_mt("quiet"));
+    slave_state.scene = scene_name("here");
+    boxes.state.publish(slave_state);
+    ASSERT_TRUE(server.open());
+    UdpTransportOptions options;
+    options.peer_address = "127.0.0.1";
+    options.peer_port = server.port();
+    ASSERT_TRUE(transport.open(options));
+    thread = std::thread(
+        [this] { server.run([this] { signalled = true; }, [this] { return done.load(); }); });
+  }
+  void TearDown() override {
+    done = true;
+    if (thread.joinable()) thread.join();
+    spdlog::set_default_logger(previous_);
+    spdlog::drop("quiet");
+  }
+
+  // Plays the master until `condition` or for ten seconds.
+  template <typename Condition>
+  bool play(Condition condition) {
+    const Nanos give_up = monotonic_now() + 10 * kSecond;
+    while (monotonic_now() < give_up) {
+      if (condition()) return true;
+      const Nanos now = monotonic_now();
+      (void)pump.receive(now);
+      pump.send(now, master_state);
+      sleep_until(now + kMillisecond);
+    }
+    return false;
+  }
+
+  static Result<FollowSettings> load(const std::string& name) {
+    if (name == "missing") return Status::error("no such scene");
+    FollowSettings settings;
+    settings.scene = scene_name(name);
+    return settings;
+  }
+
+  SlaveMailboxes boxes;
+  CountingSensor sensor;
+  SlaveState slave_state;
+  SlaveServer server{boxes, &sensor, {.address = "127.0.0.1", .port = 0, .load_scene = load}};
+  boost::asio::io_context io;
+  UdpTransport transport{io};
+  MasterPeer peer{random_session_id()};
+  LinkPump<MasterState, SlaveState> pump{transport, peer};
+  MasterState master_state;
+  std::atomic<bool> done{false};
+  std::atomic<bool> signalled{false};
+  std::thread thread;
+
+ private:
+  std::shared_ptr<spdlog::logger> previous_;
+};
+
+TEST_F(SlaveServerTest, CarriesStatesBothWays) {
+  master_state.stop_epoch = 17;
+  MasterNews news;
+  EXPECT_TRUE(play([&] {
+    (void)boxes.master.take(news);
+    return news.state.stop_epoch == 17 && text_of(peer.newest().scene) == "here" &&
+           peer.snapshot().round_trip >= 0;
+  }));
+  EXPECT_EQ(news.link.peer_epoch, 1u);
+}
+
+TEST_F(SlaveServerTest, RepeatsTheNewestStateWithoutBeingAskedAgain) {
+  EXPECT_TRUE(play([&] { return peer.snapshot().accepted >= 50; }));
+}
+
+TEST_F(SlaveServerTest, PassesOnForcesAndTheSensorsFaults) {
+  ForceReading reading;
+  EXPECT_TRUE(play([&] { return boxes.force.take(reading); }));
+  EXPECT_TRUE(reading.healthy);
+  EXPECT_DOUBLE_EQ(reading.f_E_T.force.z(), 3.0);
+  sensor.faulty = true;
+  EXPECT_TRUE(play([&] {
+    (void)boxes.force.take(reading);
+    return !reading.healthy;
+  }));
+}
+
+TEST_F(SlaveServerTest, LoadsTheMastersSceneByName) {
+  master_state.scene = scene_name("there");
+  FollowSettings settings;
+  EXPECT_TRUE(play([&] { return boxes.settings.take(settings); }));
+  EXPECT_EQ(text_of(settings.scene), "there");
+}
+
+TEST_F(SlaveServerTest, LoadsItsFileAgainWhenTheSameSceneDiffers) {
+  master_state.scene = scene_name("here");
+  master_state.hashes.limits = 1;
+  FollowSettings settings;
+  EXPECT_TRUE(play([&] { return boxes.settings.take(settings); }));
+}
+
+TEST_F(SlaveServerTest, KeepsItsSceneWhenTheMastersIsMissing) {
+  master_state.scene = scene_name("missing");
+  FollowSettings settings;
+  EXPECT_TRUE(play([&] { return peer.snapshot().accepted >= 50; }));
+  EXPECT_FALSE(boxes.settings.take(settings));
+}
+
+TEST_F(SlaveServerTest, KeepsItsSceneWhileTheArmFollows) {
+  slave_state.state = SessionState::kEngaged;
+  boxes.state.publish(slave_state);
+  ASSERT_TRUE(play([&] { return peer.newest().state == SessionState::kEngaged; }));
+  master_state.scene = scene_name("there");
+  FollowSettings settings;
+  const std::uint64_t before = peer.snapshot().accepted;
+  EXPECT_TRUE(play([&] { return peer.snapshot().accepted >= before + 50; }));
+  EXPECT_FALSE(boxes.settings.take(settings));
+}
+
+TEST_F(SlaveServerTest, ATermSignalIsPassedOnAndServingGoesOn) {
+  ASSERT_TRUE(play([&] { return peer.snapshot().accepted >= 1; }));
+  ASSERT_EQ(raise(SIGTERM), 0);
+  EXPECT_TRUE(play([&] { return signalled.load(); }));
+  const std::uint64_t before = peer.snapshot().accepted;
+  EXPECT_TRUE(play([&] { return peer.snapshot().accepted >= before + 20; }));
+}
+
+TEST_F(SlaveServerTest, APortInUseIsAnError) {
+  SlaveMailboxes others;
+  SlaveServer second(others, nullptr,
+                     {.address = "127.0.0.1", .port = server.port(), .load_scene = load});
+  const Status status = second.open();
+  ASSERT_FALSE(status);
+  EXPECT_NE(status.message().find(std::to_string(server.port())), std::string::npos);
+}
+
+}  // namespace
+}  // namespace handrail
