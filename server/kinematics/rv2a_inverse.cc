@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "server/kinematics/arc_tangent.h"
 #include "server/kinematics/arm_plane.h"
 #include "server/kinematics/rv2a.h"
 
@@ -26,16 +27,21 @@ struct Arrow {
 Arrow operator*(const Arrow& a, const Arrow& b) {  // adds the angles
   return {a.c * b.c - a.s * b.s, a.c * b.s + a.s * b.c};
 }
-double angle(const Arrow& a) { return std::atan2(a.s, a.c); }
+double angle(const Arrow& a) { return arc_tangent(a.s, a.c); }
+
+// Choices below are written so that they compile to masks: the branches of random poses mispredict.
 
 // Half the angle of `a`, whose length is given; the result's length is positive and otherwise free.
 Arrow half(const Arrow& a, double length) {
-  if (a.c >= 0.0) return {length + a.c, a.s};
-  return {std::abs(a.s), std::copysign(length - a.c, a.s)};
+  const double longer = length + std::abs(a.c);
+  const double front = a.c >= 0.0 ? 1.0 : 0.0, back = 1.0 - front;
+  return {front * longer + back * std::abs(a.s), front * a.s + back * std::copysign(longer, a.s)};
 }
 
-double wrapped(double a) { return a > kPi ? a - 2.0 * kPi : (a <= -kPi ? a + 2.0 * kPi : a); }
-double opposite(double a) { return a > 0.0 ? a - kPi : a + kPi; }
+double wrapped(double a) {
+  return a + ((a <= -kPi ? 2.0 * kPi : 0.0) - (a > kPi ? 2.0 * kPi : 0.0));
+}
+double opposite(double a) { return a + (kPi - (a > 0.0 ? 2.0 * kPi : 0.0)); }
 double nearest(double a, double seed) { return a + 2.0 * kPi * nearest_turns(seed - a); }
 bool over_quarter_turn(double a, double b) {
   const double d = a - b;
@@ -126,15 +132,15 @@ Wrist solve_wrist(const WristRotation& r, const JointVector& seed) {
   const double cosine2 = r.w * r.w + r.z * r.z;  // cos^2(J5 / 2), likewise
   const double length2 = sine2 + cosine2;
   const double product = 4.0 * sine2 * cosine2;
-  const double q5 = std::atan2(std::sqrt(product), cosine2 - sine2);
+  const double q5 = arc_tangent(std::sqrt(product), cosine2 - sine2);
   if (product < kSingular * kSingular * length2 * length2) {
-    const double q6 = cosine2 > sine2 ? 2.0 * std::atan2(r.z, r.w) - seed[3]
-                                      : 2.0 * std::atan2(r.x, r.y) + seed[3];
+    const double q6 = cosine2 > sine2 ? 2.0 * arc_tangent(r.z, r.w) - seed[3]
+                                      : 2.0 * arc_tangent(r.x, r.y) + seed[3];
     const double seed_5 = seed[4] - 2.0 * kPi * nearest_turns(seed[4]);
     return {seed[3], std::copysign(q5, seed_5), q6, true};
   }
-  const double half_sum = std::atan2(r.z, r.w);
-  const double half_difference = std::atan2(r.x, r.y);
+  const double half_sum = arc_tangent(r.z, r.w);
+  const double half_difference = arc_tangent(r.x, r.y);
   return {half_sum - half_difference, q5, half_sum + half_difference, false};
 }
 
@@ -145,13 +151,13 @@ void inverse_all(const ArmGeometry& arm, const Pose& X_ST, const JointVector& se
   out.count = 0;
   const auto emit = [&out](double q1, const Elbow& e, const Wrist& w, const Branch& branch) {
     const auto i = static_cast<std::size_t>(out.count++);
-    out.q[i] << q1, e.q2, e.q3, w.q4, w.q5, w.q6;
+    out.q[i] << wrapped(q1), wrapped(e.q2), wrapped(e.q3), w.q4, w.q5, w.q6;
     out.branch[i] = branch;
   };
   const WristCentre centre = wrist_centre(arm, X_ST);
   const bool on_axis = centre.radius < kSingular;
   const bool seed_back = on_axis && arm_plane(arm, seed).radius < 0.0;
-  const double q1 = on_axis ? wrapped(nearest(seed[0], 0.0)) : std::atan2(centre.y, centre.x);
+  const double q1 = on_axis ? wrapped(nearest(seed[0], 0.0)) : arc_tangent(centre.y, centre.x);
   const Arrow half_1 = on_axis ? Arrow{std::cos(0.5 * q1), std::sin(0.5 * q1)}
                                : half({centre.x, centre.y}, centre.radius);
 
@@ -191,7 +197,7 @@ InverseStatus inverse_near(const ArmGeometry& arm, const Pose& X_ST, const Joint
     half_1 = {std::cos(0.5 * q1), std::sin(0.5 * q1)};
   } else {
     half_1 = half({centre.x, centre.y}, centre.radius);
-    q1 = std::atan2(centre.y, centre.x);
+    q1 = arc_tangent(centre.y, centre.x);
     const bool far_side = over_quarter_turn(q1, seed[0]);
     const bool near_axis = centre.radius < kShoulderZone && std::abs(plane.radius) < kShoulderZone;
     if (near_axis || std::abs(plane.radius) < kSingular) back = far_side;

@@ -79,6 +79,18 @@ TEST(InverseAll, KeepsAnglesWithinHalfATurn) {
   }
 }
 
+TEST(InverseAll, CallsTheHalfTurnPlusPiAlsoWhereRoundingSaysMinus) {
+  const Pose behind{Vec3(-0.4, -0.0, 0.4),
+                    Quat(0, 1, 0, 0)};  // the tool points down, J1 half a turn
+  InverseSolutions found;
+  inverse_all({}, behind, joints_deg(0, 0, 90, 0, 90, 0), found);
+  ASSERT_GT(found.count, 0);
+  EXPECT_EQ(found.q[0][0], std::numbers::pi);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(found.count); ++i) {
+    EXPECT_GT(found.q[i].minCoeff(), -std::numbers::pi);
+  }
+}
+
 TEST(InverseAll, FindsNothingOutOfReachOrForNumbersThatAreNone) {
   const JointVector seed = joints_deg(0, 0, 90, 0, 30, 0);
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -162,6 +174,27 @@ TEST(InverseNear, FindsTheSeedItselfAndTheSameAnswerAsInverseAll) {
     ASSERT_EQ(inverse_near({}, X, seed, q), InverseStatus::kOk);
     EXPECT_LT((q - moved).cwiseAbs().maxCoeff() * margin, 1e-13) << seed.transpose() / kDeg;
   }
+}
+
+TEST(InverseNear, ReturnsEachOfTheSolutionsFromItself) {
+  std::mt19937_64 random(kSeed + 6);
+  int elbow_down = 0, shoulder_back = 0;
+  for (int n = 0; n < 2'000; ++n) {
+    const Pose X = forward({}, test::random_joints(random));
+    InverseSolutions found;
+    inverse_all({}, X, JointVector::Zero(), found);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(found.count); ++i) {
+      const SingularityMargin m = singularity_margin({}, found.q[i]);
+      JointVector q;
+      ASSERT_EQ(inverse_near({}, X, found.q[i], q), InverseStatus::kOk);
+      EXPECT_LT((q - found.q[i]).cwiseAbs().maxCoeff() * std::min({m.wrist, m.shoulder, m.elbow}),
+                1e-14);
+      elbow_down += found.branch[i].elbow_down;
+      shoulder_back += found.branch[i].shoulder_back;
+    }
+  }
+  EXPECT_GT(elbow_down, 1'000);
+  EXPECT_GT(shoulder_back, 1'000);
 }
 
 TEST(InverseNear, KeepsTheSeedsWholeTurns) {
