@@ -56,7 +56,8 @@ RobotEvent MelfaRobot::wait(RobotReply& reply) noexcept {
     for (int i = 0; i < kMaxDrain; ++i) {
       const std::optional<std::size_t> size = socket_.receive(buffer_);
       if (!size) break;
-      const RobotEvent event = client_.on_datagram({buffer_.data(), *size}, monotonic_now(), reply);
+      const std::optional<RobotEvent> event =
+          client_.on_datagram({buffer_.data(), *size}, monotonic_now(), reply);
       fresh = fresh || event == RobotEvent::kReply;
       rejected = rejected || event == RobotEvent::kRejected;
     }

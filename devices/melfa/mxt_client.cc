@@ -7,11 +7,13 @@ MxtClient::Bytes MxtClient::start(Nanos now) noexcept {
   held_command_ = MxtCommand::kNull;
   losses_ = 0;
   c_count_ = 0;
+  last_reply_ = -kForever;
   deadline_ = now + 2 * options_.period;
   return write(MxtCommand::kNull);
 }
 
-RobotEvent MxtClient::on_datagram(Bytes bytes, Nanos now, RobotReply& reply) noexcept {
+std::optional<RobotEvent> MxtClient::on_datagram(Bytes bytes, Nanos now,
+                                                 RobotReply& reply) noexcept {
   if (!open_) return RobotEvent::kLost;
   MxtPacket packet;
   const MxtBlock* measured = nullptr;
@@ -26,12 +28,17 @@ RobotEvent MxtClient::on_datagram(Bytes bytes, Nanos now, RobotReply& reply) noe
     ++counters_.rejected;
     return RobotEvent::kRejected;
   }
-  ++counters_.replies;
-  losses_ = 0;
-  deadline_ = now + 2 * options_.period;
   reply.q_measured = measured->joints();
   reply.q_commanded = commanded != nullptr ? commanded->joints() : reply.q_measured;
   reply.missed_cycles = packet.t_count;
+  if (now - last_reply_ < options_.same_cycle) {
+    ++counters_.twins;
+    return std::nullopt;
+  }
+  ++counters_.replies;
+  losses_ = 0;
+  last_reply_ = now;
+  deadline_ = now + 2 * options_.period;
   return RobotEvent::kReply;
 }
 

@@ -17,6 +17,10 @@ struct MxtClientOptions {
   std::size_t packet_bytes = kMxtLong;  // kMxtShort or kMxtLong; replies must have the same size
   Nanos period = kMxtPeriod;            // the controller's cycle, > 0
   int max_losses = 100;                 // missed replies in a row that end the session, > 0
+  // Replies closer together than this belong to one control cycle: a repeated packet or a
+  // duplicating network brings twins, and two commands in one cycle could be twice the step a joint
+  // can make.
+  Nanos same_cycle = kMxtPeriod / 4;
 };
 
 struct MxtCounters {
@@ -24,6 +28,7 @@ struct MxtCounters {
   std::uint64_t replies = 0;   // replies accepted
   std::uint64_t repeats = 0;   // packets sent again after silence, among `sent`
   std::uint64_t rejected = 0;  // packets of wrong size, type or value
+  std::uint64_t twins = 0;     // replies beyond the first of a control cycle
 };
 
 // One session: start(), then a send() for every reply, poll() whenever deadline() has passed,
@@ -38,11 +43,11 @@ class MxtClient {
   // Opens a session (again): the packet that asks for the current joints and moves nothing.
   Bytes start(Nanos now) noexcept;
 
-  // Reads one datagram from the controller. kReply: `reply` is filled. kRejected: dropped and
-  // counted, `reply` untouched. kLost: no session is open. Of several datagrams waiting the last
-  // one counts; the packet counter in the reply is not used, as controllers differ in what they put
-  // there.
-  RobotEvent on_datagram(Bytes bytes, Nanos now, RobotReply& reply) noexcept;
+  // Reads one datagram from the controller. kReply: `reply` is filled. Nothing: a twin of the reply
+  // before; `reply` is brought up to date, but there is no new cycle to command. kRejected: dropped
+  // and counted, `reply` untouched. kLost: no session is open. The packet counter in the reply is
+  // not used, as controllers differ in what they put there.
+  std::optional<RobotEvent> on_datagram(Bytes bytes, Nanos now, RobotReply& reply) noexcept;
 
   // Before deadline(): nothing. After it: kSilence with packet() to be sent again, or kLost when
   // that was the last loss allowed or no session is open.
@@ -74,6 +79,7 @@ class MxtClient {
   int losses_ = 0;
   std::uint32_t c_count_ = 0;
   Nanos deadline_ = kForever;
+  Nanos last_reply_ = -kForever;
   std::array<std::uint8_t, kMxtLong> buffer_{};
   Bytes packet_;
 };

@@ -19,6 +19,7 @@ MelfaOptions options_for(const ScriptedMxtPeer& peer, Nanos period, std::size_t 
   options.port = peer.port();
   options.client.period = period;
   options.client.packet_bytes = size;
+  options.client.same_cycle = 0;
   return options;
 }
 

@@ -119,12 +119,25 @@ TEST_F(MxtClientTest, DropsWrongPacketsWithoutTouchingTheReplyOrTheDeadline) {
   EXPECT_EQ(client_.deadline(), deadline);
 }
 
+TEST_F(MxtClientTest, TwoRepliesInOneCycleAreOneOccasionToCommand) {
+  client_.start(0);
+  ASSERT_EQ(client_.on_datagram(golden::reply_long(), kPeriod, reply_), RobotEvent::kReply);
+  Packet twin = golden::reply_long();
+  twin[58] = 0;
+  EXPECT_EQ(client_.on_datagram(twin, kPeriod + kMillisecond, reply_), std::nullopt);
+  EXPECT_EQ(reply_.missed_cycles, 0u) << "the newest values are the ones to use";
+  EXPECT_EQ(client_.deadline(), 3 * kPeriod);
+  EXPECT_EQ(client_.counters().twins, 1u);
+  EXPECT_EQ(client_.on_datagram(twin, 2 * kPeriod, reply_), RobotEvent::kReply);
+}
+
 TEST_F(MxtClientTest, IgnoresThePacketCounterOfTheReply) {
   open();
+  Nanos now = kPeriod;
   for (const std::uint8_t count : Packet{0x00, 0xff, 0x01}) {
     Packet reply = golden::reply_long();
     std::fill(reply.begin() + 60, reply.begin() + 64, count);
-    EXPECT_EQ(client_.on_datagram(reply, kPeriod, reply_), RobotEvent::kReply);
+    EXPECT_EQ(client_.on_datagram(reply, now += kPeriod, reply_), RobotEvent::kReply);
   }
 }
 
