@@ -1,0 +1,197 @@
+// The real slave daemon between a simulated laboratory and a master played by the test.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <string>
+#include <thread>
+
+#include "devices/rig/rig_server.h"
+#include "server/base/clock.h"
+#include "server/base/pacer.h"
+#include "server/link/pump.h"
+#include "server/link/udp_transport.h"
+#include "tests/support/temp_folder.h"
+
+namespace handrail {
+namespace {
+
+// A program whose standard output and error come through one pipe.
+class Program {
+ public:
+  explicit Program(std::vector<std::string> words) {
+    int ends[2];
+    if (::pipe(ends) != 0) return;
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, ends[1], 1);
+    posix_spawn_file_actions_adddup2(&actions, ends[1], 2);
+    posix_spawn_file_actions_addclose(&actions, ends[0]);
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    if (::posix_spawn(&pid_, argv[0], &actions, nullptr, argv.data(), environ) != 0) pid_ = -1;
+    posix_spawn_file_actions_destroy(&actions);
+    ::close(ends[1]);
+    out_ = ::fdopen(ends[0], "r");
+  }
+  ~Program() {
+    if (pid_ > 0) {
+      ::kill(pid_, SIGKILL);
+      (void)exit_code();
+    }
+    if (out_ != nullptr) std::fclose(out_);
+  }
+
+  // The next line that begins with `start`; empty at the end of the output.
+  std::string line(const std::string& start) {
+    char text[512];
+    while (std::fgets(text, sizeof text, out_) != nullptr) {
+      if (std::string(text).starts_with(start)) return text;
+    }
+    return "";
+  }
+  void terminate() const { ::kill(pid_, SIGTERM); }
+  // Waits for the end; -1 when a signal ended it.
+  int exit_code() {
+    int status = 0;
+    ::waitpid(pid_, &status, 0);
+    pid_ = -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+ private:
+  pid_t pid_ = -1;
+  std::FILE* out_ = nullptr;
+};
+
+const std::string kSlave = HANDRAIL_BIN_DIR "/handrail-slave";
+
+class SlaveDaemonTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(rig.open("127.0.0.1", 0, 0));
+    rig_thread = std::thread([this] { rig.run(); });
+    const std::string config =
+        folder.write("slave.config",
+                     "link_port: 0\nrobot { port: " + std::to_string(rig.robot_port()) +
+                         " }\nforce_sensor { port: " + std::to_string(rig.sensor_port()) + " }\n");
+    slave = std::make_unique<Program>(std::vector<std::string>{kSlave, "--config", config});
+    const std::string ready = slave->line("READY link_port=");
+    ASSERT_FALSE(ready.empty());
+    UdpTransportOptions options;
+    options.peer_address = "127.0.0.1";
+    options.peer_port = static_cast<std::uint16_t>(std::stoi(ready.substr(16)));
+    ASSERT_TRUE(transport.open(options));
+  }
+  void TearDown() override {
+    stop_rig();
+    slave.reset();
+  }
+  void stop_rig() {
+    if (!rig_thread.joinable()) return;
+    rig.stop();
+    rig_thread.join();
+  }
+
+  // Plays the master until `condition` or for twenty seconds.
+  template <typename Condition>
+  bool play(Condition condition) {
+    const Nanos give_up = monotonic_now() + 20 * kSecond;
+    while (monotonic_now() < give_up) {
+      const Nanos now = monotonic_now();
+      (void)pump.receive(now);
+      if (condition()) return true;
+      pump.send(now, master);
+      sleep_until(now + kMillisecond);
+    }
+    return false;
+  }
+  const SlaveState& said() const { return peer.newest(); }
+
+  void engage() {
+    ASSERT_TRUE(play([&] { return said().has_pose && said().has_wrench; }));
+    master.desired = Desired::kEngaged;
+    master.state = SessionState::kAligning;
+    master.has_command = true;
+    ASSERT_TRUE(play([&] {
+      master.X_SU = said().X_ST_command;
+      return said().state == SessionState::kEngaged;
+    })) << describe(said().reason);
+    master.state = SessionState::kEngaged;
+  }
+
+  TempFolder folder;
+  RigServer rig{RigOptions{}};
+  std::thread rig_thread;
+  std::unique_ptr<Program> slave;
+  boost::asio::io_context io;
+  UdpTransport transport{io};
+  MasterPeer peer{random_session_id()};
+  LinkPump<MasterState, SlaveState> pump{transport, peer};
+  MasterState master;
+};
+
+TEST_F(SlaveDaemonTest, EngagingMovesNothingAndFollowingReachesTheCommand) {
+  ASSERT_TRUE(play([&] { return said().has_pose; }));
+  const Pose before = said().X_ST_command;
+  engage();
+  EXPECT_EQ((said().X_ST_command.p - before.p).norm(), 0.0);
+  master.X_SU.p.z() += 0.02;
+  EXPECT_TRUE(play([&] { return (said().X_ST_command.p - master.X_SU.p).norm() < 1e-6; }));
+  EXPECT_TRUE(play([&] { return (said().X_ST.p - master.X_SU.p).norm() < 1e-3; }));
+}
+
+TEST_F(SlaveDaemonTest, SilenceOfTheMasterLatchesUntilReset) {
+  engage();
+  sleep_until(monotonic_now() + 400 * kMillisecond);
+  ASSERT_TRUE(play([&] { return said().state == SessionState::kFault; }));
+  EXPECT_EQ(said().fault, Reason::kLinkLost);
+  master.desired = Desired::kOff;
+  master.state = SessionState::kOff;
+  master.fault_reset = said().fault_epoch;
+  EXPECT_TRUE(play([&] { return said().state == SessionState::kOff; }));
+}
+
+TEST_F(SlaveDaemonTest, ADeadControllerIsAFaultAndTheDaemonLivesOn) {
+  engage();
+  stop_rig();
+  ASSERT_TRUE(play([&] { return said().state == SessionState::kFault; }));
+  EXPECT_TRUE(said().fault == Reason::kRobotLost || said().fault == Reason::kSensorMissing);
+  const std::uint64_t before = peer.snapshot().accepted;
+  EXPECT_TRUE(play([&] { return peer.snapshot().accepted > before + 100; }));
+}
+
+TEST_F(SlaveDaemonTest, TermStopsTheMovingArmAndExitsWithZero) {
+  engage();
+  const double start = said().X_ST_command.p.z();
+  master.X_SU.p.z() += 0.2;
+  ASSERT_TRUE(play([&] { return said().X_ST_command.p.z() > start + 0.005; }));
+  slave->terminate();
+  (void)play([&] { return said().reason == Reason::kShutdown; });
+  EXPECT_EQ(slave->exit_code(), 0);
+}
+
+TEST_F(SlaveDaemonTest, APortInUseEndsTheSecondDaemonWithTwo) {
+  const std::string config =
+      folder.write("second.config", "link_port: " + std::to_string(transport.port()) + "\n");
+  Program second({kSlave, "--config", config});
+  EXPECT_NE(second.line("handrail-slave: link port").find("is in use"), std::string::npos);
+  EXPECT_EQ(second.exit_code(), 2);
+}
+
+TEST(SlaveProgram, CheckReadsTheConfigurationAndTheScene) {
+  TempFolder folder;
+  Program good({kSlave, "--check"});
+  EXPECT_EQ(good.line("configuration ok"), "configuration ok\n");
+  EXPECT_EQ(good.exit_code(), 0);
+  Program bad({kSlave, "--check", "--config", folder.write("a", "scene: \"nowhere\"\n")});
+  EXPECT_NE(bad.line("handrail-slave: ").find("nowhere"), std::string::npos);
+  EXPECT_EQ(bad.exit_code(), 2);
+}
+
+}  // namespace
+}  // namespace handrail
