@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/read.hpp>
@@ -48,8 +49,7 @@ bool has_order(const pb::Request& r) {
 
 }  // namespace
 
-// One connection: wait for a frame, read it, have it handled, answer, again. It lives as long as
-// an operation or an outstanding reply holds it.
+// One connection: wait for a frame, read it, have it handled, answer, again.
 class OperatorServer::Client : public std::enable_shared_from_this<Client> {
  public:
   Client(Socket socket, OperatorHandler& handler)
@@ -83,6 +83,8 @@ class OperatorServer::Client : public std::enable_shared_from_this<Client> {
   Nanos idle_since() const { return idle_since_; }
 
  private:
+  class Ticket;
+
   void limit_time() {
     timer_.expires_after(std::chrono::nanoseconds(kPatience));
     timer_.async_wait([weak = weak_from_this()](Error error) {
@@ -112,19 +114,7 @@ class OperatorServer::Client : public std::enable_shared_from_this<Client> {
                        self->obey();
                      });
   }
-  void obey() {
-    if (!is_open()) return;
-    pb::Request request;
-    if (!request.ParseFromString(body_)) return answer(refusal("the request is garbled"), true);
-    if (!has_order(request)) return answer(refusal("the request holds no order"), true);
-    auto answered = std::make_shared<bool>(false);
-    handler_.handle(request, [self = shared_from_this(), answered](pb::Reply reply) {
-      asio::post(self->socket_.get_executor(), [self, answered, reply = std::move(reply)] {
-        if (std::exchange(*answered, true) || !self->is_open()) return;
-        self->answer(reply, false);
-      });
-    });
-  }
+  void obey();
 
   Socket socket_;
   asio::steady_timer timer_;
@@ -134,6 +124,45 @@ class OperatorServer::Client : public std::enable_shared_from_this<Client> {
   std::string body_;
   std::string out_;
 };
+
+// What a handler holds of a client: the right to answer once. It does not keep the client alive, so
+// a handler may outlive server and io_context.
+class OperatorServer::Client::Ticket {
+ public:
+  explicit Ticket(std::weak_ptr<Client> client) : client_(std::move(client)) {}
+  ~Ticket() {
+    in_io_thread([](Client& client) { client.close(); });
+  }
+  Ticket(const Ticket&) = delete;
+  Ticket& operator=(const Ticket&) = delete;
+
+  void answer(pb::Reply reply) {
+    in_io_thread([reply = std::move(reply)](Client& client) {
+      if (client.is_open()) client.answer(reply, false);
+    });
+  }
+
+ private:
+  // The first call only.
+  template <typename F>
+  void in_io_thread(F f) {
+    if (used_.exchange(true)) return;
+    const auto client = client_.lock();
+    if (!client) return;
+    asio::post(client->socket_.get_executor(), [client, f = std::move(f)] { f(*client); });
+  }
+  std::weak_ptr<Client> client_;
+  std::atomic<bool> used_{false};
+};
+
+void OperatorServer::Client::obey() {
+  if (!is_open()) return;
+  pb::Request request;
+  if (!request.ParseFromString(body_)) return answer(refusal("the request is garbled"), true);
+  if (!has_order(request)) return answer(refusal("the request holds no order"), true);
+  const auto ticket = std::make_shared<Ticket>(weak_from_this());
+  handler_.handle(request, [ticket](pb::Reply reply) { ticket->answer(std::move(reply)); });
+}
 
 OperatorServer::OperatorServer(asio::io_context& io, OperatorHandler& handler)
     : handler_(handler), acceptor_(io), pause_(io) {}
@@ -153,19 +182,14 @@ void OperatorServer::stop() {
   running_.reset();
   pause_.cancel();
   acceptor_.close(ignored);
-  for (const auto& weak : clients_) {
-    if (const auto client = weak.lock()) client->close();
-  }
+  for (const auto& client : clients_) client->close();
   clients_.clear();
   file_.remove();
 }
 
 std::size_t OperatorServer::clients() const {
-  return static_cast<std::size_t>(
-      std::count_if(clients_.begin(), clients_.end(), [](const std::weak_ptr<Client>& weak) {
-        const auto client = weak.lock();
-        return client && client->is_open();
-      }));
+  return static_cast<std::size_t>(std::count_if(
+      clients_.begin(), clients_.end(), [](const auto& client) { return client->is_open(); }));
 }
 
 void OperatorServer::accept() {
@@ -194,17 +218,11 @@ void OperatorServer::admit(Socket socket) {
 
 // True when one more client may stay, if need be in place of the one silent longest.
 bool OperatorServer::make_room() {
-  clients_.erase(std::remove_if(clients_.begin(), clients_.end(),
-                                [](const std::weak_ptr<Client>& weak) {
-                                  const auto client = weak.lock();
-                                  return !client || !client->is_open();
-                                }),
-                 clients_.end());
+  std::erase_if(clients_, [](const auto& client) { return !client->is_open(); });
   if (clients_.size() < kMaxClients) return true;
-  std::shared_ptr<Client> oldest;
-  for (const auto& weak : clients_) {
-    const auto client = weak.lock();
-    if (!oldest || client->idle_since() < oldest->idle_since()) oldest = client;
+  Client* oldest = clients_.front().get();
+  for (const auto& client : clients_) {
+    if (client->idle_since() < oldest->idle_since()) oldest = client.get();
   }
   if (oldest->idle_since() > monotonic_now() - kIdle) return false;
   oldest->close();

@@ -20,8 +20,8 @@
 namespace handrail {
 
 // Carries out orders. `handle` runs in the IO thread and must not block; `reply` may be called at
-// once or later, from any thread, while the io_context lives. Only its first call counts. Dropping
-// it without a call closes the client's connection.
+// once or later, from any thread, as long as the io_context lives. Only its first call counts.
+// Dropping it without a call, at any time, closes the client's connection.
 class OperatorHandler {
  public:
   virtual ~OperatorHandler() = default;
@@ -57,7 +57,7 @@ class OperatorServer {
   OperatorSocket file_;
   boost::asio::local::stream_protocol::acceptor acceptor_;
   boost::asio::steady_timer pause_;
-  std::vector<std::weak_ptr<Client>> clients_;
+  std::vector<std::shared_ptr<Client>> clients_;
   std::shared_ptr<int> running_;  // handlers still queued after stop find it gone
 };
 

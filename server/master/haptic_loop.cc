@@ -1,0 +1,100 @@
+#include "server/master/haptic_loop.h"
+
+#include <algorithm>
+
+#include "server/master/haptic_settings.h"
+
+namespace handrail {
+namespace {
+
+// A tick's dt is the time that really passed, within what a step may bridge: a stall must not turn
+// into one long stride of everything that decays with time.
+constexpr double kShortest = 1e-4;
+constexpr double kLongest = 5e-3;
+
+constexpr std::uint64_t kQuantileTicks = 250;
+// At the end the slave hears of it for this long; the force is gone well before.
+constexpr Nanos kFarewell = 150 * kMillisecond;
+
+bool idle(SessionState state) {
+  return state == SessionState::kOff || state == SessionState::kFault;
+}
+
+}  // namespace
+
+HapticLoop::HapticLoop(HapticDevice& device, const HapticSettings& settings, MasterMailboxes& boxes,
+                       Nanos start)
+    : device_(device),
+      settings_(settings),
+      boxes_(boxes),
+      pacer_(kPeriod, start),
+      last_tick_(start) {}
+
+void HapticLoop::tick(Nanos now) noexcept {
+  pacer_.woke(now);
+  const double dt = std::clamp(to_seconds(now - last_tick_), kShortest, kLongest);
+  last_tick_ = now;
+  take_settings();
+  take_slave(now);
+  input_.hand = hand_reading(device_.read(now));
+  OrderTicket ticket = next_order();
+  input_.order = ticket.order;
+  if (stop_requested_.load(std::memory_order_relaxed)) {
+    input_.order = HapticOrder();
+    input_.order.kind = OrderKind::kDisengage;
+    if (stop_since_ < 0) stop_since_ = now;
+    if (now - stop_since_ > kFarewell) finished_.store(true, std::memory_order_release);
+  }
+  haptic_step(settings_, input_, dt, state_, report_.out);
+  device_.write(report_.out.f_H_M);
+  if (ticket.id != 0) (void)boxes_.answers.push({ticket.id, report_.out.order_result});
+  publish();
+}
+
+void HapticLoop::take_settings() noexcept {
+  if (boxes_.settings.take(next_settings_)) report_.settings_pending = true;
+  if (!report_.settings_pending || !idle(state_.session)) return;
+  settings_ = next_settings_;
+  report_.settings_pending = false;
+  ++report_.scene_epoch;
+}
+
+void HapticLoop::take_slave(Nanos now) noexcept {
+  if (boxes_.slave.take(news_)) {
+    input_.slave = news_.state;
+    input_.slave_known = true;
+  }
+  input_.slave_age = news_.link.age(now);
+  // Another slave counts its faults from the start: what was reset on the last one means nothing.
+  if (news_.link.peer_epoch != peer_epoch_) state_.fault_reset = 0;
+  peer_epoch_ = news_.link.peer_epoch;
+}
+
+OrderTicket HapticLoop::next_order() noexcept {
+  OrderTicket ticket;
+  while (boxes_.orders.pop(ticket)) {
+    if (!ticket.is_hand) return ticket;
+    SteerableHand* hand = device_.hand();
+    if (hand != nullptr) hand->steer(ticket.hand);
+    (void)boxes_.answers.push({ticket.id, hand != nullptr ? Reason::kNone : Reason::kNotSimulated});
+  }
+  return OrderTicket();
+}
+
+void HapticLoop::publish() noexcept {
+  report_.X_MH = state_.X_MH;
+  const SteerableHand* hand = device_.hand();
+  report_.hand_moving = hand != nullptr && hand->moving();
+  report_.ticks = pacer_.ticks();
+  report_.overruns = pacer_.overruns();
+  if (report_.ticks % kQuantileTicks == 0) {
+    const Histogram& late = pacer_.lateness();
+    report_.late_p50 = late.quantile(0.5);
+    report_.late_p99 = late.quantile(0.99);
+    report_.late_p999 = late.quantile(0.999);
+    report_.late_max = late.max();
+  }
+  boxes_.report.publish(report_);
+}
+
+}  // namespace handrail

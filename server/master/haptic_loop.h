@@ -1,0 +1,55 @@
+// The haptic thread's work: device, step, device, a thousand times a second.
+#pragma once
+
+#include <atomic>
+
+#include "devices/haptic_device.h"
+#include "server/base/pacer.h"
+#include "server/control/haptic_step.h"
+#include "server/master/mailboxes.h"
+
+namespace handrail {
+
+// One tick at a time; who calls it decides when. Real-time safe after construction.
+class HapticLoop {
+ public:
+  static constexpr Nanos kPeriod = kMillisecond;
+
+  // Device and mailboxes must outlive the loop; the device is open.
+  HapticLoop(HapticDevice& device, const HapticSettings& settings, MasterMailboxes& boxes,
+             Nanos start);
+
+  // When the next tick should run.
+  Nanos due() const noexcept { return pacer_.due(); }
+  // One tick at `now`: read the device, step, write the device, publish.
+  void tick(Nanos now) noexcept;
+
+  // Asks the loop to disengage and let the force go. From any thread.
+  void request_stop() noexcept { stop_requested_.store(true, std::memory_order_relaxed); }
+  // True once the slave has had time to hear of it and the force is gone. From any thread.
+  bool finished() const noexcept { return finished_.load(std::memory_order_acquire); }
+
+ private:
+  void take_settings() noexcept;
+  void take_slave(Nanos now) noexcept;
+  // The next order of the queue, after those for the hand were carried out.
+  OrderTicket next_order() noexcept;
+  void publish() noexcept;
+
+  HapticDevice& device_;
+  HapticSettings settings_;
+  MasterMailboxes& boxes_;
+  Pacer pacer_;
+  HapticInput input_;
+  HapticState state_;
+  HapticReport report_;
+  SlaveNews news_;
+  HapticSettings next_settings_;
+  std::uint32_t peer_epoch_ = 0;
+  Nanos last_tick_;
+  Nanos stop_since_ = -1;
+  std::atomic<bool> stop_requested_{false};
+  std::atomic<bool> finished_{false};
+};
+
+}  // namespace handrail

@@ -1,0 +1,55 @@
+// Where the master's two threads meet: newest values and short queues, nobody waits.
+#pragma once
+
+#include "devices/haptic_device.h"
+#include "server/base/mailbox.h"
+#include "server/base/ring.h"
+#include "server/control/haptic_step.h"
+#include "server/link/peer.h"
+
+namespace handrail {
+
+// The slave's newest state and how it came.
+struct SlaveNews {
+  SlaveState state;
+  LinkSnapshot link;
+};
+
+// An order on its way to the haptic loop. `hand` is for the simulated hand, if `is_hand`.
+struct OrderTicket {
+  std::uint64_t id = 0;
+  HapticOrder order;
+  bool is_hand = false;
+  HandIntent hand;
+};
+
+struct OrderAnswer {
+  std::uint64_t id = 0;
+  Reason result = Reason::kNone;
+};
+
+// What the haptic loop tells about itself after every tick.
+struct HapticReport {
+  HapticOutput out;
+  Pose X_MH;
+  bool hand_moving = false;
+  bool settings_pending = false;  // a scene waits for the session to be off
+  std::uint64_t scene_epoch = 0;  // scenes taken over so far
+  std::uint64_t ticks = 0;
+  std::uint64_t overruns = 0;
+  // Lateness of the ticks so far [ns], renewed a few times a second.
+  Nanos late_p50 = 0;
+  Nanos late_p99 = 0;
+  Nanos late_p999 = 0;
+  Nanos late_max = 0;
+};
+
+struct MasterMailboxes {
+  Mailbox<SlaveNews> slave;          // IO to haptic
+  Mailbox<HapticSettings> settings;  // IO to haptic: another scene
+  Ring<OrderTicket, 64> orders;      // IO to haptic
+  Ring<OrderAnswer, 64> answers;     // haptic to IO
+  Mailbox<HapticReport> report;      // haptic to IO
+};
+
+}  // namespace handrail

@@ -1,0 +1,163 @@
+// handrail-master: the operator's side, with the haptic device and the constraint engine.
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <csignal>
+#include <cstdio>
+#include <future>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "devices/registry.h"
+#include "proto/config.pb.h"
+#include "server/base/clock.h"
+#include "server/base/daemon_args.h"
+#include "server/base/realtime.h"
+#include "server/base/units.h"
+#include "server/master/haptic_loop.h"
+#include "server/master/haptic_settings.h"
+#include "server/master/master_server.h"
+#include "server/scene/config_io.h"
+#include "server/scene/scene_library.h"
+
+namespace handrail {
+namespace {
+
+constexpr int kBadInput = 2;
+constexpr int kHapticPriority = 85;
+
+const char kWhat[] =
+    "The operator's side: haptic device, virtual tools and forces at 1 kHz; sends the command to\n"
+    "the slave and takes orders on a Unix socket. SIGTERM disengages, then exits.";
+
+int fail(const std::string& message) {
+  std::fprintf(stderr, "handrail-master: %s\n", message.c_str());
+  return kBadInput;
+}
+
+HapticDeviceOptions device_options(const pb::DeviceConfig& config) {
+  HapticDeviceOptions out;
+  switch (config.kind()) {
+    case pb::DeviceConfig::SIM_OMNI:
+      out.kind = HapticDeviceKind::kSimOmni;
+      break;
+    case pb::DeviceConfig::SIM_OMNI_TORQUE:
+      out.kind = HapticDeviceKind::kSimOmniTorque;
+      break;
+    case pb::DeviceConfig::RECORDED:
+      out.kind = HapticDeviceKind::kRecorded;
+      break;
+  }
+  const pb::HandModel& hand = config.hand();
+  out.hand.seed = hand.seed();
+  out.hand.mass = hand.mass_kg();
+  out.hand.stiffness = hand.stiffness_n_mm() * kNewtonPerMm;
+  out.hand.damping_ratio = hand.damping_ratio();
+  out.hand.tremor_rms = hand.tremor_rms_mm() * kMm;
+  out.hand.drift_rms = hand.drift_rms_mm() * kMm;
+  out.hand.drift_rotation_rms = hand.drift_rms_deg() * kDeg;
+  out.hand.reaction = hand.reaction_ms() * 1e-3;
+  out.recording_path = config.recording();
+  return out;
+}
+
+// The thread that ticks the loop until it has finished; then the device is closed.
+class HapticThread {
+ public:
+  HapticThread(HapticDevice& device, const HapticSettings& settings, MasterMailboxes& boxes)
+      : loop_(std::make_unique<HapticLoop>(device, settings, boxes, monotonic_now())),
+        thread_([this, &device] { run(device); }) {}
+  ~HapticThread() {
+    loop_->request_stop();
+    thread_.join();
+  }
+  HapticThread(const HapticThread&) = delete;
+  HapticThread& operator=(const HapticThread&) = delete;
+
+  // What the thread got of what it asked for.
+  std::string realtime() { return realtime_.get_future().get(); }
+  void request_stop() noexcept { loop_->request_stop(); }
+  bool finished() const noexcept { return loop_->finished(); }
+
+ private:
+  void run(HapticDevice& device) {
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, nullptr);
+    realtime_.set_value(enter_realtime(kHapticPriority).report);
+    while (!loop_->finished()) {
+      sleep_until(loop_->due());
+      loop_->tick(monotonic_now());
+    }
+    device.close();
+  }
+
+  std::unique_ptr<HapticLoop> loop_;
+  std::promise<std::string> realtime_;
+  std::thread thread_;  // last: it uses the others
+};
+
+int run(const pb::MasterConfig& config, bool check_only) {
+  auto device = make_haptic_device(device_options(config.device()));
+  if (!device) return fail(device.message());
+  const HapticCapabilities capabilities = (*device)->capabilities();
+  const SceneLibrary library({config.scene_path().begin(), config.scene_path().end()});
+  auto scene = library.load(config.scene());
+  if (!scene) return fail(scene.message());
+  const auto settings_of = [&](const Scene& s) { return haptic_settings(s, capabilities); };
+  const HapticSettings settings = settings_of(*scene);
+  if (check_only) {
+    std::puts("configuration ok");
+    return 0;
+  }
+
+  auto boxes = std::make_unique<MasterMailboxes>();
+  OrderDeskOptions desk_options;
+  desk_options.identity.device = capabilities.name;
+  desk_options.identity.device_simulated = capabilities.simulated;
+  desk_options.load_scene = [&](const std::string& name) { return library.load(name); };
+  desk_options.settings_of = settings_of;
+  OrderDesk desk(*boxes, *scene, desk_options);
+  MasterServerOptions options;
+  options.address = config.link_address();
+  options.port = static_cast<std::uint16_t>(config.link_port());
+  options.slave_address = config.slave_address();
+  options.slave_port = static_cast<std::uint16_t>(config.slave_port());
+  options.operator_socket = config.operator_socket();
+  MasterServer server(*boxes, desk, options);
+  if (const Status opened = server.open(); !opened) return fail(opened.message());
+  if (const Status opened = (*device)->open(); !opened) return fail(opened.message());
+
+  HapticThread haptic(**device, settings, *boxes);
+  const std::string realtime = haptic.realtime();
+  desk.set_realtime(realtime);
+  spdlog::info("haptic thread: {}", realtime);
+  std::printf("READY link_port=%d operator_socket=%s\n", server.port(),
+              config.operator_socket().c_str());
+  std::fflush(stdout);
+  server.run([&] { haptic.request_stop(); }, [&] { return haptic.finished(); });
+  return 0;
+}
+
+}  // namespace
+}  // namespace handrail
+
+int main(int argc, char** argv) {
+  using namespace handrail;
+  const auto args = parse_daemon_args(argc, argv);
+  if (!args) return fail(args.message());
+  if (args->help) {
+    std::fputs(daemon_help("handrail-master", kWhat).c_str(), stdout);
+    return 0;
+  }
+  if (args->version) {
+    std::puts("handrail-master " HANDRAIL_VERSION);
+    return 0;
+  }
+  const auto config = load_master_config(args->config_path);
+  if (!config) return fail(config.message());
+  // Standard output carries only the READY line.
+  spdlog::set_default_logger(spdlog::stderr_color_mt("handrail-master"));
+  return run(*config, args->check);
+}

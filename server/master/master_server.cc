@@ -1,0 +1,111 @@
+#include "server/master/master_server.h"
+
+#include <spdlog/spdlog.h>
+
+#include <csignal>
+#include <utility>
+// Boost 1.74 uses std::exchange without including it.
+#include <boost/asio.hpp>
+
+#include "server/base/clock.h"
+#include "server/base/pacer.h"
+#include "server/link/pump.h"
+#include "server/link/udp_transport.h"
+
+namespace handrail {
+
+namespace asio = boost::asio;
+
+struct MasterServer::Impl {
+  Impl(MasterMailboxes& mailboxes, OrderDesk& order_desk, MasterServerOptions opts)
+      : boxes(mailboxes), desk(order_desk), options(std::move(opts)) {}
+
+  void wait_for_tick() {
+    timer.expires_at(std::chrono::steady_clock::time_point(std::chrono::nanoseconds(pacer.due())));
+    timer.async_wait([this](const boost::system::error_code& error) {
+      if (error) return;
+      tick();
+      if (finished()) return io.stop();
+      wait_for_tick();
+    });
+  }
+
+  void tick() {
+    const Nanos now = monotonic_now();
+    (void)pacer.woke(now);
+    receive(now);
+    desk.tick(now, peer.newest(), peer.snapshot());
+    if (!desk.report()) return;
+    const MasterState& state = desk.report()->out.link;
+    log_change(state.state, desk.report()->out.reason);
+    const std::uint64_t unsendable = peer.snapshot().unsendable;
+    pump.send(now, state);
+    if (unsendable == 0 && peer.snapshot().unsendable != 0) {
+      spdlog::error("own state cannot be sent: {}", describe(peer.last_unsendable()));
+    }
+  }
+
+  void receive(Nanos now) {
+    if (!pump.receive(now)) return;
+    if (peer.snapshot().peer_epoch != peer_epoch) {
+      peer_epoch = peer.snapshot().peer_epoch;
+      spdlog::info("slave connected, session {}", peer_epoch);
+    }
+    boxes.slave.publish({peer.newest(), peer.snapshot()});
+  }
+
+  void log_change(SessionState state, Reason reason) {
+    if (state == logged_state) return;
+    logged_state = state;
+    spdlog::info("session {}{}{}", name_of(state), reason == Reason::kNone ? "" : ": ",
+                 reason == Reason::kNone ? "" : describe(reason));
+  }
+
+  MasterMailboxes& boxes;
+  OrderDesk& desk;
+  MasterServerOptions options;
+  asio::io_context io{1};
+  asio::steady_timer timer{io};
+  UdpTransport transport{io};
+  MasterPeer peer{random_session_id()};
+  LinkPump<MasterState, SlaveState> pump{transport, peer};
+  OperatorServer operators{io, desk};
+  Pacer pacer{kSendPeriod, 0};
+  std::uint32_t peer_epoch = 0;
+  SessionState logged_state = SessionState::kOff;
+  std::function<bool()> finished;
+};
+
+MasterServer::MasterServer(MasterMailboxes& boxes, OrderDesk& desk, MasterServerOptions options)
+    : impl_(std::make_unique<Impl>(boxes, desk, std::move(options))) {}
+MasterServer::~MasterServer() = default;
+
+Status MasterServer::open() {
+  UdpTransportOptions own;
+  own.address = impl_->options.address;
+  own.port = impl_->options.port;
+  own.peer_address = impl_->options.slave_address;
+  own.peer_port = impl_->options.slave_port;
+  if (Status opened = impl_->transport.open(own); !opened) return opened;
+  return impl_->operators.start(impl_->options.operator_socket);
+}
+
+std::uint16_t MasterServer::port() const { return impl_->transport.port(); }
+
+void MasterServer::run(std::function<void()> on_signal, std::function<bool()> finished) {
+  Impl& impl = *impl_;
+  impl.finished = std::move(finished);
+  asio::signal_set signals(impl.io, SIGINT, SIGTERM);
+  signals.async_wait([&](const boost::system::error_code& error, int) {
+    if (!error) on_signal();
+  });
+  impl.transport.on_readable([&impl] { impl.receive(monotonic_now()); });
+  impl.pacer = Pacer(kSendPeriod, monotonic_now());
+  impl.wait_for_tick();
+  impl.io.run();
+  impl.operators.stop();
+  spdlog::info("link: {} datagrams accepted, {} rejected, {} sent", impl.peer.snapshot().accepted,
+               impl.peer.snapshot().rejected, impl.peer.snapshot().sent);
+}
+
+}  // namespace handrail

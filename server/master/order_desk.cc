@@ -1,0 +1,224 @@
+#include "server/master/order_desk.h"
+
+#include <cmath>
+#include <utility>
+
+#include "server/base/units.h"
+#include "server/scene/tool_io.h"
+
+namespace handrail {
+namespace {
+
+pb::Reply done(std::string note = {}) {
+  pb::Reply reply;
+  reply.set_done(true);
+  if (!note.empty()) reply.set_reason(std::move(note));
+  return reply;
+}
+
+pb::Reply refused(std::string why) {
+  pb::Reply reply;
+  reply.set_done(false);
+  reply.set_reason(std::move(why));
+  return reply;
+}
+
+HapticOrder plain(OrderKind kind) {
+  HapticOrder order;
+  order.kind = kind;
+  return order;
+}
+
+bool is_idle(SessionState state) {
+  return state == SessionState::kOff || state == SessionState::kFault;
+}
+
+// Three finite numbers, or none at all (zero).
+bool read_vector(const google::protobuf::RepeatedField<double>& from, double unit, Vec3& to) {
+  if (from.size() != 0 && from.size() != 3) return false;
+  for (int i = 0; i < from.size(); ++i) to[i] = from[i] * unit;
+  return is_finite(to);
+}
+
+}  // namespace
+
+OrderDesk::OrderDesk(MasterMailboxes& boxes, Scene scene, OrderDeskOptions options)
+    : boxes_(boxes), options_(std::move(options)), scene_(std::move(scene)) {}
+
+void OrderDesk::handle(const pb::Request& request, ReplyTo reply) {
+  switch (request.order_case()) {
+    case pb::Request::kStatus: {
+      if (!report_) return reply(refused("the haptic loop has not started yet"));
+      pb::Reply answer = done();
+      *answer.mutable_status() = status_report(options_.identity, *report_, slave_, link_, now_);
+      return reply(std::move(answer));
+    }
+    case pb::Request::kEngage:
+      return order(plain(OrderKind::kEngage), std::move(reply), true);
+    case pb::Request::kDisengage:
+      return order(plain(OrderKind::kDisengage), std::move(reply));
+    case pb::Request::kClutch:
+      return order(plain(request.clutch() ? OrderKind::kClutchOn : OrderKind::kClutchOff),
+                   std::move(reply));
+    case pb::Request::kStop:
+      return order(plain(OrderKind::kStop), std::move(reply));
+    case pb::Request::kReset:
+      return order(plain(OrderKind::kReset), std::move(reply));
+    case pb::Request::kTool:
+      return tool(request.tool(), std::move(reply));
+    case pb::Request::kToolOff: {
+      HapticOrder off = plain(OrderKind::kToolOff);
+      off.drop_position = request.tool_off().position();
+      off.drop_orientation = request.tool_off().orientation();
+      return order(off, std::move(reply));
+    }
+    case pb::Request::kSceneLoad:
+      return load(request.scene_load(), std::move(reply));
+    case pb::Request::kHand:
+      return hand(request.hand(), std::move(reply));
+    case pb::Request::ORDER_NOT_SET:
+      break;
+  }
+  reply(refused("the request holds no order this master knows"));
+}
+
+void OrderDesk::order(HapticOrder wanted, ReplyTo reply, bool engage) {
+  OrderTicket ticket;
+  ticket.order = wanted;
+  push(ticket, {std::move(reply), engage});
+}
+
+void OrderDesk::tool(const pb::Tool& wanted, ReplyTo reply) {
+  HapticOrder call = plain(OrderKind::kTool);
+  if (const auto problem = tool_call_from(wanted, call.tool)) {
+    return reply(refused(problem->path + ": " + problem->text));
+  }
+  order(call, std::move(reply));
+}
+
+void OrderDesk::hand(const pb::HandMove& move, ReplyTo reply) {
+  OrderTicket ticket;
+  ticket.is_hand = true;
+  ticket.hand.duration = move.duration_s();
+  const bool good = read_vector(move.displacement_mm(), kMm, ticket.hand.displacement_M) &&
+                    read_vector(move.rotation_deg(), kDeg, ticket.hand.rotation_M) &&
+                    std::isfinite(move.duration_s()) && move.duration_s() > 0.0 &&
+                    move.duration_s() <= 3600.0 && ticket.hand.displacement_M.norm() <= 1.0 &&
+                    ticket.hand.rotation_M.norm() <= 4.0;
+  if (!good) {
+    return reply(
+        refused("hand: expected three numbers each (at most 1000 mm, 229 deg) and a "
+                "duration over 0 and up to 3600 s"));
+  }
+  push(ticket, {std::move(reply), false});
+}
+
+void OrderDesk::push(OrderTicket ticket, Waiting waiting) {
+  ticket.id = next_id_++;
+  if (!boxes_.orders.push(ticket)) return waiting.reply(refused("too many orders at once"));
+  waiting_.emplace(ticket.id, std::move(waiting));
+}
+
+void OrderDesk::tick(Nanos now, const SlaveState& slave, const LinkSnapshot& link) {
+  now_ = now;
+  slave_ = slave;
+  link_ = link;
+  HapticReport report;
+  if (boxes_.report.take(report)) report_ = report;
+  take_answers();
+  if (!report_) return;
+  watch_engaging();
+  watch_scene();
+  call_scene_tools();
+}
+
+void OrderDesk::take_answers() {
+  OrderAnswer answer;
+  while (boxes_.answers.pop(answer)) {
+    const auto found = waiting_.find(answer.id);
+    if (found == waiting_.end()) continue;
+    Waiting waiting = std::move(found->second);
+    waiting_.erase(found);
+    if (answer.result != Reason::kNone) {
+      std::string text = describe(answer.result);
+      for (const std::string& difference : waiting.engage&& report_&& link_.peer_epoch != 0
+                                               ? hash_mismatches(report_->out.link, slave_)
+                                               : std::vector<std::string>{}) {
+        text += "; " + difference;
+      }
+      waiting.reply(refused(text));
+    } else if (waiting.engage) {
+      if (engaging_) engaging_(refused("another engage came after this one"));
+      engaging_ = std::move(waiting.reply);
+      engage_until_ = now_ + kEngagePatience;
+    } else {
+      waiting.reply(done());
+    }
+  }
+}
+
+void OrderDesk::watch_engaging() {
+  if (!engaging_) return;
+  const HapticOutput& out = report_->out;
+  const SessionState state = out.link.state;
+  if (state == SessionState::kEngaged || state == SessionState::kClutched) {
+    std::exchange(engaging_, nullptr)(done());
+  } else if (now_ > engage_until_ || out.link.desired == Desired::kOff) {
+    std::string why = describe(out.reason != Reason::kNone ? out.reason : slave_.reason);
+    if (out.reason == Reason::kPeerFault) why += std::string(": ") + describe(slave_.fault);
+    std::exchange(engaging_, nullptr)(refused(why));
+    order(plain(OrderKind::kDisengage), [](pb::Reply) {});
+  }
+}
+
+void OrderDesk::load(const std::string& name, ReplyTo reply) {
+  if (!report_ || !is_idle(report_->out.link.state)) {
+    return reply(refused(describe(Reason::kBusy)));
+  }
+  if (loading_) return reply(refused("another scene is being loaded"));
+  auto scene = options_.load_scene(name);
+  if (!scene) return reply(refused(scene.message()));
+  previous_ = std::exchange(scene_, std::move(*scene));
+  boxes_.settings.publish(options_.settings_of(scene_));
+  loading_ = std::move(reply);
+  load_until_ = now_ + kScenePatience;
+}
+
+void OrderDesk::watch_scene() {
+  if (!loading_ || report_->settings_pending) return;
+  if (text_of(report_->out.link.scene) != scene_.name) return;
+  if (link_.age(now_) > 200 * kMillisecond) {
+    std::exchange(loading_, nullptr)(done("no slave is connected: it loads the scene when it is"));
+    return;
+  }
+  const auto differences = hash_mismatches(report_->out.link, slave_);
+  if (differences.empty()) {
+    std::exchange(loading_, nullptr)(done());
+  } else if (now_ > load_until_) {
+    end_scene_wait(differences.front());
+  }
+}
+
+void OrderDesk::end_scene_wait(const std::string& problem) {
+  const std::string name = scene_.name;
+  scene_ = std::move(*previous_);
+  boxes_.settings.publish(options_.settings_of(scene_));
+  std::exchange(loading_, nullptr)(refused("the slave did not load '" + name + "': " + problem +
+                                           "; '" + scene_.name + "' stays"));
+}
+
+// A scene's own tools are called each time the hand takes over.
+void OrderDesk::call_scene_tools() {
+  const SessionState state = report_->out.link.state;
+  const bool engaged = state == SessionState::kEngaged;
+  if (engaged && !was_engaged_) {
+    for (const ToolCall& call : scene_.tools) {
+      HapticOrder wanted = plain(OrderKind::kTool);
+      wanted.tool = call;
+      order(wanted, [](pb::Reply) {});
+    }
+  }
+  was_engaged_ = !is_idle(state) && state != SessionState::kAligning;
+}
+
+}  // namespace handrail

@@ -1,0 +1,84 @@
+// Operators' requests, from arrival to answer.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "server/master/mailboxes.h"
+#include "server/master/operator_server.h"
+#include "server/master/status_report.h"
+#include "server/scene/scene.h"
+
+namespace handrail {
+
+struct OrderDeskOptions {
+  MasterIdentity identity;
+  // A scene by name, and what it means with this device; the errors say why there is none.
+  std::function<Result<Scene>(const std::string& name)> load_scene;
+  std::function<HapticSettings(const Scene& scene)> settings_of;
+};
+
+// Turns requests into orders for the haptic loop and answers them once they have taken effect:
+// most in the next tick, engaging when both sides stand, a scene when the slave has it too. All
+// methods in the IO thread.
+class OrderDesk : public OperatorHandler {
+ public:
+  static constexpr Nanos kEngagePatience = 3 * kSecond;
+  static constexpr Nanos kScenePatience = 2 * kSecond;
+
+  // The mailboxes must outlive the desk. `scene` is the one the loop has.
+  OrderDesk(MasterMailboxes& boxes, Scene scene, OrderDeskOptions options);
+
+  // What the haptic thread got, once it is known.
+  void set_realtime(std::string report) { options_.identity.realtime = std::move(report); }
+
+  void handle(const pb::Request& request, std::function<void(pb::Reply)> reply) override;
+
+  // A millisecond has passed: takes the loop's answers and reports, answers who waits.
+  void tick(Nanos now, const SlaveState& slave, const LinkSnapshot& link);
+
+  // The newest report of the haptic loop; nothing before its first tick.
+  const std::optional<HapticReport>& report() const { return report_; }
+
+ private:
+  using ReplyTo = std::function<void(pb::Reply)>;
+  struct Waiting {
+    ReplyTo reply;
+    bool engage = false;  // answered when engaged, not when the order is taken
+  };
+
+  void order(HapticOrder order, ReplyTo reply, bool engage = false);
+  void hand(const pb::HandMove& move, ReplyTo reply);
+  void tool(const pb::Tool& wanted, ReplyTo reply);
+  void load(const std::string& name, ReplyTo reply);
+  void push(OrderTicket ticket, Waiting waiting);
+  void take_answers();
+  void watch_engaging();
+  void watch_scene();
+  void call_scene_tools();
+  // Gives a scene up again that the slave cannot have.
+  void end_scene_wait(const std::string& problem);
+
+  MasterMailboxes& boxes_;
+  OrderDeskOptions options_;
+  Scene scene_;
+  std::optional<HapticReport> report_;
+  SlaveState slave_;
+  LinkSnapshot link_;
+  Nanos now_ = 0;
+  std::uint64_t next_id_ = 1;
+  std::map<std::uint64_t, Waiting> waiting_;
+
+  ReplyTo engaging_;  // who waits for the session to be engaged
+  Nanos engage_until_ = 0;
+  bool was_engaged_ = false;
+
+  ReplyTo loading_;  // who waits for a scene
+  Nanos load_until_ = 0;
+  std::optional<Scene> previous_;  // taken back when the slave does not follow
+};
+
+}  // namespace handrail

@@ -1,0 +1,132 @@
+#include "server/master/status_report.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include "server/base/units.h"
+
+namespace handrail {
+namespace {
+
+void set_vector(google::protobuf::RepeatedField<double>* out, const Vec3& v, double unit) {
+  for (int i = 0; i < 3; ++i) out->Add(v[i] / unit);
+}
+
+void set_pose(pb::PoseMm* out, const Pose& X) {
+  set_vector(out->mutable_position_mm(), X.p, kMm);
+  for (const double c : {X.q.w(), X.q.x(), X.q.y(), X.q.z()}) out->add_quaternion(c);
+}
+
+void set_share(pb::ForceShare* out, const Vec3& force) {
+  out->set_magnitude_n(force.norm());
+  set_vector(out->mutable_force_n(), force, 1.0);
+}
+
+const char* name_of(ToolKind kind) {
+  switch (kind) {
+    case ToolKind::kPoint:
+      return "point";
+    case ToolKind::kLine:
+      return "line";
+    case ToolKind::kPlane:
+      return "plane";
+    case ToolKind::kNRotation:
+      return "n-rotation";
+    case ToolKind::kFRotation:
+      return "f-rotation";
+    case ToolKind::kNone:
+      break;
+  }
+  return "none";
+}
+
+void set_tool(pb::ToolStatus* out, const ToolDefinition& tool, const HapticOutput& step) {
+  out->set_kind(name_of(tool.kind));
+  out->set_id(tool.id);
+  out->set_epoch(tool.epoch);
+  out->set_hash(hash_of(tool));
+  out->set_blending(step.blending);
+  if (is_position_tool(tool.kind)) out->set_deviation_mm(step.deviation / kMm);
+  if (is_orientation_tool(tool.kind)) out->set_deviation_deg(step.deviation_angle / kDeg);
+}
+
+double milliseconds(Nanos t) { return t < 0 || t >= kForever ? -1.0 : to_seconds(t) * 1e3; }
+
+// The robot is where the slave says it is held; the master's own reason comes first where it has
+// one.
+Reason robot_reason(const HapticReport& report, const SlaveState& slave, bool known) {
+  if (report.out.reason != Reason::kNone) return report.out.reason;
+  return known ? slave.reason : Reason::kNoPeer;
+}
+
+}  // namespace
+
+std::vector<std::string> hash_mismatches(const MasterState& master, const SlaveState& slave) {
+  std::vector<std::string> out;
+  const auto compare = [&out](const char* section, std::uint64_t a, std::uint64_t b) {
+    if (a != b) out.push_back(fmt::format("{}: master {:016x}, slave {:016x}", section, a, b));
+  };
+  if (master.scene != slave.scene) {
+    out.push_back(
+        fmt::format("scene: master '{}', slave '{}'", text_of(master.scene), text_of(slave.scene)));
+  }
+  compare("mapping", master.hashes.mapping, slave.hashes.mapping);
+  compare("limits", master.hashes.limits, slave.hashes.limits);
+  compare("robot", master.hashes.robot, slave.hashes.robot);
+  return out;
+}
+
+pb::Status status_report(const MasterIdentity& identity, const HapticReport& report,
+                         const SlaveState& slave, const LinkSnapshot& link, Nanos now) {
+  pb::Status s;
+  const HapticOutput& out = report.out;
+  const bool known = link.peer_epoch != 0;
+  s.set_desired(name_of(out.link.desired));
+  s.set_state(name_of(out.link.state));
+  s.set_reason(describe(robot_reason(report, slave, known)));
+  s.set_slave_state(known ? name_of(slave.state) : "none");
+  s.set_slave_reason(known ? describe(slave.reason) : describe(Reason::kNoPeer));
+  s.set_scene(std::string(text_of(out.link.scene)));
+  s.set_slave_scene(known ? std::string(text_of(slave.scene)) : "");
+  s.set_device(identity.device);
+  s.set_device_simulated(identity.device_simulated);
+  s.set_realtime(identity.realtime);
+  s.set_ticks(report.ticks);
+  s.set_overruns(report.overruns);
+  pb::Lateness* late = s.mutable_loop_lateness_us();
+  late->set_p50(static_cast<double>(report.late_p50) * 1e-3);
+  late->set_p99(static_cast<double>(report.late_p99) * 1e-3);
+  late->set_p999(static_cast<double>(report.late_p999) * 1e-3);
+  late->set_max(static_cast<double>(report.late_max) * 1e-3);
+  s.set_packet_age_ms(milliseconds(link.age(now)));
+  s.set_loss_share(link.loss_share);
+  s.set_round_trip_ms(milliseconds(link.round_trip));
+  s.set_datagrams_accepted(link.accepted);
+  s.set_datagrams_rejected(link.rejected);
+  s.set_oldest_applied_ms(milliseconds(slave.oldest_applied));
+  s.set_slave_overruns(slave.silences);
+  set_tool(s.mutable_position_tool(), out.link.position_tool, out);
+  set_tool(s.mutable_orientation_tool(), out.link.orientation_tool, out);
+  set_share(s.mutable_tool_force(), out.shares.tool);
+  set_share(s.mutable_spring_force(), out.shares.spring);
+  set_share(s.mutable_limited_force(), out.shares.limited);
+  set_share(s.mutable_device_force(), out.shares.device);
+  if (out.link.has_command) set_pose(s.mutable_command(), out.link.X_SU);
+  if (known && slave.has_pose) {
+    set_pose(s.mutable_slave_command(), slave.X_ST_command);
+    set_pose(s.mutable_tip(), slave.X_ST);
+  }
+  set_pose(s.mutable_hand(), report.X_MH);
+  s.set_hand_moving(report.hand_moving);
+  s.set_stop_epoch(out.link.stop_epoch);
+  if (known) {
+    for (const std::string& text : hash_mismatches(out.link, slave)) s.add_hash_mismatch(text);
+  }
+  s.set_has_contact_force(known && slave.has_wrench);
+  if (known && slave.has_wrench) {
+    set_vector(s.mutable_contact_force_n(), slave.f_E_S.force, 1.0);
+  }
+  s.set_time_s(to_seconds(now));
+  return s;
+}
+
+}  // namespace handrail

@@ -1,0 +1,26 @@
+// The master's status as operators see it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "proto/operator.pb.h"
+#include "server/master/mailboxes.h"
+
+namespace handrail {
+
+// What stays the same while the master runs.
+struct MasterIdentity {
+  std::string device;
+  bool device_simulated = false;
+  std::string realtime;  // what the haptic thread got
+};
+
+// Everything `handrail status` shows, at `now`. Without news from the slave its fields are "none".
+pb::Status status_report(const MasterIdentity& identity, const HapticReport& report,
+                         const SlaveState& slave, const LinkSnapshot& link, Nanos now);
+
+// Each section both sides must agree on and do not: "mapping: master 3f2a..., slave 91bc...".
+std::vector<std::string> hash_mismatches(const MasterState& master, const SlaveState& slave);
+
+}  // namespace handrail
