@@ -6,6 +6,9 @@
 namespace handrail {
 namespace {
 
+// Finite, and small enough to be squared.
+bool usable(const Vec3& f) { return is_finite(f) && f.cwiseAbs().maxCoeff() < 1e9; }
+
 // Largest s in 0..1 with |a + s b| <= cap, for |a| <= cap.
 double largest_share(const Vec3& a, const Vec3& b, double cap) {
   const double bb = b.squaredNorm();
@@ -28,8 +31,8 @@ double peak_now(const ForceLimits& limits, double heat) {
 ForceShares Arbiter::share(const ForceLimits& limits, Vec3 f_tool, Vec3 f_spring,
                            double hand_allowance, bool trusted, double dt) noexcept {
   ForceShares out;
-  if (!trusted || !is_finite(f_tool)) f_tool.setZero();
-  if (!trusted || !is_finite(f_spring)) f_spring.setZero();
+  if (!trusted || !usable(f_tool)) f_tool.setZero();
+  if (!trusted || !usable(f_spring)) f_spring.setZero();
   out.tool = f_tool;
   out.spring = f_spring;
 

@@ -7,6 +7,8 @@ namespace {
 
 // A tool without stiffness still divides: 1 mN/m is nothing to a hand.
 constexpr double kSoftest = 1e-3;
+// An end this little behind the command still counts as reached [m].
+constexpr double kBehind = 1e-6;
 
 // Rotation vector in S that turns the hand's orientation into the proxy's.
 Vec3 twist_from(const Quat& q_hand, const Quat& q_proxy) {
@@ -73,6 +75,11 @@ Reason Guide::call(const GuideSettings& settings, const ToolCall& wanted,
   ToolDefinition tool;
   if (const Reason reason = anchor(wanted, settings, command_, tool); reason != Reason::kNone) {
     return reason;
+  }
+  // A one-way tool could reach an end that already lies behind only by going back.
+  if (tool.one_way && tool.has_end &&
+      (command_.p - tool.p_SA).dot(tool.direction_S) > tool.end + kBehind) {
+    return Reason::kToolEndBehindStart;
   }
   tool.id = next_id_++;
   if (is_position_tool(tool.kind)) {

@@ -10,6 +10,14 @@ namespace {
 // Torque per radian falls to zero between these angles: at half a turn the direction back flips.
 constexpr double kTorqueFull = 2.6;  // [rad]
 constexpr double kHalfTurn = 3.14159265358979323846;
+// No device and no arm reaches this far: a larger coordinate is not a place [m].
+constexpr double kFarthest = 10.0;
+// A hand silent for longer takes over again like after a clutch, wherever it comes back [s].
+constexpr double kLongestGap = 0.020;
+
+bool plausible(const Pose& X) {
+  return is_finite(X) && is_unit(X.q) && X.p.cwiseAbs().maxCoeff() <= kFarthest;
+}
 
 Reason first_mismatch(const HapticSettings& settings, const SlaveState& slave) {
   if (settings.scene != slave.scene) return Reason::kSceneDiffers;
@@ -19,8 +27,8 @@ Reason first_mismatch(const HapticSettings& settings, const SlaveState& slave) {
   return Reason::kNone;
 }
 
-// The hand moves the command; in hold the arm catches up when the link comes back.
-bool drives(SessionState state) {
+// The hand may move the command; in hold the arm catches up when the link comes back.
+bool may_drive(SessionState state) {
   return state == SessionState::kEngaged || state == SessionState::kHold;
 }
 
@@ -29,7 +37,7 @@ bool stop_latched(const HapticState& s) { return s.stop_epoch != s.released_epoc
 // The hand where the guide works: in S while engaged; without an engagement a tool call has nothing
 // to pull, so the command's own pose stands for the hand.
 Pose hand_in_slave(const HapticState& s) {
-  return drives(s.session) ? s.engagement.to_slave(s.X_MH) : s.X_SU;
+  return s.driving ? s.engagement.to_slave(s.X_MH) : s.X_SU;
 }
 
 Reason reset(HapticState& s, const HapticInput& in) {
@@ -49,6 +57,16 @@ void drop_tools(const HapticSettings& settings, HapticState& s) {
   s.guide.drop_orientation(settings.guide, X_SH);
 }
 
+// Refused is refused: a wish that waited for the obstacle to go would engage out of the blue.
+Reason obstacle_to_engaging(const HapticSettings& settings, const HapticInput& in,
+                            const HapticState& s) {
+  if (!s.hand_known || s.hand_gap > kLongestGap) return Reason::kDeviceInvalid;
+  const LinkRung link = rung_of(in.slave_known, in.slave_age);
+  if (link != LinkRung::kFresh && link != LinkRung::kSlow) return reason_of(link);
+  if (in.slave.state == SessionState::kFault) return Reason::kPeerFault;
+  return first_mismatch(settings, in.slave);
+}
+
 Reason carry_out(const HapticSettings& settings, const HapticInput& in, HapticState& s) {
   switch (in.order.kind) {
     case OrderKind::kNone:
@@ -56,10 +74,9 @@ Reason carry_out(const HapticSettings& settings, const HapticInput& in, HapticSt
     case OrderKind::kEngage: {
       if (stop_latched(s)) return Reason::kStopRequested;
       if (s.session == SessionState::kFault) return s.session_reason;
-      if (!in.slave_known) return Reason::kNoPeer;
-      const Reason mismatch = first_mismatch(settings, in.slave);
-      if (mismatch == Reason::kNone) s.want_engaged = true;
-      return mismatch;
+      const Reason obstacle = obstacle_to_engaging(settings, in, s);
+      if (obstacle == Reason::kNone) s.want_engaged = true;
+      return obstacle;
     }
     case OrderKind::kDisengage:
       s.want_engaged = s.want_clutched = false;
@@ -77,7 +94,9 @@ Reason carry_out(const HapticSettings& settings, const HapticInput& in, HapticSt
       return reset(s, in);
     case OrderKind::kTool:
       // Without an engagement there is no place to anchor at or to start from.
-      if (!drives(s.session) && s.session != SessionState::kClutched) return Reason::kNotEngaged;
+      if (!may_drive(s.session) && s.session != SessionState::kClutched) {
+        return Reason::kNotEngaged;
+      }
       return s.guide.call(settings.guide, in.order.tool, hand_in_slave(s));
     case OrderKind::kToolOff: {
       Reason result = Reason::kNoSuchTool;
@@ -109,24 +128,30 @@ void advance_session(const HapticSettings& settings, const HapticInput& in, Hapt
   const SessionState before = s.session;
   const SessionStep next = next_master(before, session);
   s.session = next.state;
-  if (next.state != SessionState::kFault || before != SessionState::kFault) {
+  // The first cause of a fault stays, unless the operator's stop comes on top.
+  if (next.state != SessionState::kFault || before != SessionState::kFault ||
+      next.reason == Reason::kStopRequested) {
     s.session_reason = next.reason;
   }
-  if (next.state == SessionState::kFault) s.want_engaged = s.want_clutched = false;
+  if (next.state == SessionState::kFault || next.state == SessionState::kOff) {
+    s.want_engaged = s.want_clutched = false;
+  }
 
   if (s.session == SessionState::kAligning) {
     // The command is the pose the slave already stands on: taking over moves nothing.
-    s.X_SU = in.slave.X_ST_command;
-    s.has_command = in.slave.has_pose;
+    s.has_command = in.slave.has_pose && plausible(in.slave.X_ST_command);
+    if (s.has_command) s.X_SU = in.slave.X_ST_command;
   }
   if (s.session == SessionState::kOff || s.session == SessionState::kFault) {
     // A tool left over would pull the arm at the next engagement, with the hand still.
     drop_tools(settings, s);
   }
-  if (drives(s.session) && !drives(before)) {
+  const bool driving = may_drive(s.session) && !clutched && s.hand_gap <= kLongestGap;
+  if (driving && !s.driving) {
     s.engagement = Engagement(settings.mapping, s.X_MH, s.X_SU);
     s.guide.restart(settings.guide, s.X_SU);
   }
+  s.driving = driving;
 }
 
 Vec3 torque_of(const HapticSettings& settings, const HapticState& s, const Vec3& twist_pull) {
@@ -156,7 +181,8 @@ std::uint32_t tool_epochs(const HapticState& s) {
 }
 
 void fill_link(const HapticSettings& settings, const HapticState& s, MasterState& link) {
-  const bool clutched = s.session == SessionState::kClutched;
+  const bool clutched =
+      s.session == SessionState::kClutched || (may_drive(s.session) && !s.driving);
   link.desired = !s.want_engaged ? Desired::kOff
                  : clutched      ? Desired::kClutched
                                  : Desired::kEngaged;
@@ -178,14 +204,15 @@ void fill_link(const HapticSettings& settings, const HapticState& s, MasterState
 void haptic_step(const HapticSettings& settings, const HapticInput& in, double dt, HapticState& s,
                  HapticOutput& out) noexcept {
   out.reasons = ReasonSet();
-  const bool hand_ok = in.hand.valid && is_finite(in.hand.X_MH) && is_unit(in.hand.X_MH.q) &&
-                       is_finite(in.hand.v_MH);
+  const bool hand_ok = in.hand.valid && plausible(in.hand.X_MH) && is_finite(in.hand.v_MH);
   Vec3 hand_motion = Vec3::Zero();
   if (hand_ok) {
     if (s.hand_known) hand_motion = in.hand.X_MH.p - s.X_MH.p;
     s.X_MH = in.hand.X_MH;
     s.hand_known = true;
+    s.hand_gap = 0.0;
   } else {
+    s.hand_gap = std::min(s.hand_gap + dt, 1.0);
     out.reasons.add(Reason::kDeviceInvalid);
   }
 
@@ -206,7 +233,7 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
   Vec3 torque = Vec3::Zero();
   out.deviation = out.deviation_angle = 0.0;
   out.blending = false;
-  if (drives(s.session)) {
+  if (s.driving) {
     const Pose X_SH = s.engagement.to_slave(s.X_MH);
     const Guidance guidance = s.guide.step(settings.guide, X_SH, dt);
     s.X_SU = guidance.X_SC;
@@ -222,24 +249,27 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
     if (guidance.blending) out.reasons.add(Reason::kToolBlending);
   }
 
-  // Force only while the hand really drives and both its readings and the slave's are to be
-  // trusted.
-  const bool trusted = s.session == SessionState::kEngaged && in.slave.has_pose;
+  // No force while the hand does not drive; and where its reading, the link or the slave's state is
+  // not to be trusted, what there is leaves fast.
+  const bool engaged = s.session == SessionState::kEngaged;
+  const bool in_doubt = s.session == SessionState::kHold || s.session == SessionState::kFault ||
+                        (engaged && !(in.slave.has_pose && plausible(in.slave.X_ST)));
   if (!hand_ok) s.arbiter.cut();
   out.shares = s.arbiter.share(settings.force, f_tool, f_spring,
                                s.guide.stiffness(settings.guide) * hand_motion.norm(),
-                               trusted && hand_ok, dt);
+                               hand_ok && !in_doubt, dt);
   out.f_H_M.force = out.shares.device;
   out.f_H_M.torque = s.torque =
-      limited_torque(settings, s.torque, trusted && hand_ok ? torque : Vec3(Vec3::Zero()), dt);
+      limited_torque(settings, s.torque, hand_ok && !in_doubt ? torque : Vec3(Vec3::Zero()), dt);
   if (out.shares.clamped) out.reasons.add(Reason::kForceClamped);
   if (out.shares.thermal) out.reasons.add(Reason::kForceContinuous);
   if (out.shares.budget) out.reasons.add(Reason::kForceBudget);
   if (out.shares.stepped) out.reasons.add(Reason::kForceRate);
-  if (drives(s.session) && !trusted) out.reasons.add(Reason::kForceFaded);
+  if (s.session != SessionState::kOff && in_doubt) out.reasons.add(Reason::kForceFaded);
 
   out.reason = s.session_reason;
-  out.reasons.add(s.session_reason);
+  if (engaged && !s.driving) out.reason = Reason::kDeviceInvalid;
+  out.reasons.add(out.reason);
   fill_link(settings, s, out.link);
 }
 

@@ -101,14 +101,17 @@ struct HapticState {
   Arbiter arbiter;
   Pose X_MH;  // last valid hand
   bool hand_known = false;
-  Pose X_SU;  // last command
+  double hand_gap = 0.0;  // since the last valid reading, at most 1 [s]
+  bool driving = false;   // the hand moves the command, by `engagement`
+  Pose X_SU;              // last command
   bool has_command = false;
   Vec3 torque = Vec3::Zero();  // last torque on the hand, frame M [N m]
   std::uint64_t tools_hash = 0;
 };
 
 // Pure and bounded: no clock, lock, log or allocation. `dt` > 0 [s]. On an invalid reading the last
-// valid hand is kept and the force is zero for that tick.
+// valid hand is kept and the force is zero for that tick; after 20 ms of them the command freezes
+// and the hand takes over again, wherever it comes back, as after a clutch.
 void haptic_step(const HapticSettings& settings, const HapticInput& in, double dt,
                  HapticState& state, HapticOutput& out) noexcept;
 

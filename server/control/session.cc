@@ -10,7 +10,18 @@ constexpr SessionState kClutched = SessionState::kClutched;
 constexpr SessionState kHold = SessionState::kHold;
 constexpr SessionState kFault = SessionState::kFault;
 
-Reason reason_of(LinkRung link) {
+bool flowing(LinkRung link) { return link == LinkRung::kFresh || link == LinkRung::kSlow; }
+bool lost(LinkRung link) {
+  return link == LinkRung::kNone || link == LinkRung::kLost || link == LinkRung::kClosed;
+}
+
+SessionState driving(Desired desired) {
+  return desired == Desired::kClutched ? kClutched : kEngaged;
+}
+
+}  // namespace
+
+Reason reason_of(LinkRung link) noexcept {
   switch (link) {
     case LinkRung::kNone:
       return Reason::kNoPeer;
@@ -27,17 +38,6 @@ Reason reason_of(LinkRung link) {
   }
   return Reason::kNone;
 }
-
-bool flowing(LinkRung link) { return link == LinkRung::kFresh || link == LinkRung::kSlow; }
-bool lost(LinkRung link) {
-  return link == LinkRung::kNone || link == LinkRung::kLost || link == LinkRung::kClosed;
-}
-
-SessionState driving(Desired desired) {
-  return desired == Desired::kClutched ? kClutched : kEngaged;
-}
-
-}  // namespace
 
 LinkRung rung_of(bool ever, Nanos age) noexcept {
   if (!ever) return LinkRung::kNone;

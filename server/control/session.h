@@ -12,6 +12,9 @@ enum class LinkRung : std::uint8_t { kNone, kFresh, kSlow, kHold, kLost, kClosed
 // then closed; kNone when no datagram has come yet (`ever` false). Real-time safe.
 LinkRung rung_of(bool ever, Nanos age) noexcept;
 
+// Why a rung keeps a side from driving; kNone for a fresh link. Real-time safe.
+Reason reason_of(LinkRung link) noexcept;
+
 struct SessionStep {
   SessionState state = SessionState::kOff;
   Reason reason = Reason::kNone;  // why the state is not what is wanted; kNone when it is
