@@ -1,0 +1,201 @@
+#include "server/link/codec_fields.h"
+
+#include <algorithm>
+#include <initializer_list>
+#include <string>
+
+#include "server/link/check.h"
+
+namespace handrail {
+namespace {
+
+using Doubles = google::protobuf::RepeatedField<double>;
+using Hashes = google::protobuf::RepeatedField<std::uint64_t>;
+
+static_assert(static_cast<int>(SessionState::kCount) == pb::LinkSessionState_ARRAYSIZE);
+static_assert(static_cast<int>(SessionState::kFault) == pb::SESSION_FAULT);
+static_assert(static_cast<int>(Desired::kCount) == pb::LinkDesired_ARRAYSIZE);
+static_assert(static_cast<int>(ToolKind::kFRotation) == pb::TOOL_F_ROTATION);
+
+// Appending in the order of link.proto, and taking back in the same order.
+void add(Doubles* out, double v) { out->Add(v); }
+template <typename Derived>
+void add(Doubles* out, const Eigen::MatrixBase<Derived>& v) {
+  for (Eigen::Index i = 0; i < v.size(); ++i) out->Add(v[i]);
+}
+void add(Doubles* out, const Quat& q) {
+  for (const double v : {q.w(), q.x(), q.y(), q.z()}) out->Add(v);
+}
+void add(Doubles* out, const Pose& x) {
+  add(out, x.p);
+  add(out, x.q);
+}
+
+class Take {
+ public:
+  explicit Take(const Doubles& in) : in_(in) {}
+  void operator()(double& v) { v = in_[next_++]; }
+  template <typename Derived>
+  void operator()(Eigen::MatrixBase<Derived>& v) {
+    for (Eigen::Index i = 0; i < v.size(); ++i) v[i] = in_[next_++];
+  }
+  // A quaternion already of unit length to rounding is left bit for bit.
+  void operator()(Quat& q) {
+    for (double* v : {&q.w(), &q.x(), &q.y(), &q.z()}) *v = in_[next_++];
+    if (is_unit(q, kUnitTolerance) && !is_unit(q, 1e-12)) q.normalize();
+  }
+  void operator()(Pose& x) {
+    (*this)(x.p);
+    (*this)(x.q);
+  }
+
+ private:
+  const Doubles& in_;
+  int next_ = 0;
+};
+
+void put(Hashes* out, const SectionHashes& h) {
+  for (const std::uint64_t v : {h.tools, h.mapping, h.limits, h.robot}) out->Add(v);
+}
+SectionHashes take_hashes(const Hashes& in) { return {in[0], in[1], in[2], in[3]}; }
+
+std::size_t length_of(const SceneName& scene) {
+  return static_cast<std::size_t>(std::find(scene.begin(), scene.end(), '\0') - scene.begin());
+}
+// False when the name leaves no room for the terminating zero.
+bool take_scene(const std::string& in, SceneName& scene) {
+  if (in.size() >= scene.size()) return false;
+  scene.fill('\0');
+  std::copy(in.begin(), in.end(), scene.begin());
+  return true;
+}
+
+Reason reason_of(std::uint32_t code) {
+  return static_cast<Reason>(std::min(code, static_cast<std::uint32_t>(Reason::kCount)));
+}
+
+}  // namespace
+
+void put(const MasterState& s, pb::MasterDatagram& m) {
+  m.set_desired(static_cast<pb::LinkDesired>(s.desired));
+  m.set_state(static_cast<pb::LinkSessionState>(s.state));
+  add(m.mutable_command_pose(), s.X_SU);
+  m.set_command_valid(s.has_command);
+  m.set_stop_epoch(s.stop_epoch);
+  m.set_released_epoch(s.released_epoch);
+  m.set_fault_reset(s.fault_reset);
+  const ToolDefinition& p = s.position_tool;
+  m.set_position_kind(static_cast<pb::LinkToolKind>(p.kind));
+  m.set_position_id(p.id);
+  m.set_position_epoch(p.epoch);
+  Doubles* geometry = m.mutable_position_geometry();
+  for (const Vec3* v : {&p.p_SA, &p.direction_S, &p.normal_S}) add(geometry, *v);
+  add(geometry, p.end);
+  add(geometry, p.stiffness);
+  m.set_position_one_way(p.one_way);
+  m.set_position_has_end(p.has_end);
+  const ToolDefinition& o = s.orientation_tool;
+  m.set_orientation_kind(static_cast<pb::LinkToolKind>(o.kind));
+  m.set_orientation_id(o.id);
+  m.set_orientation_epoch(o.epoch);
+  geometry = m.mutable_orientation_geometry();
+  for (const Vec3* v : {&o.normal_S, &o.axis_T}) add(geometry, *v);
+  add(geometry, o.q_ref);
+  add(geometry, o.stiffness);
+  put(m.mutable_hashes(), s.hashes);
+  m.mutable_scene()->assign(s.scene.data(), length_of(s.scene));
+}
+
+bool present(const pb::MasterDatagram& m) {
+  return m.has_desired() && m.has_state() && m.command_pose_size() == 7 && m.has_command_valid() &&
+         m.has_stop_epoch() && m.has_released_epoch() && m.has_fault_reset() &&
+         m.has_position_kind() && m.has_position_id() && m.has_position_epoch() &&
+         m.position_geometry_size() == 11 && m.has_position_one_way() && m.has_position_has_end() &&
+         m.has_orientation_kind() && m.has_orientation_id() && m.has_orientation_epoch() &&
+         m.orientation_geometry_size() == 11 && m.hashes_size() == 4 && m.has_scene();
+}
+
+bool take(const pb::MasterDatagram& m, MasterState& s) {
+  s.desired = static_cast<Desired>(m.desired());
+  s.state = static_cast<SessionState>(m.state());
+  Take(m.command_pose())(s.X_SU);
+  s.has_command = m.command_valid();
+  s.stop_epoch = m.stop_epoch();
+  s.released_epoch = m.released_epoch();
+  s.fault_reset = m.fault_reset();
+  ToolDefinition& p = s.position_tool = ToolDefinition{};
+  p.kind = static_cast<ToolKind>(m.position_kind());
+  p.id = m.position_id();
+  p.epoch = m.position_epoch();
+  Take position(m.position_geometry());
+  for (Vec3* v : {&p.p_SA, &p.direction_S, &p.normal_S}) position(*v);
+  for (double* v : {&p.end, &p.stiffness}) position(*v);
+  p.one_way = m.position_one_way();
+  p.has_end = m.position_has_end();
+  ToolDefinition& o = s.orientation_tool = ToolDefinition{};
+  o.kind = static_cast<ToolKind>(m.orientation_kind());
+  o.id = m.orientation_id();
+  o.epoch = m.orientation_epoch();
+  Take orientation(m.orientation_geometry());
+  for (Vec3* v : {&o.normal_S, &o.axis_T}) orientation(*v);
+  orientation(o.q_ref);
+  orientation(o.stiffness);
+  s.hashes = take_hashes(m.hashes());
+  return take_scene(m.scene(), s.scene);
+}
+
+void put(const SlaveState& s, pb::SlaveDatagram& m) {
+  m.set_state(static_cast<pb::LinkSessionState>(s.state));
+  m.set_reason(static_cast<std::uint32_t>(s.reason));
+  m.set_fault(static_cast<std::uint32_t>(s.fault));
+  add(m.mutable_command_pose(), s.X_ST_command);
+  add(m.mutable_measured_pose(), s.X_ST);
+  m.set_pose_valid(s.has_pose);
+  add(m.mutable_joints(), s.q_measured);
+  add(m.mutable_wrench(), s.f_E_S.force);
+  add(m.mutable_wrench(), s.f_E_S.torque);
+  m.set_wrench_valid(s.has_wrench);
+  m.set_stop_epoch(s.stop_epoch);
+  m.set_fault_epoch(s.fault_epoch);
+  m.set_position_tool_epoch(s.position_tool_epoch);
+  m.set_orientation_tool_epoch(s.orientation_tool_epoch);
+  m.set_oldest_applied_ns(s.oldest_applied);
+  m.set_cycles(s.cycles);
+  m.set_silences(s.silences);
+  put(m.mutable_hashes(), s.hashes);
+  m.mutable_scene()->assign(s.scene.data(), length_of(s.scene));
+}
+
+bool present(const pb::SlaveDatagram& m) {
+  return m.has_state() && m.has_reason() && m.has_fault() && m.command_pose_size() == 7 &&
+         m.measured_pose_size() == 7 && m.has_pose_valid() && m.joints_size() == kJoints &&
+         m.wrench_size() == 6 && m.has_wrench_valid() && m.has_stop_epoch() &&
+         m.has_fault_epoch() && m.has_position_tool_epoch() && m.has_orientation_tool_epoch() &&
+         m.has_oldest_applied_ns() && m.has_cycles() && m.has_silences() && m.hashes_size() == 4 &&
+         m.has_scene();
+}
+
+bool take(const pb::SlaveDatagram& m, SlaveState& s) {
+  s.state = static_cast<SessionState>(m.state());
+  s.reason = reason_of(m.reason());
+  s.fault = reason_of(m.fault());
+  Take(m.command_pose())(s.X_ST_command);
+  Take(m.measured_pose())(s.X_ST);
+  s.has_pose = m.pose_valid();
+  Take(m.joints())(s.q_measured);
+  Take wrench(m.wrench());
+  wrench(s.f_E_S.force);
+  wrench(s.f_E_S.torque);
+  s.has_wrench = m.wrench_valid();
+  s.stop_epoch = m.stop_epoch();
+  s.fault_epoch = m.fault_epoch();
+  s.position_tool_epoch = m.position_tool_epoch();
+  s.orientation_tool_epoch = m.orientation_tool_epoch();
+  s.oldest_applied = m.oldest_applied_ns();
+  s.cycles = m.cycles();
+  s.silences = m.silences();
+  s.hashes = take_hashes(m.hashes());
+  return take_scene(m.scene(), s.scene);
+}
+
+}  // namespace handrail

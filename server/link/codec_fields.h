@@ -1,0 +1,22 @@
+// The fields of link.proto against the states they carry. Part of the codec.
+#pragma once
+
+#include "proto/link.pb.h"
+#include "server/base/link_state.h"
+
+namespace handrail {
+
+// Writes every field of `s` into the cleared message `m`, behind the header's.
+void put(const MasterState& s, pb::MasterDatagram& m);
+void put(const SlaveState& s, pb::SlaveDatagram& m);
+
+// True when every field of the state is there, repeated ones with their number of elements.
+bool present(const pb::MasterDatagram& m);
+bool present(const pb::SlaveDatagram& m);
+
+// Reads a message whose fields are present, normalising quaternions; codes out of range come out as
+// kCount. False when the scene's name is too long; nothing else is checked.
+bool take(const pb::MasterDatagram& m, MasterState& s);
+bool take(const pb::SlaveDatagram& m, SlaveState& s);
+
+}  // namespace handrail
