@@ -126,15 +126,15 @@ inline ToolCall at(ToolCall call, const Vec3& p_SA) {
   return call;
 }
 
-// A hand that wanders smoothly and now and then quickly.
+// A hand that wanders at about `speed` [m/s] and `turning` [rad/s], at times at thrice that.
 struct Wander {
   Vec3 v = Vec3::Zero();  // [m/s]
   Vec3 w = Vec3::Zero();  // [rad/s]
 
   template <typename Dice>
   void move(Dice& dice, double speed, double turning, double dt, Pose& X) {
-    v += 0.02 * (dice.within(2.0 * speed) - v);
-    w += 0.02 * (dice.within(2.0 * turning) - w);
+    v += 0.02 * (dice.within(10.0 * speed) - v);
+    w += 0.02 * (dice.within(10.0 * turning) - w);
     X.p += dt * v;
     X.q = (rotation_exp(dt * w) * X.q).normalized();
   }
