@@ -12,6 +12,7 @@ constexpr double kTorqueFull = 2.6;  // [rad]
 constexpr double kHalfTurn = 3.14159265358979323846;
 // No device and no arm reaches this far: a larger coordinate is not a place [m].
 constexpr double kFarthest = 10.0;
+constexpr double kFastest = 100.0;  // nor does a hand move like this [m/s]
 // A hand silent for longer takes over again like after a clutch, wherever it comes back [s].
 constexpr double kLongestGap = 0.020;
 
@@ -204,7 +205,8 @@ void fill_link(const HapticSettings& settings, const HapticState& s, MasterState
 void haptic_step(const HapticSettings& settings, const HapticInput& in, double dt, HapticState& s,
                  HapticOutput& out) noexcept {
   out.reasons = ReasonSet();
-  const bool hand_ok = in.hand.valid && plausible(in.hand.X_MH) && is_finite(in.hand.v_MH);
+  const bool hand_ok = in.hand.valid && plausible(in.hand.X_MH) && is_finite(in.hand.v_MH) &&
+                       in.hand.v_MH.cwiseAbs().maxCoeff() <= kFastest;
   Vec3 hand_motion = Vec3::Zero();
   if (hand_ok) {
     if (s.hand_known) hand_motion = in.hand.X_MH.p - s.X_MH.p;
