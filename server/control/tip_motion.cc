@@ -106,12 +106,14 @@ void brake_joints(const MotionSettings& settings, const StepBox& box, MotionStat
 
 // Speed at which the path may be followed, at most 1, in units of the candidate `c` a cycle; `half`
 // is the joint step to its middle, `remaining` the way to the target in the same units. Slow enough
-// for the bends, to stop on the target and to stop every joint before the end of its range.
+// for the bends, to stop on the target and to stop every joint before the end of its range;
+// `at_range` says whether the last of these decided.
 double allowed_speed(const MotionSettings& settings, const MotionState& state, const Candidate& c,
-                     const JointVector& half, double remaining) {
+                     const JointVector& half, double remaining, bool& at_range) {
   const double size = c.tip.linear.norm() + c.tip.angular.norm();
   const double last = (state.tip_step.linear.norm() + state.tip_step.angular.norm()) / size;
   double speed = 1.0;
+  double ranged = 1.0;      // what the ranges allow
   double stop = remaining;  // deceleration along the path, candidates a cycle^2
   for (int i = 0; i < kJoints; ++i) {
     const double a = settings.limits.max_acceleration[i] * settings.dt * settings.dt;
@@ -121,13 +123,15 @@ double allowed_speed(const MotionSettings& settings, const MotionState& state, c
     if (bend * speed * speed > kBendShare * a) speed = std::sqrt(kBendShare * a / bend);
     const double brake = std::max(kLeastBrakeShare * a, kBrakeShare * a - bend * last * last);
     const double rate = std::max(std::abs(slope), std::abs(c.step[i]));
-    if (rate * remaining > a) stop = std::min(stop, brake / rate);
+    if (rate * remaining > kBrakeShare * a) stop = std::min(stop, brake / rate);
     const double room = c.step[i] > 0.0 ? settings.limits.upper[i] - state.q[i]
                                         : state.q[i] - settings.limits.lower[i];
     const double toward = longest_stoppable(room, std::min(brake, 0.6 * a));
-    if (rate * speed > toward) speed = toward / rate;
+    if (rate * ranged > toward) ranged = toward / rate;
   }
-  return std::min(speed, longest_stoppable(remaining, stop));
+  speed = std::min(speed, longest_stoppable(remaining, stop));
+  at_range = ranged < speed;
+  return std::min(speed, ranged);
 }
 
 // Which limit of the box the step `to` breaks first.
@@ -156,9 +160,11 @@ StepBox planning_box(const MotionSettings& settings, const MotionState& state) {
   return step_box(settings.limits, state.q, state.step, settings.dt, kMargin, kRangeReserve);
 }
 
-// True when the tip, having taken step `c`, could brake along it and every joint would still be in
-// its range where it comes to rest. Steps chosen so leave a way to stop on the path at any time.
-bool can_stop(const MotionSettings& settings, const MotionState& state, const Candidate& c) {
+// kNone when the tip, having taken step `c`, could brake along it and every joint would still be in
+// its range where it comes to rest; else what is in the way. Steps chosen so leave a way to stop on
+// the path at any time.
+Reason stopping_limit(const MotionSettings& settings, const MotionState& state,
+                      const Candidate& c) {
   double cycles = 0.0;  // braking takes this many from the step's speed
   double room = 1e9;    // least room of a joint beyond a straight stop in joint space
   for (int i = 0; i < kJoints; ++i) {
@@ -170,19 +176,22 @@ bool can_stop(const MotionSettings& settings, const MotionState& state, const Ca
     const double end = state.q[i] + (1.0 + further) * c.step[i];
     room = std::min({room, settings.limits.upper[i] - end, end - settings.limits.lower[i]});
   }
-  if (room > kPlentyOfRoom && std::abs(std::sin(state.q[4])) > kNearWrist) return true;
+  if (room > kPlentyOfRoom && std::abs(std::sin(state.q[4])) > kNearWrist) return Reason::kNone;
   MotionState there;
   there.q = state.q + c.step;
   there.X_ST = c.X_ST;
   Candidate rest;
-  if (!candidate(settings, there, further * c.tip, rest)) return false;
+  if (!candidate(settings, there, further * c.tip, rest)) return Reason::kOutOfReach;
   const JointVector q = there.q + rest.step;
+  if ((settings.limits.upper - q).minCoeff() < -kAtEnd ||
+      (q - settings.limits.lower).minCoeff() < -kAtEnd) {
+    return Reason::kJointRange;
+  }
   const double bent =
       0.5 * kBendShare * settings.dt * settings.dt * (cycles + 1.0) * (cycles + 1.0);
-  return (settings.limits.upper - q).minCoeff() >= -kAtEnd &&
-         (q - settings.limits.lower).minCoeff() >= -kAtEnd &&
-         ((rest.step - further * c.step).cwiseAbs() - bent * settings.limits.max_acceleration)
-                 .maxCoeff() <= 0.0;
+  const JointVector bend = (rest.step - further * c.step).cwiseAbs();
+  return (bend - bent * settings.limits.max_acceleration).maxCoeff() > 0.0 ? Reason::kSingularity
+                                                                           : Reason::kNone;
 }
 
 // Takes the longest blend between braking and `wanted` that the limits allow.
@@ -194,7 +203,7 @@ void step_between(const MotionSettings& settings, const StepBox& box, const Cand
   Candidate c;
   for (int i = 0; i < 4 && share > 0.0; ++i, share *= 0.6) {
     if (candidate(settings, state, blend(slow, wanted.tip, share), c) && box.contains(c.step) &&
-        can_stop(settings, state, c)) {
+        stopping_limit(settings, state, c) == Reason::kNone) {
       accept(c, state);
       return;
     }
@@ -248,21 +257,25 @@ Reason move_toward(const MotionSettings& settings, const Pose& target, double sh
 
   Candidate half;
   const bool known = candidate(settings, state, (0.5 * part) * way, half);
-  const double speed =
-      share * allowed_speed(settings, state, c, known ? half.step : 0.5 * c.step, 1.0 / part);
+  bool at_range = false;
+  const double speed = share * allowed_speed(settings, state, c, known ? half.step : 0.5 * c.step,
+                                             1.0 / part, at_range);
   if (speed < 1.0 && !candidate(settings, state, (speed * part) * way, c)) {
     brake(settings, state);
     return Reason::kOutOfReach;
   }
 
   const StepBox box = planning_box(settings, state);
-  if (box.contains(c.step) && can_stop(settings, state, c)) {
+  Reason reason = Reason::kNone;
+  if (!box.contains(c.step)) {
+    reason = binding(settings, state, box, c.step);
+  } else if (reason = stopping_limit(settings, state, c); reason == Reason::kNone) {
     accept(c, state);
     if (halvings > 0) return Reason::kOutOfReach;
+    if (at_range) return Reason::kJointRange;
     return cycles > 1.0 && length > settings.tip_speed * settings.dt ? Reason::kTipSpeed
                                                                      : Reason::kNone;
   }
-  const Reason reason = binding(settings, state, box, c.step);
   step_between(settings, box, c, state);
   return reason;
 }
