@@ -72,7 +72,7 @@ Reject PeerCore::accept(const DatagramHeader& header, Nanos now) noexcept {
 // An echo of another incarnation of ours, or one that cannot be true, says nothing about the way.
 void PeerCore::take_echo(const DatagramHeader& header, Nanos now) noexcept {
   if (header.echo_session != session_ || header.echo_sequence > sequence_) return;
-  if (header.echo_sent > now || header.echo_held > now - header.echo_sent) return;
+  if (header.echo_held > now - header.echo_sent) return;  // also when sent in the future
   if (header.echo_sent < snapshot_.echoed_sent) return;
   snapshot_.echoed_sent = header.echo_sent;
   snapshot_.round_trip = now - header.echo_sent - header.echo_held;

@@ -54,6 +54,8 @@ TEST(Pacer, AnEarlyWakeUpCountsAsOnTime) {
   EXPECT_EQ(pacer.woke(pacer.due() - 10), 0);
   EXPECT_EQ(pacer.due(), kStart + 2 * kPeriod);
   EXPECT_EQ(pacer.lateness().max(), 0);
+  EXPECT_EQ(pacer.woke(pacer.due() - 3 * kPeriod), 0);
+  EXPECT_EQ(pacer.due(), kStart + 3 * kPeriod);
 }
 
 TEST(Pacer, ALongSleepOfTheMachineIsOneOverrun) {

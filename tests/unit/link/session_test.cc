@@ -99,7 +99,16 @@ TEST_F(SessionTest, TheReceiversOwnSessionIsRefused) {
 }
 
 TEST_F(SessionTest, ANewSessionStartsItsOwnStatistics) {
-  for (std::uint64_t n = 1; n <= 100; ++n) (void)receive(1, n, kStart);
+  std::array<std::uint8_t, kMaxDatagram> out;
+  ASSERT_NE(slave.poll(kStart, sample_slave(), out), 0u);
+  DatagramHeader header = sample_header(1, 1);
+  header.echo_session = kOwn;
+  header.echo_sequence = 1;
+  header.echo_sent = kStart;
+  ASSERT_EQ(slave.on_datagram(datagram(header, sample_master()), kStart + 5), Reject::kNone);
+  ASSERT_EQ(slave.snapshot().round_trip, 5);
+  ASSERT_EQ(slave.snapshot().loop_age(kStart + 6), 6);
+  for (std::uint64_t n = 2; n <= 100; ++n) (void)receive(1, n, kStart);
   ASSERT_EQ(slave.snapshot().received_of_100, 100);
   (void)receive(2, 77, kStart + kSecond);
   EXPECT_EQ(slave.snapshot().received_of_100, 1);
