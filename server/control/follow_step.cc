@@ -14,8 +14,12 @@ constexpr double kAlignAngle = 1e-6;     // [rad]
 // One bad reading costs nothing, a third in a row is a sensor not to be worked with.
 constexpr int kInvalidWrenches = 3;
 
+// No arm reaches this far: a larger coordinate is not a place [m].
+constexpr double kFarthest = 10.0;
+
 bool valid_command(const MasterState& master) {
-  return master.has_command && is_finite(master.X_SU) && is_unit(master.X_SU.q);
+  return master.has_command && is_finite(master.X_SU) && is_unit(master.X_SU.q) &&
+         master.X_SU.p.cwiseAbs().maxCoeff() <= kFarthest;
 }
 
 bool aligned(const MasterState& master, const MotionState& motion) {
@@ -44,6 +48,12 @@ void advance_session(const FollowInput& in, FollowState& s, Reason sensor_fault)
     session.master = in.master.state;
     session.aligned = aligned(in.master, s.motion);
     session.stop_latched = in.master.stop_epoch != in.master.released_epoch;
+    // A reset older than this fault, meant for a slave before us, must not release it.
+    if ((in.new_session || !s.master_heard) && s.session == SessionState::kFault &&
+        s.fault_epoch == in.master.fault_reset) {
+      ++s.fault_epoch;
+    }
+    s.master_heard = true;
     session.fault_released = s.session == SessionState::kFault && released(s, in.master);
     if (session.stop_latched) s.stop_epoch = in.master.stop_epoch;
     s.position_tool_epoch = in.master.position_tool.epoch;
@@ -59,6 +69,7 @@ void advance_session(const FollowInput& in, FollowState& s, Reason sensor_fault)
     if (next.state == SessionState::kFault) {
       s.fault = next.reason;
       ++s.fault_epoch;
+      if (in.master_known && s.fault_epoch == in.master.fault_reset) ++s.fault_epoch;
     }
   }
   if (next.state != SessionState::kFault) s.fault = Reason::kNone;

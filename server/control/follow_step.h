@@ -43,6 +43,7 @@ struct FollowState {
   Reason fault = Reason::kNone;
   MotionState motion;
   bool placed = false;  // motion stands on a pose the controller confirmed
+  bool master_heard = false;
   std::uint32_t stop_epoch = 0;
   std::uint32_t fault_epoch = 0;
   int invalid_wrenches = 0;   // in a row
