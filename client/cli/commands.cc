@@ -1,4 +1,5 @@
 #include "client/cli/command.h"
+#include "client/cli/demo_command.h"
 #include "client/cli/hand_command.h"
 #include "client/cli/scene_command.h"
 #include "client/cli/status_command.h"
@@ -78,6 +79,10 @@ constexpr Command kCommands[] = {
     {"scene check", "Check a scene file", run_scene_check, {.word = "NAME|FILE"}},
     {"scene load", "Load a scene in master and slave", run_scene_load, {.word = "NAME"}},
     {"hand to", "Move the simulated hand", run_hand_to, {.hand = true}},
+    {"demo",
+     "Drive A to B to C with the simulated hand, without and with tools",
+     run_demo,
+     {.json = true}},
 };
 
 }  // namespace

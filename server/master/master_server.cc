@@ -97,7 +97,9 @@ void MasterServer::run(std::function<void()> on_signal, std::function<bool()> fi
   impl.finished = std::move(finished);
   asio::signal_set signals(impl.io, SIGINT, SIGTERM);
   signals.async_wait([&](const boost::system::error_code& error, int) {
-    if (!error) on_signal();
+    if (error) return;
+    spdlog::info("told to end: disengaging");
+    on_signal();
   });
   impl.transport.on_readable([&impl] { impl.receive(monotonic_now()); });
   impl.pacer = Pacer(kSendPeriod, monotonic_now());
