@@ -174,9 +174,10 @@ TEST(Controller, ServesNobodyButTheSessionsPeer) {
   bench.feed_move(Bench::start_with(0, 0.01), kMxtLong, kPc + 1);
   EXPECT_EQ(bench.tick(), 0u);
   EXPECT_EQ(bench.controller.arm().target(), Bench::start());
-  // A restarted driver opens anew from another port.
+  // A restarted driver opens anew from another port, and its count of cycles too.
   bench.feed_null(kMxtLong, kPc + 1);
   EXPECT_EQ(bench.tick(), 1u);
+  EXPECT_EQ(bench.reply().t_count, 0);
   EXPECT_EQ(bench.controller.session(), kPc + 1);
   bench.feed_move(Bench::start_with(0, 0.01));
   EXPECT_EQ(bench.tick(), 0u);

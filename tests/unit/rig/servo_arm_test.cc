@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "server/base/units.h"
@@ -69,6 +70,8 @@ TEST(ServoArm, AnySplitOfTheTimeGivesTheSameJoints) {
 }
 
 TEST(ServoArm, DrawsLagsWithinTheSpreadAndKeepsThoseSet) {
+  double low = 1.0;
+  double high = 0.0;
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
     ServoArmOptions options;
     options.seed = seed;
@@ -80,7 +83,11 @@ TEST(ServoArm, DrawsLagsWithinTheSpreadAndKeepsThoseSet) {
       EXPECT_LE(arm.lag()[i], 0.045 * 1.03);
     }
     EXPECT_NE(arm.lag()[0], arm.lag()[1]);
+    low = std::min(low, arm.lag()[0]);
+    high = std::max(high, arm.lag()[0]);
   }
+  EXPECT_LT(low, 0.045 * 0.975);
+  EXPECT_GT(high, 0.045 * 1.025);
 }
 
 TEST(ServoArm, SameSeedSameArm) {
@@ -125,6 +132,20 @@ TEST(ServoArm, TheOffsetIsStillWhileTheArmIsAndWithoutJumpsWhenItMoves) {
   const double whole = (arm.measured() - arm.joints() - offset).norm();
   EXPECT_GT(whole, 0.0);
   EXPECT_LT(first_step, 0.04 * whole);
+}
+
+TEST(ServoArm, TheOffsetSettlesWhileTheArmKeepsMoving) {
+  ServoArm arm(ServoArmOptions{});
+  arm.advance(1.0);
+  const auto move = [&arm](int from, int to) {
+    for (int i = from; i < to; ++i) {
+      arm.command(moved(1e-4 * i));
+      arm.advance(7.11e-3);
+    }
+    return JointVector(arm.measured() - arm.joints());
+  };
+  const JointVector offset = move(1, 300);
+  EXPECT_LT((move(300, 600) - offset).norm(), 1e-12) << "no noise on the way";
 }
 
 TEST(ServoArm, DoesNotAllocate) {
