@@ -9,6 +9,7 @@
 #include "devices/rig/rig_server.h"
 #include "proto/config.pb.h"
 #include "server/base/daemon_args.h"
+#include "server/base/realtime.h"
 #include "server/scene/config_io.h"
 
 namespace {
@@ -62,6 +63,8 @@ int main(int argc, char** argv) {
   server.handle_signals();
   std::printf("READY robot_port=%d sensor_port=%d\n", server.robot_port(), server.sensor_port());
   std::fflush(stdout);
+  // A controller keeps its cycle whatever else runs.
+  spdlog::info("control thread: {}", handrail::enter_realtime(75).report);
   server.run();
   return 0;
 }

@@ -26,6 +26,7 @@ namespace {
 
 constexpr int kBadInput = 2;
 constexpr int kHapticPriority = 85;
+constexpr int kIoPriority = 70;  // the link must not starve on a busy machine
 
 const char kWhat[] =
     "The operator's side: haptic device, virtual tools and forces at 1 kHz; sends the command to\n"
@@ -136,6 +137,7 @@ int run(const pb::MasterConfig& config, bool check_only) {
   std::printf("READY link_port=%d operator_socket=%s\n", server.port(),
               config.operator_socket().c_str());
   std::fflush(stdout);
+  spdlog::info("IO thread: {}", enter_realtime(kIoPriority).report);
   server.run([&] { haptic.request_stop(); }, [&] { return haptic.finished(); });
   return 0;
 }

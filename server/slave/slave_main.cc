@@ -25,6 +25,7 @@ namespace {
 
 constexpr int kBadInput = 2;
 constexpr int kRobotPriority = 80;
+constexpr int kIoPriority = 70;  // the link must not starve on a busy machine
 
 const char kWhat[] =
     "The robot's side: follows the master's commands on the arm, within its limits, and reports\n"
@@ -98,6 +99,7 @@ int run(const pb::SlaveConfig& config, bool check_only) {
   std::thread robot_thread([&loop] { run_robot(loop); });
   std::printf("READY link_port=%d\n", server.port());
   std::fflush(stdout);
+  spdlog::info("IO thread: {}", enter_realtime(kIoPriority).report);
   server.run([&loop] { loop.request_stop(); }, [&loop] { return loop.finished(); });
   robot_thread.join();
   if (sensor) sensor->stop();
