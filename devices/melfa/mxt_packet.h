@@ -16,7 +16,7 @@ namespace handrail {
 
 inline constexpr std::size_t kMxtShort = 64;               // [bytes]
 inline constexpr std::size_t kMxtLong = 196;               // [bytes]
-inline constexpr Nanos kMxtPeriod = 7'110 * kMicrosecond;  // control cycle of CR1 and CR750 class
+inline constexpr Nanos kMxtPeriod = 7'100 * kMicrosecond;  // control cycle of the CR1-571
 inline constexpr std::uint16_t kMxtPort = 10000;
 
 enum class MxtCommand : std::uint16_t { kNull = 0, kMove = 1, kEnd = 255 };
