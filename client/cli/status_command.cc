@@ -18,7 +18,6 @@ std::atomic<bool> interrupted{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "set by a signal handler");
 
 void catch_interrupts() {
-  interrupted = false;
   struct sigaction action {};
   action.sa_handler = [](int) { interrupted = true; };
   ::sigaction(SIGINT, &action, nullptr);
@@ -42,6 +41,7 @@ ExitCode run_status(const Options& options, const Console& console) {
   OperatorClient client(options.socket);
   pb::Request request;
   request.set_status(true);
+  interrupted = false;
   if (options.watch) catch_interrupts();
   do {
     const Result<pb::Reply> reply = client.call(request, kPatience);

@@ -160,6 +160,8 @@ TEST_F(OperatorClients, CliWatchPrintsOneJsonObjectALineUntilInterrupted) {
   }
   EXPECT_GE(count, 2);
   ::signal(SIGINT, SIG_DFL);
+  EXPECT_EQ(cli({"status"}), kExitDone);
+  EXPECT_NE(out_.str(), "");
 }
 
 }  // namespace
