@@ -158,7 +158,7 @@ TEST_F(SlaveServerTest, KeepsItsSceneWhileTheArmFollows) {
 
 TEST_F(SlaveServerTest, ATermSignalIsPassedOnAndServingGoesOn) {
   ASSERT_TRUE(play([&] { return peer.snapshot().accepted >= 1; }));
-  ASSERT_EQ(raise(SIGTERM), 0);
+  ASSERT_EQ(pthread_kill(thread.native_handle(), SIGTERM), 0);
   EXPECT_TRUE(play([&] { return signalled.load(); }));
   const std::uint64_t before = peer.snapshot().accepted;
   EXPECT_TRUE(play([&] { return peer.snapshot().accepted >= before + 20; }));
