@@ -116,7 +116,9 @@ void Guide::change_position(const GuideSettings& settings, const PositionTool& t
                         ? Vec3(proxy_.p + pull_offset_.offset() - X_SH.p)
                         : Vec3(Vec3::Zero());
   position_ = tool;
-  proxy_.p = position_.start(tool.active() ? proxy_.p : X_SH.p, command_.p);
+  position_.start(tool.active() ? proxy_.p : X_SH.p, command_.p);
+  // Where the proxy goes from there for this hand is part of the jump that is eased.
+  proxy_.p = position_.advance(X_SH.p);
   const Vec3 now = proxy_.p - X_SH.p;
   pull_offset_.clear();
   pull_offset_.absorb(pull * (before / stiffness(settings)) - now);
@@ -132,7 +134,8 @@ void Guide::change_orientation(const GuideSettings& settings, const OrientationT
                         ? Vec3(twist_from(X_SH.q, proxy_.q) + twist_offset_.offset())
                         : Vec3(Vec3::Zero());
   orientation_ = tool;
-  proxy_.q = orientation_.start(tool.active() ? proxy_.q : X_SH.q);
+  orientation_.start(tool.active() ? proxy_.q : X_SH.q);
+  proxy_.q = orientation_.advance(X_SH.q);
   twist_offset_.clear();
   twist_offset_.absorb(pull * (before / torque_stiffness(settings)) - twist_from(X_SH.q, proxy_.q));
   rejoin_orientation(settings, proxy_.q);

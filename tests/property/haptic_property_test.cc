@@ -1,0 +1,125 @@
+// The master's step under generated hands, orders, buttons, links and readings.
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <limits>
+
+#include "tests/unit/control/haptic_rig.h"
+
+namespace handrail {
+namespace {
+
+using test::HapticRig;
+
+// Below `n`, at full size: the default starts with the low ends of all ranges.
+int below(int n) { return *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(0, n)); }
+
+double between(double low, double high) {
+  constexpr int kSteps = 1'000'000;
+  return low + (high - low) * below(kSteps + 1) / kSteps;
+}
+
+Vec3 within(double size) {
+  return {between(-size, size), between(-size, size), between(-size, size)};
+}
+
+bool one_in(int n) { return below(n) == 0; }
+
+HapticOrder any_order() {
+  HapticOrder order;
+  order.kind =
+      *rc::gen::element(OrderKind::kEngage, OrderKind::kEngage, OrderKind::kDisengage,
+                        OrderKind::kClutchOn, OrderKind::kClutchOff, OrderKind::kReset,
+                        OrderKind::kTool, OrderKind::kTool, OrderKind::kTool, OrderKind::kToolOff);
+  order.tool.kind = *rc::gen::element(ToolKind::kPoint, ToolKind::kLine, ToolKind::kPlane,
+                                      ToolKind::kNRotation, ToolKind::kFRotation);
+  order.tool.direction_S = within(1.0);
+  order.tool.normal_S = within(1.0);
+  order.tool.one_way = *rc::gen::arbitrary<bool>();
+  order.drop_position = *rc::gen::arbitrary<bool>();
+  order.drop_orientation = *rc::gen::arbitrary<bool>();
+  return order;
+}
+
+void random_life(HapticRig& rig, int ticks) {
+  rig.engage();
+  for (int i = 0; i < ticks; ++i) {
+    if (i % 8 == 0) {
+      rig.in.hand.v_MH = within(0.4);
+      rig.in.hand.clutch_button = one_in(8);
+      rig.in.hand.drop_button = one_in(20);
+      if (one_in(6)) rig.in.order = any_order();
+      if (one_in(10) && rig.in.order.kind == OrderKind::kTool) {
+        rig.in.order.tool.at_present = false;
+        rig.in.order.tool.p_SA = rig.command().p + within(0.05);
+      }
+      rig.in.slave_age = one_in(20) ? from_seconds(between(0.0, 0.19)) : 0;
+    }
+    rig.in.hand.X_MH.p += 1e-3 * rig.in.hand.v_MH;
+    rig.in.hand.X_MH.q = (rotation_exp(0.01 * rig.in.hand.v_MH) * rig.in.hand.X_MH.q).normalized();
+    rig.tick();
+  }
+}
+
+RC_GTEST_PROP(HapticProperty, ForceIsFiniteLimitedAccountedForAndSteppedGently, ()) {
+  HapticRig rig;
+  rig.spring_slack = *rc::gen::arbitrary<bool>();
+  rig.settings.has_torque = *rc::gen::arbitrary<bool>();
+  rig.settings.max_torque = 0.1;
+  rig.engage();
+  for (int i = 0; i < 40; ++i) {
+    const HapticRig* watch = &rig;
+    random_life(rig, 8);
+    RC_ASSERT(watch->finite);
+    RC_ASSERT(watch->most_force <= 3.3 + 1e-12);
+    RC_ASSERT(watch->share_error < 1e-9);
+    RC_ASSERT(watch->out.f_H_M.torque.norm() <= 0.1 + 1e-12);
+  }
+}
+
+// Whatever comes before: freezing, engaging and clutching never move the command by themselves.
+RC_GTEST_PROP(HapticProperty, AStillHandNeverMovesTheCommandAtAClutch, ()) {
+  HapticRig rig;
+  random_life(rig, 10 + below(290));
+  rig.in.slave_age = 0;
+  rig.in.hand.drop_button = false;
+  rig.in.hand.clutch_button = true;
+  rig.ticks(3);
+  RC_PRE(rig.session() == SessionState::kClutched);
+  const Pose frozen = rig.command();
+  rig.in.hand.X_MH = {within(0.1), rotation_exp(within(1.7))};
+  rig.tick();
+  RC_ASSERT((rig.command().p - frozen.p).norm() == 0.0);
+  // Tools still to be reached would pull on; without them nothing may move.
+  rig.drop(true, true);
+  rig.in.hand.clutch_button = false;
+  rig.ticks(20);
+  RC_PRE(rig.session() == SessionState::kEngaged);
+  RC_ASSERT((rig.command().p - frozen.p).norm() < 1e-12);
+  RC_ASSERT(angle_between(rig.command().q, frozen.q) < 1e-9);
+}
+
+RC_GTEST_PROP(HapticProperty, TheSlaveIsOnlyEverToldWhatIsAPoseAndATool, ()) {
+  HapticRig rig;
+  rig.engage();
+  for (int i = 0; i < 30; ++i) {
+    if (one_in(3)) {
+      rig.in.hand.X_MH.p[below(3)] = *rc::gen::element(
+          std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e308);
+    } else {
+      rig.in.hand.X_MH.p = within(0.1);
+    }
+    rig.in.order = any_order();
+    rig.tick();
+    RC_ASSERT(is_finite(rig.command()));
+    RC_ASSERT(is_unit(rig.command().q));
+    for (const ToolDefinition* tool :
+         {&rig.out.link.position_tool, &rig.out.link.orientation_tool}) {
+      RC_ASSERT(is_finite(tool->p_SA) && is_finite(tool->direction_S) && is_finite(tool->normal_S));
+      RC_ASSERT(is_unit(tool->q_ref));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace handrail
