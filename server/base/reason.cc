@@ -51,6 +51,7 @@ const char* describe(Reason reason) noexcept {
     case Reason::kBusy: return "only possible when disengaged";
     case Reason::kNotStopped: return "nothing to reset";
     case Reason::kNotSimulated: return "only possible with a simulated device";
+    case Reason::kSceneNotLoaded: return "the slave cannot load the master's scene: its log says why";
     case Reason::kCount: break;
   }
   return "unknown reason";

@@ -58,6 +58,7 @@ enum class Reason : std::uint8_t {
   kBusy,                // only possible when disengaged
   kNotStopped,          // nothing to reset
   kNotSimulated,        // only possible with a simulated device
+  kSceneNotLoaded,      // the slave cannot load the master's scene
   kCount
 };
 

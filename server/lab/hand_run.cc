@@ -1,5 +1,7 @@
 #include "server/lab/hand_run.h"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <memory>
 
@@ -11,6 +13,8 @@
 namespace handrail {
 namespace {
 
+// A hand further off is no reading of a device [m].
+constexpr double kFarthestHand = 5.0;
 constexpr int kEngagePatience = 1000;  // ticks
 constexpr int kSettle = 3000;          // ticks after the recording's end
 
@@ -72,6 +76,11 @@ HandReading reading_at(const RecordedMotion& motion, double t) {
 
 Result<HandRunResult> run_hand(const Scene& scene, const RecordedMotion& motion,
                                const HandRunOptions& options) {
+  if (motion.half_extent().maxCoeff() > kFarthestHand) {
+    return Status::error(
+        fmt::format("the recording reaches {:.0f} mm from its centre; expected at most {:.0f} mm",
+                    motion.half_extent().maxCoeff() / kMm, kFarthestHand / kMm));
+  }
   auto cell_options = std::make_unique<CellOptions>();
   cell_options->haptic = haptic_settings(scene, omni_capabilities(false));
   cell_options->follow = follow_settings(scene, cell_options->rig.controller.period, true, 1000.0);

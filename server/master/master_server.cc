@@ -2,13 +2,13 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <csignal>
 #include <utility>
 // Boost 1.74 uses std::exchange without including it.
 #include <boost/asio.hpp>
 
 #include "server/base/clock.h"
-#include "server/base/pacer.h"
 #include "server/link/pump.h"
 #include "server/link/udp_transport.h"
 
@@ -20,19 +20,21 @@ struct MasterServer::Impl {
   Impl(MasterMailboxes& mailboxes, OrderDesk& order_desk, MasterServerOptions opts)
       : boxes(mailboxes), desk(order_desk), options(std::move(opts)) {}
 
-  void wait_for_tick() {
-    timer.expires_at(std::chrono::steady_clock::time_point(std::chrono::nanoseconds(pacer.due())));
+  // The peer's own schedule wakes us, so that every wake-up finds a datagram due.
+  void wait_for_tick(Nanos now) {
+    const Nanos next =
+        now + (desk.report() ? std::min(peer.wait_time(now), kSendPeriod) : kSendPeriod);
+    timer.expires_at(std::chrono::steady_clock::time_point(std::chrono::nanoseconds(next)));
     timer.async_wait([this](const boost::system::error_code& error) {
       if (error) return;
-      tick();
+      const Nanos woke = monotonic_now();
+      tick(woke);
       if (finished()) return io.stop();
-      wait_for_tick();
+      wait_for_tick(woke);
     });
   }
 
-  void tick() {
-    const Nanos now = monotonic_now();
-    (void)pacer.woke(now);
+  void tick(Nanos now) {
     receive(now);
     desk.tick(now, peer.newest(), peer.snapshot());
     if (!desk.report()) return;
@@ -70,7 +72,6 @@ struct MasterServer::Impl {
   MasterPeer peer{random_session_id()};
   LinkPump<MasterState, SlaveState> pump{transport, peer};
   OperatorServer operators{io, desk};
-  Pacer pacer{kSendPeriod, 0};
   std::uint32_t peer_epoch = 0;
   SessionState logged_state = SessionState::kOff;
   std::function<bool()> finished;
@@ -102,8 +103,7 @@ void MasterServer::run(std::function<void()> on_signal, std::function<bool()> fi
     on_signal();
   });
   impl.transport.on_readable([&impl] { impl.receive(monotonic_now()); });
-  impl.pacer = Pacer(kSendPeriod, monotonic_now());
-  impl.wait_for_tick();
+  impl.wait_for_tick(monotonic_now());
   impl.io.run();
   impl.operators.stop();
   spdlog::info("link: {} datagrams accepted, {} rejected, {} sent", impl.peer.snapshot().accepted,

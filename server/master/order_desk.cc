@@ -54,7 +54,7 @@ void OrderDesk::handle(const pb::Request& request, ReplyTo reply) {
       return reply(std::move(answer));
     }
     case pb::Request::kEngage:
-      return order(plain(OrderKind::kEngage), std::move(reply), true);
+      return order(plain(OrderKind::kEngage), std::move(reply), Until::kEngaged);
     case pb::Request::kDisengage:
       return order(plain(OrderKind::kDisengage), std::move(reply));
     case pb::Request::kClutch:
@@ -63,7 +63,7 @@ void OrderDesk::handle(const pb::Request& request, ReplyTo reply) {
     case pb::Request::kStop:
       return order(plain(OrderKind::kStop), std::move(reply));
     case pb::Request::kReset:
-      return order(plain(OrderKind::kReset), std::move(reply));
+      return order(plain(OrderKind::kReset), std::move(reply), Until::kSlaveReset);
     case pb::Request::kTool:
       return tool(request.tool(), std::move(reply));
     case pb::Request::kToolOff: {
@@ -82,10 +82,10 @@ void OrderDesk::handle(const pb::Request& request, ReplyTo reply) {
   reply(refused("the request holds no order this master knows"));
 }
 
-void OrderDesk::order(HapticOrder wanted, ReplyTo reply, bool engage) {
+void OrderDesk::order(HapticOrder wanted, ReplyTo reply, Until until) {
   OrderTicket ticket;
   ticket.order = wanted;
-  push(ticket, {std::move(reply), engage});
+  push(ticket, {std::move(reply), until});
 }
 
 void OrderDesk::tool(const pb::Tool& wanted, ReplyTo reply) {
@@ -110,7 +110,7 @@ void OrderDesk::hand(const pb::HandMove& move, ReplyTo reply) {
         refused("hand: expected three numbers each (at most 1000 mm, 229 deg) and a "
                 "duration over 0 and up to 3600 s"));
   }
-  push(ticket, {std::move(reply), false});
+  push(ticket, {std::move(reply), Until::kTaken});
 }
 
 void OrderDesk::push(OrderTicket ticket, Waiting waiting) {
@@ -128,6 +128,7 @@ void OrderDesk::tick(Nanos now, const SlaveState& slave, const LinkSnapshot& lin
   take_answers();
   if (!report_) return;
   watch_engaging();
+  watch_reset();
   watch_scene();
   call_scene_tools();
 }
@@ -141,18 +142,29 @@ void OrderDesk::take_answers() {
     waiting_.erase(found);
     if (answer.result != Reason::kNone) {
       std::string text = describe(answer.result);
-      for (const std::string& difference : waiting.engage&& report_&& link_.peer_epoch != 0
-                                               ? hash_mismatches(report_->out.link, slave_)
-                                               : std::vector<std::string>{}) {
-        text += "; " + difference;
+      if (waiting.until == Until::kEngaged && report_ && link_.peer_epoch != 0) {
+        if (answer.result == Reason::kPeerFault) text += std::string(": ") + describe(slave_.fault);
+        for (const std::string& difference : hash_mismatches(report_->out.link, slave_)) {
+          text += "; " + difference;
+        }
       }
       waiting.reply(refused(text));
-    } else if (waiting.engage) {
-      if (engaging_) engaging_(refused("another engage came after this one"));
-      engaging_ = std::move(waiting.reply);
-      engage_until_ = now_ + kEngagePatience;
-    } else {
-      waiting.reply(done());
+      continue;
+    }
+    switch (waiting.until) {
+      case Until::kTaken:
+        waiting.reply(done());
+        break;
+      case Until::kEngaged:
+        if (engaging_) engaging_(refused("another engage came after this one"));
+        engaging_ = std::move(waiting.reply);
+        engage_until_ = now_ + kEngagePatience;
+        break;
+      case Until::kSlaveReset:
+        if (resetting_) resetting_(refused("another reset came after this one"));
+        resetting_ = std::move(waiting.reply);
+        reset_until_ = now_ + kResetPatience;
+        break;
     }
   }
 }
@@ -168,6 +180,18 @@ void OrderDesk::watch_engaging() {
     if (out.reason == Reason::kPeerFault) why += std::string(": ") + describe(slave_.fault);
     std::exchange(engaging_, nullptr)(refused(why));
     order(plain(OrderKind::kDisengage), [](pb::Reply) {});
+  }
+}
+
+void OrderDesk::watch_reset() {
+  if (!resetting_) return;
+  if (link_.age(now_) > 200 * kMillisecond) {
+    std::exchange(resetting_, nullptr)(done("no slave is connected"));
+  } else if (slave_.state != SessionState::kFault) {
+    std::exchange(resetting_, nullptr)(done());
+  } else if (now_ > reset_until_) {
+    std::exchange(resetting_, nullptr)(
+        refused(std::string("the slave stays in fault: ") + describe(slave_.fault)));
   }
 }
 
@@ -194,8 +218,9 @@ void OrderDesk::watch_scene() {
   const auto differences = hash_mismatches(report_->out.link, slave_);
   if (differences.empty()) {
     std::exchange(loading_, nullptr)(done());
-  } else if (now_ > load_until_) {
-    end_scene_wait(differences.front());
+  } else if (now_ > load_until_ || slave_.reason == Reason::kSceneNotLoaded) {
+    end_scene_wait(slave_.reason == Reason::kSceneNotLoaded ? describe(slave_.reason)
+                                                            : differences.front());
   }
 }
 

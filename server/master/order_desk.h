@@ -22,11 +22,12 @@ struct OrderDeskOptions {
 };
 
 // Turns requests into orders for the haptic loop and answers them once they have taken effect:
-// most in the next tick, engaging when both sides stand, a scene when the slave has it too. All
-// methods in the IO thread.
+// most in the next tick, engaging when both sides stand, a reset and a scene when the slave has
+// them too. All methods in the IO thread.
 class OrderDesk : public OperatorHandler {
  public:
   static constexpr Nanos kEngagePatience = 3 * kSecond;
+  static constexpr Nanos kResetPatience = kSecond;
   static constexpr Nanos kScenePatience = 2 * kSecond;
 
   // The mailboxes must outlive the desk. `scene` is the one the loop has.
@@ -45,18 +46,21 @@ class OrderDesk : public OperatorHandler {
 
  private:
   using ReplyTo = std::function<void(pb::Reply)>;
+  // When an order is answered, once the loop has taken it.
+  enum class Until : std::uint8_t { kTaken, kEngaged, kSlaveReset };
   struct Waiting {
     ReplyTo reply;
-    bool engage = false;  // answered when engaged, not when the order is taken
+    Until until = Until::kTaken;
   };
 
-  void order(HapticOrder order, ReplyTo reply, bool engage = false);
+  void order(HapticOrder order, ReplyTo reply, Until until = Until::kTaken);
   void hand(const pb::HandMove& move, ReplyTo reply);
   void tool(const pb::Tool& wanted, ReplyTo reply);
   void load(const std::string& name, ReplyTo reply);
   void push(OrderTicket ticket, Waiting waiting);
   void take_answers();
   void watch_engaging();
+  void watch_reset();
   void watch_scene();
   void call_scene_tools();
   // Gives a scene up again that the slave cannot have.
@@ -75,6 +79,9 @@ class OrderDesk : public OperatorHandler {
   ReplyTo engaging_;  // who waits for the session to be engaged
   Nanos engage_until_ = 0;
   bool was_engaged_ = false;
+
+  ReplyTo resetting_;  // who waits for the slave to leave its fault
+  Nanos reset_until_ = 0;
 
   ReplyTo loading_;  // who waits for a scene
   Nanos load_until_ = 0;

@@ -46,6 +46,7 @@ struct SlaveServer::Impl {
     poll_sensor(now);
     known = boxes.state.take(state) || known;
     if (!known) return;
+    if (scene_missing && state.state == SessionState::kOff) state.reason = Reason::kSceneNotLoaded;
     const std::uint64_t unsendable = peer.snapshot().unsendable;
     pump.send(now, state);
     if (unsendable == 0 && peer.snapshot().unsendable != 0) {
@@ -68,9 +69,11 @@ struct SlaveServer::Impl {
     const MasterState& master = peer.newest();
     const std::string wanted(text_of(master.scene));
     const bool idle = state.state == SessionState::kOff || state.state == SessionState::kFault;
+    if (!differs(master)) scene_missing = false;
     if (wanted.empty() || !idle || !known || !differs(master) || now < next_scene_try) return;
     next_scene_try = now + kSceneRetry;
     const auto loaded = options.load_scene(wanted);
+    scene_missing = !loaded;
     if (!loaded) {
       if (loaded.message() != scene_problem) {
         spdlog::error("the master's scene '{}' cannot be loaded: {}", wanted, loaded.message());
@@ -107,7 +110,8 @@ struct SlaveServer::Impl {
   SlaveState state;
   bool known = false;  // the robot loop has spoken
   Nanos next_scene_try = 0;
-  std::string scene_problem;  // last one logged
+  std::string scene_problem;   // last one logged
+  bool scene_missing = false;  // the last one tried could not be loaded
   std::uint32_t peer_epoch = 0;
   std::function<bool()> finished;
 };
