@@ -31,6 +31,11 @@ TEST(TextSource, PlacesAValueOutOfRange) {
             "f.scene:3:3: field 'guidance.stiffness_n_mm': 12 is outside 0 to 10 N/mm");
 }
 
+TEST(TextSource, CountsATabAsOneColumn) {
+  EXPECT_EQ(error_of("name: 'a'\nguidance {\n\t \tstiffness_n_mm: 12\n}"),
+            "f.scene:3:4: field 'guidance.stiffness_n_mm': 12 is outside 0 to 10 N/mm");
+}
+
 TEST(TextSource, RefusesNanAndInfinity) {
   EXPECT_EQ(error_of("name: 'a' guidance { delta_mm: nan }"),
             "f.scene:1:22: field 'guidance.delta_mm': nan is not a finite number");
