@@ -24,7 +24,7 @@ inline Vec3 omni_workspace_half() { return {0.080, 0.060, 0.035}; }
 // What the device can do; with `torque`, the variant that turns the stylus too.
 inline HapticCapabilities omni_capabilities(bool torque) {
   HapticCapabilities c;
-  c.name = torque ? "Phantom Omni with torque (simulated)" : "Phantom Omni (simulated)";
+  c.name = torque ? "Phantom Omni with torque" : "Phantom Omni";
   c.simulated = true;
   c.senses_rotation = true;
   c.actuates_torque = torque;

@@ -26,6 +26,8 @@ namespace {
 
 constexpr int kBadInput = 2;
 constexpr int kHapticPriority = 85;
+// The thread has its grants by then: locking memory takes some 15 ms.
+constexpr Nanos kSetUp = 50 * kMillisecond;
 constexpr int kIoPriority = 70;  // the link must not starve on a busy machine
 
 const char kWhat[] =
@@ -67,7 +69,7 @@ HapticDeviceOptions device_options(const pb::DeviceConfig& config) {
 class HapticThread {
  public:
   HapticThread(HapticDevice& device, const HapticSettings& settings, MasterMailboxes& boxes)
-      : loop_(std::make_unique<HapticLoop>(device, settings, boxes, monotonic_now())),
+      : loop_(std::make_unique<HapticLoop>(device, settings, boxes, monotonic_now() + kSetUp)),
         thread_([this, &device] { run(device); }) {}
   ~HapticThread() {
     loop_->request_stop();
