@@ -45,6 +45,7 @@ ToolCall any_position_call(const Vec3& near) {
   call.direction_S = between(0.1, 10.0) * any_unit();
   call.normal_S = between(0.1, 10.0) * any_unit();
   call.one_way = *rc::gen::arbitrary<bool>();
+  if (*rc::gen::arbitrary<bool>()) call.stiffness = between(50.0, 2000.0);
   return call;
 }
 

@@ -117,5 +117,33 @@ TEST(FollowContact, ASensorSilentForThreeCyclesIsMissingAndHoldsTheArmWhereItIsR
   }
 }
 
+// A surface of stiffness `k` [N/m] under the tip, whose force the sensor sees with noise.
+TEST(FollowContact, PushingIntoASurfaceSettlesNearTheThresholdWithoutChatter) {
+  for (const double k : {5e3, 30e3, 60e3}) {
+    FollowRig rig;
+    rig.engage();
+    const double surface = rig.tip.p.z() - 0.002;
+    Pose X = rig.state.motion.X_ST;
+    std::mt19937_64 random(9);
+    std::normal_distribution<double> noise(0.0, 0.05);
+    double most_force = 0.0, moved_late = 0.0;
+    for (int i = 0; i < 1500; ++i) {
+      // Down at 50 mm/s to 20 mm below the surface, and pressing on.
+      X.p.z() = std::max(surface - 0.02, X.p.z() - 0.05 * rig.settings.motion.dt);
+      const double depth = std::max(0.0, surface - rig.tip.p.z());
+      press(rig, k * depth + noise(random));
+      const double before = rig.tip.p.z();
+      rig.follow(X);
+      most_force = std::max(most_force, k * depth);
+      if (i >= 500) moved_late = std::max(moved_late, std::abs(rig.tip.p.z() - before));
+    }
+    EXPECT_GT(most_force, 40.0);
+    EXPECT_LT(most_force, 200.0) << k;
+    // A repeatability of the arm at the most.
+    EXPECT_LT(moved_late, 4e-5) << k;
+    EXPECT_TRUE(rig.watch.kept());
+  }
+}
+
 }  // namespace
 }  // namespace handrail

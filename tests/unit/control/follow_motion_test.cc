@@ -121,6 +121,29 @@ TEST(FollowMotion, AOneWayToolsTipNeverGoesBackThroughHoldsAndStops) {
   }
 }
 
+// The tip turns a corner late; on a one-way tool it waits there for its command.
+TEST(FollowMotion, AOneWayToolsTipNeverGoesBackWhereItsCommandTurnsACornerAtFullSpeed) {
+  for (std::uint64_t run = 0; run < 20; ++run) {
+    Dice dice(4000 + run);
+    FollowRig rig(run % 2 == 0 ? test::home() : roomy_joints(run));
+    rig.engage();
+    const Pose A = rig.state.motion.X_ST;
+    ToolDefinition plane = test::plane_across(A.p, dice.unit());
+    plane.direction_S = plane.normal_S.unitOrthogonal();
+    plane.one_way = true;
+    rig.in.master.position_tool = plane;
+    const Vec3 across = plane.normal_S.cross(plane.direction_S);
+    double furthest = 0.0;
+    for (int i = 0; i < 150; ++i) {
+      const double ahead = 3e-3 * std::min(i, 40), aside = 3e-3 * std::clamp(i - 40, 0, 40);
+      rig.follow({A.p + ahead * plane.direction_S + aside * across, A.q});
+      const double travel = (rig.tip.p - A.p).dot(plane.direction_S);
+      ASSERT_GT(travel, furthest - kNoFurther) << "run " << run << " cycle " << i;
+      furthest = std::max(furthest, travel);
+    }
+  }
+}
+
 TEST(FollowMotion, OutOfReachItHoldsAtTheBoundaryWithAReasonAndComesBackWithoutALurch) {
   for (const Vec3& direction : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(0, 0, -1)}) {
     FollowRig rig;
@@ -167,6 +190,18 @@ TEST(FollowMotion, CrossesAStraightWristWithoutTurningJ4) {
   }
   for (int i = 0; i < 100; ++i) rig.follow(X);
   EXPECT_NEAR(rig.joints()[4], -30 * kDeg, 1e-6);
+  EXPECT_TRUE(rig.watch.kept());
+}
+
+TEST(FollowMotion, CrossesAStraightWristAtFullSpeedWithoutTurningJ4) {
+  FollowRig rig(joints_deg(0, 0, 90, 0, 60, 0));
+  rig.engage();
+  const Pose X = forward(rig.settings.motion.arm, joints_deg(0, 0, 90, 0, -60, 0));
+  for (int i = 0; i < 400; ++i) {
+    rig.follow(X);
+    ASSERT_LT(std::abs(rig.joints()[3]), 1e-6);
+  }
+  EXPECT_NEAR(rig.joints()[4], -60 * kDeg, 1e-6);
   EXPECT_TRUE(rig.watch.kept());
 }
 

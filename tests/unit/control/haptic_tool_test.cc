@@ -214,6 +214,34 @@ TEST(HapticTools, FRotationPastHalfATurnNeitherFlipsNorJumps) {
   }
 }
 
+// Beside the pole the way back may point elsewhere when the hand comes out again.
+TEST(HapticTools, FRotationLeftBesideHalfATurnIsRejoinedByEasing) {
+  HapticRig rig;
+  rig.settings.guide.smoother_length = 1;
+  rig.engage();
+  ASSERT_EQ(rig.call(call_of(ToolKind::kFRotation)), Reason::kNone);
+  const Mat3 to_master = rig.settings.mapping.R_SM.transpose();
+  const Vec3 kept_M = to_master * (rig.command().q * Vec3::UnitZ());
+  const Quat start = rig.in.hand.X_MH.q;
+  const auto tilt_M = [&](double around) -> Vec3 {
+    return rotation_exp(around * kept_M) * kept_M.unitOrthogonal();
+  };
+  Quat last = rig.command().q;
+  const auto go_to = [&](double tilt, double around) {
+    rig.in.hand.X_MH.q =
+        rotation_exp(tilt * kDeg * tilt_M(around)) * (rotation_exp(around * kept_M) * start);
+    rig.tick();
+    // 0.1 degrees of hand, its share about the axis near the pole, and the easing.
+    ASSERT_LT(angle_between(rig.command().q, last), 6e-3) << tilt << " " << around;
+    last = rig.command().q;
+  };
+  for (double tilt = 0.0; tilt < 178.0; tilt += 0.1) go_to(tilt, 0.0);
+  for (double around = 0.0; around < 1.5; around += 1e-3) go_to(178.0, around);
+  for (double tilt = 178.0; tilt > 90.0; tilt -= 0.1) go_to(tilt, 1.5);
+  for (int i = 0; i < 8000; ++i) go_to(90.0, 1.5);
+  EXPECT_LT(off_axis(rig), 1e-9);
+}
+
 // A rate-limited chase would let the command fall behind a turning hand without bound.
 TEST(HapticTools, AfterNRotationIsReleasedHandRotationPassesOneToOneAndTheOffsetDecaysBounded) {
   for (int run = 0; run < 20; ++run) {
