@@ -144,6 +144,30 @@ TEST(FollowMotion, AOneWayToolsTipNeverGoesBackWhereItsCommandTurnsACornerAtFull
   }
 }
 
+TEST(FollowMotion, ATipAheadOfTheCommandWhenAOneWayToolIsCalledWaitsForIt) {
+  FollowRig rig;
+  rig.engage();
+  const Pose A = rig.state.motion.X_ST;
+  Pose X = A;
+  for (int i = 0; i < 40; ++i) {
+    X.p.y() += 3e-3;
+    rig.follow(X);
+  }
+  // The command has turned back before the call, the tip has not yet.
+  X.p.y() = rig.tip.p.y() - 0.02;
+  rig.in.master.position_tool = test::line_along(X.p, Vec3::UnitY(), true);
+  double furthest = rig.tip.p.y();
+  for (int i = 0; i < 200; ++i) {
+    rig.follow(X);
+    ASSERT_GT(rig.tip.p.y(), furthest - kNoFurther);
+    furthest = std::max(furthest, rig.tip.p.y());
+  }
+  // It joins when the command has come past.
+  X.p.y() = furthest + 0.02;
+  for (int i = 0; i < 100; ++i) rig.follow(X);
+  EXPECT_LT((rig.tip.p - X.p).norm(), kOnPath);
+}
+
 TEST(FollowMotion, OutOfReachItHoldsAtTheBoundaryWithAReasonAndComesBackWithoutALurch) {
   for (const Vec3& direction : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(0, 0, -1)}) {
     FollowRig rig;
