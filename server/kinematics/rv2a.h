@@ -1,14 +1,13 @@
 // Kinematics of the Mitsubishi RV-2A: six axes, ortho-parallel arm, spherical wrist.
 //
-// Joint angles are the controller's J1..J6 in radians. The chain (standard Denavit-Hartenberg) and the
-// limits of the dissertation's Table 3.1; that table prints J2 in the DH variable, so the controller's
-// J2 range is -45 to +135 degrees.
+// Joint angles are the controller's J1..J6 in radians; ranges and speeds are in rv2a_limits.h.
 #pragma once
 
 #include <array>
 #include <cstdint>
 
 #include "server/base/joints.h"
+#include "server/base/rv2a_limits.h"
 #include "server/base/spatial.h"
 
 namespace handrail {
@@ -25,9 +24,6 @@ struct ArmGeometry {
 
 inline constexpr double kFlangeLength = 0.085;     // wrist centre to flange [m]
 inline constexpr double kHexKeyLength = 0.301;     // wrist centre to the hex key's ball centre [m]
-
-// Table 3.1 of the dissertation. Accelerations are ours (no source): top speed in 0.15 s.
-const JointLimits& rv2a_limits() noexcept;
 
 // Tip pose X_ST. Real-time safe.
 Pose forward(const ArmGeometry& arm, const JointVector& q) noexcept;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "server/base/rv2a_limits.h"
 #include "server/base/units.h"
 
 namespace handrail {
@@ -22,21 +23,8 @@ std::string joint_field(const char* name, int i) {
 
 }  // namespace
 
-JointLimits arm_table_limits() {
-  constexpr double kRampTime = 0.15;  // [s]
-  JointLimits l;
-  l.lower << -160.0, -45.0, 50.0, -160.0, -120.0, -200.0;
-  l.upper << 160.0, 135.0, 170.0, 160.0, 120.0, 200.0;
-  l.max_speed << 150.0, 150.0, 180.0, 240.0, 180.0, 330.0;
-  l.lower *= kDeg;
-  l.upper *= kDeg;
-  l.max_speed *= kDeg;
-  l.max_acceleration = l.max_speed / kRampTime;
-  return l;
-}
-
 std::optional<FieldProblem> limits_from(const pb::Limits& in, Scene::Limits& out) {
-  const JointLimits table = arm_table_limits();
+  const JointLimits& table = rv2a_limits();
   out.joints = table;
   out.joints.max_speed *= in.speed_share();
   out.tip_speed = in.tip_speed_mm_s() * kMm;
