@@ -47,8 +47,9 @@ void HapticLoop::tick(Nanos now) noexcept {
   }
   haptic_step(settings_, input_, dt, state_, report_.out);
   device_.write(report_.out.f_H_M);
-  if (ticket.id != 0) (void)boxes_.answers.push({ticket.id, report_.out.order_result});
   publish();
+  // After the report: whoever has the answer finds a report that shows what the order did.
+  if (ticket.id != 0) (void)boxes_.answers.push({ticket.id, report_.out.order_result});
 }
 
 void HapticLoop::take_settings() noexcept {

@@ -123,8 +123,7 @@ void OrderDesk::tick(Nanos now, const SlaveState& slave, const LinkSnapshot& lin
   now_ = now;
   slave_ = slave;
   link_ = link;
-  HapticReport report;
-  if (boxes_.report.take(report)) report_ = report;
+  take_report();
   take_answers();
   if (!report_) return;
   watch_engaging();
@@ -133,9 +132,15 @@ void OrderDesk::tick(Nanos now, const SlaveState& slave, const LinkSnapshot& lin
   call_scene_tools();
 }
 
+void OrderDesk::take_report() {
+  HapticReport report;
+  if (boxes_.report.take(report)) report_ = report;
+}
+
 void OrderDesk::take_answers() {
   OrderAnswer answer;
   while (boxes_.answers.pop(answer)) {
+    take_report();  // the loop publishes before it answers: no answer is judged by an older report
     const auto found = waiting_.find(answer.id);
     if (found == waiting_.end()) continue;
     Waiting waiting = std::move(found->second);
@@ -205,11 +210,12 @@ void OrderDesk::load(const std::string& name, ReplyTo reply) {
   previous_ = std::exchange(scene_, std::move(*scene));
   boxes_.settings.publish(options_.settings_of(scene_));
   loading_ = std::move(reply);
+  load_epoch_ = report_->scene_epoch;
   load_until_ = now_ + kScenePatience;
 }
 
 void OrderDesk::watch_scene() {
-  if (!loading_ || report_->settings_pending) return;
+  if (!loading_ || report_->settings_pending || report_->scene_epoch == load_epoch_) return;
   if (text_of(report_->out.link.scene) != scene_.name) return;
   if (link_.age(now_) > 200 * kMillisecond) {
     std::exchange(loading_, nullptr)(done("no slave is connected: it loads the scene when it is"));
@@ -232,10 +238,10 @@ void OrderDesk::end_scene_wait(const std::string& problem) {
                                            "; '" + scene_.name + "' stays"));
 }
 
-// A scene's own tools are called each time the hand takes over.
+// A scene's own tools are called at each engagement, also one that begins with the clutch held.
 void OrderDesk::call_scene_tools() {
   const SessionState state = report_->out.link.state;
-  const bool engaged = state == SessionState::kEngaged;
+  const bool engaged = !is_idle(state) && state != SessionState::kAligning;
   if (engaged && !was_engaged_) {
     for (const ToolCall& call : scene_.tools) {
       HapticOrder wanted = plain(OrderKind::kTool);
@@ -243,7 +249,7 @@ void OrderDesk::call_scene_tools() {
       order(wanted, [](pb::Reply) {});
     }
   }
-  was_engaged_ = !is_idle(state) && state != SessionState::kAligning;
+  was_engaged_ = engaged;
 }
 
 }  // namespace handrail

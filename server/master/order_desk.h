@@ -58,6 +58,7 @@ class OrderDesk : public OperatorHandler {
   void tool(const pb::Tool& wanted, ReplyTo reply);
   void load(const std::string& name, ReplyTo reply);
   void push(OrderTicket ticket, Waiting waiting);
+  void take_report();
   void take_answers();
   void watch_engaging();
   void watch_reset();
@@ -85,6 +86,7 @@ class OrderDesk : public OperatorHandler {
 
   ReplyTo loading_;  // who waits for a scene
   Nanos load_until_ = 0;
+  std::uint64_t load_epoch_ = 0;   // scenes the loop had taken over before it
   std::optional<Scene> previous_;  // taken back when the slave does not follow
 };
 

@@ -1,0 +1,185 @@
+// The haptic loop against a scripted device, under a manual clock.
+#include "server/master/haptic_loop.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/no_allocation.h"
+#include "tests/unit/master/loop_bench.h"
+
+namespace handrail {
+namespace {
+
+class HapticLoopTest : public LoopBench {};
+
+TEST_F(HapticLoopTest, ReadsTheDeviceOnceATickAndWritesWhatItReports) {
+  pull_off_a_line();
+  EXPECT_EQ(device.read_at, now);
+  EXPECT_EQ(device.reads, static_cast<int>(report.ticks));
+  EXPECT_EQ(device.writes, device.reads);
+  EXPECT_EQ(device.written.force, report.out.f_H_M.force);
+  EXPECT_EQ(report.X_MH.p, device.sample.X_MH.p);
+}
+
+TEST_F(HapticLoopTest, AnswersEveryOrderByItsIdAndTakesOneATick) {
+  push(7, OrderKind::kDisengage);
+  push(9, OrderKind::kReset);
+  push(8, OrderKind::kEngage);
+  tick();
+  EXPECT_EQ(answer(7), Reason::kNone);
+  EXPECT_EQ(answer(9), std::nullopt);
+  tick();
+  EXPECT_EQ(answer(9), Reason::kNotStopped);
+  tick();
+  EXPECT_EQ(answer(8), Reason::kNone);
+}
+
+TEST_F(HapticLoopTest, OrdersForTheHandGoThereAndTheNextOrderIsNotDelayed) {
+  OrderTicket wave;
+  wave.is_hand = true;
+  for (const std::uint64_t id : {3u, 4u}) {
+    wave.id = id;
+    wave.hand.displacement_M.x() = 0.01 * static_cast<double>(id);
+    ASSERT_TRUE(boxes.orders.push(wave));
+  }
+  push(5, OrderKind::kDisengage);
+  device.its_hand.is_moving = true;
+  tick();
+  EXPECT_EQ(answer(3), Reason::kNone);
+  EXPECT_EQ(answer(4), Reason::kNone);
+  EXPECT_EQ(answer(5), Reason::kNone);
+  EXPECT_EQ(device.its_hand.orders, 2);
+  EXPECT_EQ(device.its_hand.last.displacement_M.x(), 0.04);
+  EXPECT_TRUE(report.hand_moving);
+  device.its_hand.is_moving = false;
+  EXPECT_FALSE(tick().hand_moving);
+}
+
+TEST_F(HapticLoopTest, RefusesOrdersForAHandThatIsNotThere) {
+  device.has_hand = false;
+  OrderTicket wave;
+  wave.id = 3;
+  wave.is_hand = true;
+  ASSERT_TRUE(boxes.orders.push(wave));
+  EXPECT_FALSE(tick().hand_moving);
+  EXPECT_EQ(answer(3), Reason::kNotSimulated);
+}
+
+TEST_F(HapticLoopTest, AnotherSceneWaitsUntilTheSessionIsOff) {
+  engage();
+  HapticSettings other = settings;
+  other.scene = scene_name("second");
+  boxes.settings.publish(other);
+  tick();
+  EXPECT_TRUE(report.settings_pending);
+  EXPECT_EQ(report.scene_epoch, 0u);
+  ticks(50);
+  EXPECT_EQ(text_of(report.out.link.scene), "first");
+  EXPECT_EQ(report.out.link.state, SessionState::kEngaged);
+  push(2, OrderKind::kDisengage);
+  ticks(2);
+  EXPECT_FALSE(report.settings_pending);
+  EXPECT_EQ(report.scene_epoch, 1u);
+  EXPECT_EQ(text_of(report.out.link.scene), "second");
+}
+
+TEST_F(HapticLoopTest, StopDisengagesAtOnceAndFinishesAfterTheFarewell) {
+  pull_off_a_line();
+  loop->request_stop();
+  tick();
+  EXPECT_EQ(report.out.link.desired, Desired::kOff);
+  EXPECT_EQ(report.out.link.state, SessionState::kOff);
+  ticks(150);
+  EXPECT_FALSE(loop->finished());
+  EXPECT_EQ(device.written.force.norm(), 0.0);
+  tick();
+  EXPECT_TRUE(loop->finished());
+}
+
+TEST_F(HapticLoopTest, NoOrderEngagesWhileStopping) {
+  loop->request_stop();
+  push(4, OrderKind::kEngage);
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(tick().out.link.desired, Desired::kOff);
+}
+
+TEST_F(HapticLoopTest, AStallIsOneTickOfBoundedLength) {
+  pull_off_a_line();
+  const double before = report.out.f_H_M.force.norm();
+  const std::uint64_t ticks_before = report.ticks;
+  slave_talks = false;  // its news is old after the stall: force starts to leave, over 50 ms
+  tick(50 * kMillisecond);
+  EXPECT_EQ(report.ticks, ticks_before + 1);
+  EXPECT_EQ(report.overruns, 1u);
+  EXPECT_EQ(loop->due(), now + kMillisecond);
+  EXPECT_EQ(report.out.link.state, SessionState::kHold);
+  EXPECT_GT(report.out.f_H_M.force.norm(), 0.5 * before);
+  EXPECT_LT(report.out.f_H_M.force.norm(), before);
+}
+
+TEST_F(HapticLoopTest, ATickThatComesTwiceAtATimeStillMovesOn) {
+  engage();
+  loop->tick(now);
+  loop->tick(now - kMillisecond);
+  tick();
+  EXPECT_EQ(report.out.link.state, SessionState::kEngaged);
+  EXPECT_TRUE(is_finite(report.out.f_H_M));
+}
+
+TEST_F(HapticLoopTest, AResetOfOneSlaveMeansNothingToTheNext) {
+  ticks(2);
+  news.state.state = SessionState::kFault;
+  news.state.fault_epoch = 3;
+  tick();
+  push(2, OrderKind::kReset);
+  tick();
+  EXPECT_EQ(answer(2), Reason::kNone);
+  EXPECT_EQ(report.out.link.fault_reset, 3u);
+  ticks(5);
+  EXPECT_EQ(report.out.link.fault_reset, 3u);
+  news.link.peer_epoch = 2;
+  tick();
+  EXPECT_EQ(report.out.link.fault_reset, 0u);
+}
+
+TEST_F(HapticLoopTest, TellsHowLateItsTicksCame) {
+  tick(kMillisecond + 100 * kMicrosecond);
+  ticks(248);
+  EXPECT_EQ(report.late_p50, 0);
+  tick();
+  EXPECT_NEAR(static_cast<double>(report.late_p50), 100e3, 7e3);
+  EXPECT_EQ(report.late_max, 100 * kMicrosecond);
+  EXPECT_EQ(report.overruns, 0u);
+}
+
+TEST_F(HapticLoopTest, TicksWithoutTouchingTheHeap) {
+  pull_off_a_line();
+  HapticSettings other = settings;
+  other.scene = scene_name("second");
+  boxes.settings.publish(other);
+  OrderTicket wave;
+  wave.is_hand = true;
+  ASSERT_TRUE(boxes.orders.push(wave));
+  push(3, OrderKind::kClutchOn);
+  push(4, OrderKind::kClutchOff);
+  push(5, OrderKind::kDisengage);
+  push(6, OrderKind::kEngage);
+  test::NoAllocation guard("a tick of the haptic loop");
+  ticks(600);
+  EXPECT_EQ(report.scene_epoch, 1u);
+}
+
+TEST_F(HapticLoopTest, AnAnswerIsNeverAheadOfItsReport) {
+  ticks(2);
+  push(1, OrderKind::kEngage);
+  bool seen = false;
+  device.its_hand.on_moving = [&] {
+    // The other thread looks in just before the tick's report is out.
+    OrderAnswer early;
+    seen = boxes.answers.pop(early);
+  };
+  tick();
+  EXPECT_FALSE(seen);
+  EXPECT_EQ(answer(1), Reason::kNone);
+}
+
+}  // namespace
+}  // namespace handrail

@@ -1,0 +1,253 @@
+// What operators' requests become, and when and how they are answered.
+#include "server/master/order_desk.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/unit/master/desk_bench.h"
+
+namespace handrail {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+class OrderDeskTest : public DeskBench {
+ protected:
+  // The answer to an order that the loop carries out at once.
+  std::string at_once(const std::string& request) {
+    const Answer answer = ask(request);
+    EXPECT_FALSE(answer->has_value()) << request << " answered before the loop had it";
+    loop();
+    tick();
+    return text(answer);
+  }
+  // The answer to a request that never reaches the loop.
+  std::string refusal(const std::string& request) {
+    const Answer answer = ask(request);
+    OrderTicket ticket;
+    EXPECT_FALSE(boxes.orders.pop(ticket)) << request << " reached the loop";
+    return text(answer);
+  }
+};
+
+TEST_F(OrderDeskTest, RefusesTheStatusBeforeTheLoopHasSpoken) {
+  EXPECT_EQ(text(ask("status: true")), "refused: the haptic loop has not started yet");
+  tick();
+  const Answer answer = ask("status: true");
+  EXPECT_EQ(text(answer), "done: ");
+  EXPECT_EQ((*answer)->status().ticks(), 1u);
+  EXPECT_EQ((*answer)->status().time_s(), to_seconds(now));
+}
+
+TEST_F(OrderDeskTest, AnswersPlainOrdersOnceTheLoopTookThem) {
+  const std::pair<const char*, OrderKind> orders[] = {
+      {"disengage: true", OrderKind::kDisengage}, {"clutch: true", OrderKind::kClutchOn},
+      {"clutch: false", OrderKind::kClutchOff},   {"stop: true", OrderKind::kStop},
+      {"tool_off {}", OrderKind::kToolOff},       {"tool { kind: POINT }", OrderKind::kTool}};
+  for (const auto& [request, kind] : orders) {
+    EXPECT_EQ(at_once(request), "done: ") << request;
+    EXPECT_EQ(last_order(), kind) << request;
+  }
+}
+
+TEST_F(OrderDeskTest, PassesOnWhatAnOrderSays) {
+  at_once("tool_off { position: false }");
+  EXPECT_FALSE(taken.back().order.drop_position);
+  EXPECT_TRUE(taken.back().order.drop_orientation);
+  at_once("tool { kind: LINE direction: [0, -1, 0] at_mm: [350, 0, 429] }");
+  EXPECT_EQ(taken.back().order.tool.kind, ToolKind::kLine);
+  EXPECT_TRUE(taken.back().order.tool.p_SA.isApprox(Vec3(0.35, 0, 0.429)));
+  at_once("hand { displacement_mm: [10, 0, -5] rotation_deg: [0, 90, 0] duration_s: 2 }");
+  ASSERT_TRUE(taken.back().is_hand);
+  EXPECT_TRUE(taken.back().hand.displacement_M.isApprox(Vec3(0.010, 0, -0.005)));
+  EXPECT_NEAR(taken.back().hand.rotation_M.y(), 90.0 * kDeg, 1e-12);
+  EXPECT_EQ(taken.back().hand.duration, 2.0);
+}
+
+TEST_F(OrderDeskTest, RefusesAToolWithTheNameOfTheBadField) {
+  EXPECT_THAT(refusal("tool { kind: LINE }"), StartsWith("refused: direction: "));
+  EXPECT_THAT(refusal("tool { kind: POINT at_mm: [1, 2] }"), StartsWith("refused: at_mm"));
+  EXPECT_THAT(refusal("tool { kind: POINT at_mm: [1, 2, nan] }"), StartsWith("refused: at_mm"));
+  EXPECT_THAT(refusal("tool { kind: POINT stiffness_n_mm: -1 }"),
+              StartsWith("refused: stiffness_n_mm"));
+  EXPECT_THAT(refusal("tool { kind: N_ROTATION one_way: true }"), StartsWith("refused: one_way"));
+}
+
+TEST_F(OrderDeskTest, RefusesHandMovesThatAreNone) {
+  for (const char* move :
+       {"displacement_mm: [1, 2]", "rotation_deg: [1]", "displacement_mm: [nan, 0, 0]",
+        "displacement_mm: [1001, 0, 0]", "rotation_deg: [0, 230, 0]", "duration_s: 0",
+        "duration_s: -1", "duration_s: 3601", "duration_s: nan", "duration_s: inf"}) {
+    EXPECT_THAT(refusal(std::string("hand { ") + move + " }"), HasSubstr("expected three numbers"))
+        << move;
+  }
+}
+
+TEST_F(OrderDeskTest, PassesTheLoopsRefusalOn) {
+  const Answer answer = ask("clutch: true");
+  loop(Reason::kNotEngaged);
+  tick();
+  EXPECT_EQ(text(answer), "refused: not engaged");
+}
+
+TEST_F(OrderDeskTest, AnswersEveryoneTheirOwn) {
+  const Answer first = ask("clutch: true");
+  loop(Reason::kNotEngaged);
+  const Answer second = ask("disengage: true");
+  loop();
+  tick();
+  EXPECT_EQ(text(first), "refused: not engaged");
+  EXPECT_EQ(text(second), "done: ");
+}
+
+TEST_F(OrderDeskTest, RefusesMoreOrdersThanTheQueueHolds) {
+  std::vector<Answer> answers;
+  for (int i = 0; i < 64; ++i) answers.push_back(ask("disengage: true"));
+  EXPECT_EQ(text(ask("disengage: true")), "refused: too many orders at once");
+  EXPECT_EQ(text(ask("hand { displacement_mm: [1, 0, 0] }")), "refused: too many orders at once");
+  loop();
+  tick();
+  for (const Answer& answer : answers) EXPECT_EQ(text(answer), "done: ");
+  EXPECT_EQ(at_once("disengage: true"), "done: ");
+}
+
+TEST_F(OrderDeskTest, AnswersEngagingOnlyWhenEngaged) {
+  const Answer answer = ask("engage: true");
+  tick();
+  loop();
+  for (int i = 0; i < 500; ++i) {
+    stand(SessionState::kAligning, Desired::kEngaged);
+    tick();
+    ASSERT_FALSE(answer->has_value());
+  }
+  stand(SessionState::kEngaged, Desired::kEngaged);
+  tick();
+  EXPECT_EQ(text(answer), "done: ");
+}
+
+TEST_F(OrderDeskTest, EngagingWithTheClutchHeldIsEngaged) {
+  const Answer answer = ask("engage: true");
+  loop();
+  stand(SessionState::kClutched, Desired::kClutched);
+  tick();
+  EXPECT_EQ(text(answer), "done: ");
+}
+
+TEST_F(OrderDeskTest, RefusesEngagingWithTheReasonAndWhatDiffers) {
+  slave.hashes.mapping += 1;
+  slave.scene = scene_name("other");
+  tick();
+  const Answer answer = ask("engage: true");
+  loop(Reason::kSceneDiffers);
+  tick();
+  EXPECT_THAT(text(answer), StartsWith("refused: master and slave have different scenes loaded; "));
+  EXPECT_THAT(text(answer), HasSubstr("; scene: master 'first', slave 'other'; mapping: master "));
+}
+
+TEST_F(OrderDeskTest, SaysWhichFaultOfTheSlaveKeepsItFromEngaging) {
+  slave.fault = Reason::kRobotLost;
+  tick();
+  const Answer answer = ask("engage: true");
+  loop(Reason::kPeerFault);
+  tick();
+  EXPECT_EQ(text(answer), std::string("refused: ") + describe(Reason::kPeerFault) + ": " +
+                              describe(Reason::kRobotLost));
+}
+
+TEST_F(OrderDeskTest, GivesEngagingUpWhenTheLoopDoes) {
+  const Answer answer = ask("engage: true");
+  loop();
+  stand(SessionState::kAligning, Desired::kEngaged);
+  tick();
+  slave.fault = Reason::kRobotAlarm;
+  stand(SessionState::kFault, Desired::kOff, Reason::kPeerFault);
+  tick();
+  EXPECT_EQ(text(answer), std::string("refused: ") + describe(Reason::kPeerFault) + ": " +
+                              describe(Reason::kRobotAlarm));
+}
+
+TEST_F(OrderDeskTest, EngagingTimesOutWithTheSlavesReasonAndDisengages) {
+  const Answer answer = ask("engage: true");
+  loop();
+  stand(SessionState::kAligning, Desired::kEngaged);
+  slave.reason = Reason::kAlignmentMismatch;
+  tick();
+  tick(OrderDesk::kEngagePatience);
+  ASSERT_FALSE(answer->has_value());
+  tick(1);
+  EXPECT_EQ(text(answer), std::string("refused: ") + describe(Reason::kAlignmentMismatch));
+  loop();
+  EXPECT_EQ(last_order(), OrderKind::kDisengage);
+}
+
+TEST_F(OrderDeskTest, ALaterEngageTakesThePlaceOfTheOneThatWaits) {
+  const Answer first = ask("engage: true");
+  const Answer second = ask("engage: true");
+  loop();
+  stand(SessionState::kAligning, Desired::kEngaged);
+  tick();
+  EXPECT_EQ(text(first), "refused: another engage came after this one");
+  stand(SessionState::kEngaged, Desired::kEngaged);
+  tick();
+  EXPECT_EQ(text(second), "done: ");
+}
+
+TEST_F(OrderDeskTest, JudgesAnAnswerByTheReportThatCameWithIt) {
+  tick();
+  const Answer engaging = ask("engage: true");
+  pb::Request disengage;
+  disengage.set_disengage(true);
+  desk->handle(disengage, [&](const pb::Reply&) {
+    // While the desk is busy with this answer, the loop ticks and takes the engage order.
+    stand(SessionState::kAligning, Desired::kEngaged);
+    boxes.report.publish(report);
+    ASSERT_TRUE(boxes.answers.push({1, Reason::kNone}));
+  });
+  OrderTicket ticket;
+  while (boxes.orders.pop(ticket)) taken.push_back(ticket);
+  ASSERT_EQ(taken.size(), 2u);
+  ASSERT_TRUE(boxes.answers.push({taken.back().id, Reason::kNone}));
+  desk->tick(now, slave, link);
+  EXPECT_FALSE(engaging->has_value()) << text(engaging);
+}
+
+TEST_F(OrderDeskTest, AnswersAResetWhenTheSlaveHasLeftItsFault) {
+  slave.state = SessionState::kFault;
+  slave.fault = Reason::kRobotLost;
+  const Answer answer = ask("reset: true");
+  loop();
+  for (int i = 0; i < 100; ++i) {
+    tick();
+    ASSERT_FALSE(answer->has_value());
+  }
+  slave.state = SessionState::kOff;
+  tick();
+  EXPECT_EQ(text(answer), "done: ");
+}
+
+TEST_F(OrderDeskTest, RefusesAResetWhenTheSlaveStaysInItsFault) {
+  slave.state = SessionState::kFault;
+  slave.fault = Reason::kRobotLost;
+  const Answer answer = ask("reset: true");
+  loop();
+  tick();
+  tick(OrderDesk::kResetPatience);
+  ASSERT_FALSE(answer->has_value());
+  tick(1);
+  EXPECT_EQ(text(answer),
+            std::string("refused: the slave stays in fault: ") + describe(Reason::kRobotLost));
+}
+
+TEST_F(OrderDeskTest, AResetWithoutASlaveIsDoneAndSaysSo) {
+  slave.state = SessionState::kFault;
+  tick();
+  connected = false;
+  tick(201 * kMillisecond);
+  const Answer answer = ask("reset: true");
+  loop();
+  tick();
+  EXPECT_EQ(text(answer), "done: no slave is connected");
+}
+
+}  // namespace
+}  // namespace handrail

@@ -1,0 +1,161 @@
+// Loading scenes: the loop takes one over, the slave must follow, else the old one comes back.
+#include <gmock/gmock.h>
+
+#include "tests/unit/master/desk_bench.h"
+
+namespace handrail {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+class SceneDeskTest : public DeskBench {};
+
+TEST_F(SceneDeskTest, AnswersWhenLoopAndSlaveBothHaveTheScene) {
+  tick();
+  const Answer answer = ask("scene_load: 'second'");
+  tick();
+  EXPECT_EQ(take_scene(), "second");
+  for (int i = 0; i < 100; ++i) {
+    tick();
+    ASSERT_FALSE(answer->has_value()) << "the slave does not have it yet";
+  }
+  slave_follows();
+  tick();
+  EXPECT_EQ(text(answer), "done: ");
+}
+
+TEST_F(SceneDeskTest, TheSameSceneAgainIsDoneOnlyWhenTheLoopHasTakenItOver) {
+  tick();
+  scenes["first"].mapping.scale = 3.0;
+  const Answer answer = ask("scene_load: 'first'");
+  tick();
+  ASSERT_FALSE(answer->has_value());
+  EXPECT_EQ(take_scene(), "first");
+  tick();
+  ASSERT_FALSE(answer->has_value());
+  slave_follows();
+  tick();
+  EXPECT_EQ(text(answer), "done: ");
+}
+
+TEST_F(SceneDeskTest, RefusesUnlessTheSessionIsOffOrInFault) {
+  EXPECT_EQ(text(ask("scene_load: 'second'")), "refused: only possible when disengaged");
+  for (const SessionState state : {SessionState::kAligning, SessionState::kEngaged,
+                                   SessionState::kClutched, SessionState::kHold}) {
+    stand(state, Desired::kEngaged);
+    tick();
+    EXPECT_EQ(text(ask("scene_load: 'second'")), "refused: only possible when disengaged");
+  }
+  EXPECT_EQ(take_scene(), "");
+  stand(SessionState::kFault);
+  tick();
+  EXPECT_EQ(text(ask("scene_load: 'second'")), "(no answer)");
+}
+
+TEST_F(SceneDeskTest, PassesOnWhyAFileCannotBeLoaded) {
+  tick();
+  EXPECT_EQ(text(ask("scene_load: 'third'")), "refused: no scene 'third'");
+  EXPECT_EQ(take_scene(), "");
+}
+
+TEST_F(SceneDeskTest, RefusesASecondLoadWhileOneRuns) {
+  tick();
+  ask("scene_load: 'second'");
+  EXPECT_EQ(text(ask("scene_load: 'first'")), "refused: another scene is being loaded");
+}
+
+TEST_F(SceneDeskTest, TakesTheOldSceneBackWhenTheSlaveCannotLoadIt) {
+  tick();
+  const Answer answer = ask("scene_load: 'second'");
+  EXPECT_EQ(take_scene(), "second");
+  tick();
+  slave.reason = Reason::kSceneNotLoaded;
+  tick();
+  EXPECT_THAT(text(answer), StartsWith("refused: the slave did not load 'second': "));
+  EXPECT_THAT(text(answer), HasSubstr(describe(Reason::kSceneNotLoaded)));
+  EXPECT_THAT(text(answer), HasSubstr("'first' stays"));
+  EXPECT_EQ(take_scene(), "first");
+}
+
+TEST_F(SceneDeskTest, TakesTheOldSceneBackWhenTheSlaveIsSilentAboutIt) {
+  tick();
+  const Answer answer = ask("scene_load: 'second'");
+  EXPECT_EQ(take_scene(), "second");
+  tick();
+  tick(OrderDesk::kScenePatience - kMillisecond);
+  ASSERT_FALSE(answer->has_value());
+  tick(1);
+  EXPECT_THAT(text(answer), HasSubstr("scene: master 'second', slave 'first'"));
+  EXPECT_EQ(take_scene(), "first");
+  tick();
+  EXPECT_EQ(text(ask("scene_load: 'second'")), "(no answer)");
+}
+
+TEST_F(SceneDeskTest, WithoutASlaveTheSceneIsLoadedAndSaysSo) {
+  connected = false;
+  tick();
+  const Answer answer = ask("scene_load: 'second'");
+  EXPECT_EQ(take_scene(), "second");
+  tick();
+  EXPECT_EQ(text(answer), "done: no slave is connected: it loads the scene when it is");
+}
+
+TEST_F(SceneDeskTest, CallsTheScenesOwnToolsAtEachEngagement) {
+  ToolCall plane;
+  plane.kind = ToolKind::kPlane;
+  plane.normal_S = Vec3::UnitZ();
+  ToolCall upright;
+  upright.kind = ToolKind::kNRotation;
+  scenes["second"].tools = {plane, upright};
+  tick();
+  ask("scene_load: 'second'");
+  EXPECT_EQ(take_scene(), "second");
+  slave_follows();
+  tick();
+  for (int round = 0; round < 2; ++round) {
+    taken.clear();
+    stand(SessionState::kAligning, Desired::kEngaged);
+    tick();
+    loop();
+    EXPECT_TRUE(taken.empty()) << "nothing to hold on to before the hand takes over";
+    stand(SessionState::kEngaged, Desired::kEngaged);
+    tick();
+    loop();
+    ASSERT_EQ(taken.size(), 2u);
+    EXPECT_EQ(taken[0].order.tool.kind, ToolKind::kPlane);
+    EXPECT_EQ(taken[1].order.tool.kind, ToolKind::kNRotation);
+    for (const SessionState state :
+         {SessionState::kClutched, SessionState::kHold, SessionState::kEngaged}) {
+      stand(state, Desired::kEngaged);
+      tick();
+    }
+    loop();
+    EXPECT_EQ(taken.size(), 2u) << "tools must survive clutch and hold";
+    stand(SessionState::kOff);
+    tick();
+  }
+}
+
+TEST_F(SceneDeskTest, AnEngagementWithTheClutchHeldGetsItsToolsOnce) {
+  ToolCall point;
+  point.kind = ToolKind::kPoint;
+  scenes["second"].tools = {point};
+  tick();
+  ask("scene_load: 'second'");
+  take_scene();
+  slave_follows();
+  tick();
+  stand(SessionState::kAligning, Desired::kClutched);
+  tick();
+  stand(SessionState::kClutched, Desired::kClutched);
+  tick();
+  stand(SessionState::kEngaged, Desired::kEngaged);
+  tick();
+  loop();
+  ASSERT_EQ(taken.size(), 1u);
+  EXPECT_EQ(taken[0].order.tool.kind, ToolKind::kPoint);
+}
+
+}  // namespace
+}  // namespace handrail

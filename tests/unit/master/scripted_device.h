@@ -1,0 +1,61 @@
+// A haptic device that says what the test wants and remembers what it was told.
+#pragma once
+
+#include <functional>
+
+#include "devices/haptic_device.h"
+
+namespace handrail {
+
+class ScriptedDevice : public HapticDevice {
+ public:
+  class Hand : public SteerableHand {
+   public:
+    void steer(const HandIntent& intent) noexcept override {
+      last = intent;
+      ++orders;
+    }
+    bool moving() const noexcept override {
+      if (on_moving) on_moving();
+      return is_moving;
+    }
+
+    HandIntent last;
+    int orders = 0;
+    bool is_moving = false;
+    std::function<void()> on_moving;
+  };
+
+  ScriptedDevice() {
+    capabilities_.name = "scripted device";
+    capabilities_.max_force = 3.3;
+    capabilities_.continuous_force = 0.88;
+    sample.valid = true;
+  }
+  const HapticCapabilities& capabilities() const override { return capabilities_; }
+  Status open() override { return Status::ok(); }
+  HapticSample read(Nanos now) noexcept override {
+    read_at = now;
+    ++reads;
+    return sample;
+  }
+  void write(const Wrench& f_H_M) noexcept override {
+    written = f_H_M;
+    ++writes;
+  }
+  void close() noexcept override {}
+  SteerableHand* hand() noexcept override { return has_hand ? &its_hand : nullptr; }
+
+  HapticSample sample;
+  Hand its_hand;
+  bool has_hand = true;
+  Nanos read_at = -1;
+  int reads = 0;
+  int writes = 0;
+  Wrench written;
+
+ private:
+  HapticCapabilities capabilities_;
+};
+
+}  // namespace handrail
