@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "server/control/guard.h"
+#include "server/control/joint_brake.h"
 
 namespace handrail {
 namespace {
@@ -98,8 +99,8 @@ Braking slowest(const MotionSettings& settings, const MotionState& state) {
 // Stops in joint space: for the cycle in which the straight path cannot be kept.
 void brake_joints(const MotionSettings& settings, const StepBox& box, MotionState& state) {
   const Pose before = state.X_ST;
-  state.step = box.brake;
-  state.q += box.brake;
+  state.step = joint_brake(settings, state, box);
+  state.q += state.step;
   state.X_ST = forward(settings.arm, state.q);
   state.tip_step = {state.X_ST.p - before.p, rotation_log(state.X_ST.q * before.q.conjugate())};
 }
