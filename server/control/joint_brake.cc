@@ -10,7 +10,7 @@ namespace {
 constexpr double kProbe = 1e-6;        // [rad]
 constexpr double kOnLine = 1e-8;       // [m]
 constexpr double kNoDirection = 1e-9;  // [m]
-constexpr int kIterations = 3;
+constexpr int kIterations = 5;
 
 // dp/dq of the tip at `q` [m/rad].
 Eigen::Matrix<double, 3, kJoints> tip_jacobian(const ArmGeometry& arm, const JointVector& q) {
@@ -41,15 +41,19 @@ JointVector joint_brake(const MotionSettings& settings, const MotionState& state
   const double length = state.tip_step.linear.norm();
   const Vec3 u = length > kNoDirection ? Vec3(state.tip_step.linear / length) : Vec3(Vec3::Zero());
   const Eigen::Matrix<double, 3, kJoints> J = tip_jacobian(settings.arm, state.q + step);
-  const Eigen::Matrix<double, kJoints, 3> weighted = a.cwiseAbs2().asDiagonal() * J.transpose();
-  const Mat3 inverse = (J * weighted).inverse();
+  JointVector weight = a.cwiseAbs2();
   for (int i = 0; i < kIterations; ++i) {
     const Vec3 off = across(forward(settings.arm, state.q + step).p - state.X_ST.p, u);
     if (off.norm() < kOnLine) break;
-    step -= weighted * (inverse * off);
+    const Eigen::Matrix<double, kJoints, 3> weighted = weight.asDiagonal() * J.transpose();
+    step -= weighted * ((J * weighted).inverse() * off);
+    if (!step.allFinite()) return box.brake;
+    // A joint at its limit stays there; the others make up for it.
+    const JointVector inside = step.cwiseMax(box.low).cwiseMin(box.high);
+    weight = (inside.array() == step.array()).select(weight, 0.0);
+    step = inside;
   }
-  if (!step.allFinite()) return box.brake;
-  return box.brake + box.largest_share(box.brake, step) * (step - box.brake);
+  return step;
 }
 
 }  // namespace handrail
