@@ -47,6 +47,9 @@ std::string session_text(const pb::Status& s) {
   out += line("", {labelled("wanted:", s.desired()), labelled("slave:", s.slave_state()),
                    labelled("reason:", s.slave_reason()),
                    labelled("stops:", std::to_string(s.stop_epoch()))});
+  for (const std::string& text : s.interventions()) {
+    if (text != s.reason()) out += line("", {"also: " + text});
+  }
   out += line("scene", {s.scene().empty() ? "-" : s.scene(), labelled("slave:", s.slave_scene())});
   for (const std::string& difference : s.hash_mismatch())
     out += line("", {"differs: " + difference});

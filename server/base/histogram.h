@@ -9,7 +9,7 @@
 namespace handrail {
 
 // Counts durations in buckets of at most 6.25 % relative width (16 to an octave), from 1 ns to
-// about 70 s; longer ones land in the last bucket. Adding is O(1), without allocation.
+// about 137 s; longer ones land in the last bucket. Adding is O(1), without allocation.
 class Histogram {
  public:
   // Adds one duration; negative counts as 0. Real-time safe.

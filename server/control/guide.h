@@ -17,9 +17,10 @@ struct GuideSettings {
   double torque_stiffness = 0.5;     // K_N, K_F where a tool does not say [N m/rad]
   double catch_up = 0.060;           // bound on letting go of a position offset [m/s]
   double catch_up_rotation = 0.262;  // the same for orientation [rad/s]
-  // Bound on easing a tool's pull in after a change [N/s]. With the step limit of the arbiter (0.05
-  // N a millisecond) it leaves room for the spring.
-  double force_rate = 25.0;
+  // Bound on easing a tool's pull in after a change, at the hand, times the mapping's scale: the pull
+  // is in S [N/s]. With the arbiter's step limit (0.05 N a millisecond) it leaves room for the
+  // spring.
+  double force_rate = 50.0;
   int smoother_length = 200;  // N of (3.11)
 };
 

@@ -1,6 +1,11 @@
 #include "server/master/haptic_settings.h"
 
 namespace handrail {
+namespace {
+
+constexpr double kToolForceRate = 25.0;  // half of what the arbiter lets pass [N/s]
+
+}  // namespace
 
 HapticSettings haptic_settings(const Scene& scene, const HapticCapabilities& device) {
   HapticSettings out;
@@ -9,6 +14,7 @@ HapticSettings haptic_settings(const Scene& scene, const HapticCapabilities& dev
   out.guide.method =
       scene.guidance.published_method ? GuidanceMethod::kPublished : GuidanceMethod::kExact;
   out.guide.delta = scene.guidance.delta * scene.mapping.scale;
+  out.guide.force_rate = kToolForceRate * scene.mapping.scale;
   out.guide.stiffness = scene.guidance.stiffness;
   out.guide.torque_stiffness = scene.guidance.torque_stiffness;
   out.guide.catch_up = scene.guidance.catch_up;

@@ -1,5 +1,6 @@
 #include "server/master/order_desk.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -211,22 +212,26 @@ void OrderDesk::load(const std::string& name, ReplyTo reply) {
   boxes_.settings.publish(options_.settings_of(scene_));
   loading_ = std::move(reply);
   load_epoch_ = report_->scene_epoch;
+  load_shown_ = kForever;
   load_until_ = now_ + kScenePatience;
 }
 
 void OrderDesk::watch_scene() {
   if (!loading_ || report_->settings_pending || report_->scene_epoch == load_epoch_) return;
   if (text_of(report_->out.link.scene) != scene_.name) return;
+  load_shown_ = std::min(load_shown_, now_);
   if (link_.age(now_) > 200 * kMillisecond) {
     std::exchange(loading_, nullptr)(done("no slave is connected: it loads the scene when it is"));
     return;
   }
   const auto differences = hash_mismatches(report_->out.link, slave_);
+  const bool missing = slave_.reason == Reason::kSceneNotLoaded;
+  // Until the slave has seen the scene, what it cannot load is one before.
+  const bool seen = link_.echoed_sent >= load_shown_;
   if (differences.empty()) {
     std::exchange(loading_, nullptr)(done());
-  } else if (now_ > load_until_ || slave_.reason == Reason::kSceneNotLoaded) {
-    end_scene_wait(slave_.reason == Reason::kSceneNotLoaded ? describe(slave_.reason)
-                                                            : differences.front());
+  } else if (now_ > load_until_ || (missing && seen)) {
+    end_scene_wait(missing ? describe(slave_.reason) : differences.front());
   }
 }
 

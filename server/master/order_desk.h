@@ -28,7 +28,7 @@ class OrderDesk : public OperatorHandler {
  public:
   static constexpr Nanos kEngagePatience = 3 * kSecond;
   static constexpr Nanos kResetPatience = kSecond;
-  static constexpr Nanos kScenePatience = 2 * kSecond;
+  static constexpr Nanos kScenePatience = 3 * kSecond;  // a slave looks again every 2 s
 
   // The mailboxes must outlive the desk. `scene` is the one the loop has.
   OrderDesk(MasterMailboxes& boxes, Scene scene, OrderDeskOptions options);
@@ -86,6 +86,7 @@ class OrderDesk : public OperatorHandler {
 
   ReplyTo loading_;  // who waits for a scene
   Nanos load_until_ = 0;
+  Nanos load_shown_ = kForever;    // when the loop's report first had the scene
   std::uint64_t load_epoch_ = 0;   // scenes the loop had taken over before it
   std::optional<Scene> previous_;  // taken back when the slave does not follow
 };

@@ -125,6 +125,10 @@ pb::Status status_report(const MasterIdentity& identity, const HapticReport& rep
   if (known && slave.has_wrench) {
     set_vector(s.mutable_contact_force_n(), slave.f_E_S.force, 1.0);
   }
+  for (int i = 1; i < static_cast<int>(Reason::kCount); ++i) {
+    const auto reason = static_cast<Reason>(i);
+    if (out.reasons.has(reason)) s.add_interventions(describe(reason));
+  }
   s.set_time_s(to_seconds(now));
   return s;
 }
