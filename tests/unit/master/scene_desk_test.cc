@@ -71,11 +71,27 @@ TEST_F(SceneDeskTest, TakesTheOldSceneBackWhenTheSlaveCannotLoadIt) {
   EXPECT_EQ(take_scene(), "second");
   tick();
   slave.reason = Reason::kSceneNotLoaded;
+  link.echoed_sent = now;
   tick();
   EXPECT_THAT(text(answer), StartsWith("refused: the slave did not load 'second': "));
   EXPECT_THAT(text(answer), HasSubstr(describe(Reason::kSceneNotLoaded)));
   EXPECT_THAT(text(answer), HasSubstr("'first' stays"));
   EXPECT_EQ(take_scene(), "first");
+}
+
+TEST_F(SceneDeskTest, WhatTheSlaveCouldNotLoadBeforeSaysNothingOfThisScene) {
+  slave.reason = Reason::kSceneNotLoaded;
+  tick();
+  link.echoed_sent = now;
+  const Answer answer = ask("scene_load: 'second'");
+  EXPECT_EQ(take_scene(), "second");
+  tick();
+  tick();
+  ASSERT_FALSE(answer->has_value()) << "the slave has not seen the scene yet";
+  slave.reason = Reason::kNotEngaged;
+  slave_follows();
+  tick();
+  EXPECT_EQ(text(answer), "done: ");
 }
 
 TEST_F(SceneDeskTest, TakesTheOldSceneBackWhenTheSlaveIsSilentAboutIt) {
