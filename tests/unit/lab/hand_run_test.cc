@@ -142,6 +142,19 @@ TEST(HandRunTest, TheHandFeelsTheLineItIsHeldOff) {
   EXPECT_GT(result->max_force, 1.0);
 }
 
+TEST(HandRunTest, AOneWayToolHoldsAgainstAHandThatGoesBack) {
+  const RecordedMotion there_and_back = sampled(
+      [](double t) { return Vec3(0.015 * (1.0 - std::cos(std::numbers::pi * t / 2.0)), 0.0, 0.0); },
+      4.0);
+  for (const ToolKind tool : {kLine, kPlane}) {
+    const auto both_ways = run_hand(scene(), there_and_back, {tool, false, 1});
+    const auto one_way = run_hand(scene(), there_and_back, {tool, true, 1});
+    ASSERT_TRUE(both_ways && one_way);
+    EXPECT_LT(both_ways->max_force, 1.0);
+    EXPECT_GT(one_way->max_force, 2.0);
+  }
+}
+
 TEST(HandRunTest, RefusesAHandFurtherOffThanAnyDevice) {
   const RecordedMotion far({{0.0, Vec3::Zero()}, {1.0, Vec3(0, 10.1, 0)}});
   const auto result = run_hand(scene(), far, {});
