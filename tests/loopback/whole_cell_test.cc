@@ -97,6 +97,7 @@ TEST_F(WholeCellTest, OneSceneCanFollowAnother) {
   order("scene_load: 'plane'");
   order("scene_load: 'linear-movement'");
   order("scene_load: 'linear-movement'");
+  EXPECT_EQ(status().slave_scene(), "linear-movement");
   order("engage: true");
 }
 
