@@ -17,8 +17,8 @@ TEST_F(WholeCellTest, EngagingMovesNothing) {
   order("engage: true");
   const pb::Status after = status();
   EXPECT_EQ(after.slave_state(), "engaged");
-  EXPECT_LT((mm(after.slave_command()) - before).norm(), 1e-3);
-  EXPECT_LT((mm(at_rest().slave_command()) - before).norm(), 0.01);
+  EXPECT_LT((mm(after.slave_command()) - before).norm(), 1e-6);
+  EXPECT_LT((mm(at_rest().slave_command()) - before).norm(), 1e-6);
 }
 
 TEST_F(WholeCellTest, TheTipStaysOnTheLineWhereverTheHandGoes) {
