@@ -46,9 +46,10 @@ struct SlaveServer::Impl {
     poll_sensor(now);
     known = boxes.state.take(state) || known;
     if (!known) return;
-    if (scene_missing && state.state == SessionState::kOff) state.reason = Reason::kSceneNotLoaded;
+    SlaveState told = state;
+    if (scene_missing && told.state == SessionState::kOff) told.reason = Reason::kSceneNotLoaded;
     const std::uint64_t unsendable = peer.snapshot().unsendable;
-    pump.send(now, state);
+    pump.send(now, told);
     if (unsendable == 0 && peer.snapshot().unsendable != 0) {
       spdlog::error("own state cannot be sent: {}", describe(peer.last_unsendable()));
     }
@@ -69,9 +70,12 @@ struct SlaveServer::Impl {
     const MasterState& master = peer.newest();
     const std::string wanted(text_of(master.scene));
     const bool idle = state.state == SessionState::kOff || state.state == SessionState::kFault;
-    if (!differs(master)) scene_missing = false;
+    if (!differs(master) || !same_scene(master, tried)) scene_missing = false;
+    // What was not tried yet need not wait.
+    if (!same_scene(master, tried)) next_scene_try = now;
     if (wanted.empty() || !idle || !known || !differs(master) || now < next_scene_try) return;
     next_scene_try = now + kSceneRetry;
+    tried = master;
     const auto loaded = options.load_scene(wanted);
     scene_missing = !loaded;
     if (!loaded) {
@@ -86,11 +90,13 @@ struct SlaveServer::Impl {
     boxes.settings.publish(*loaded);
   }
 
-  bool differs(const MasterState& master) const {
+  bool differs(const MasterState& master) const { return !same_scene(master, state); }
+  template <typename State>
+  static bool same_scene(const MasterState& master, const State& other) {
     const SectionHashes& a = master.hashes;
-    const SectionHashes& b = state.hashes;
-    return master.scene != state.scene || a.mapping != b.mapping || a.limits != b.limits ||
-           a.robot != b.robot;
+    const SectionHashes& b = other.hashes;
+    return master.scene == other.scene && a.mapping == b.mapping && a.limits == b.limits &&
+           a.robot == b.robot;
   }
 
   void poll_sensor(Nanos now) {
@@ -110,6 +116,7 @@ struct SlaveServer::Impl {
   SlaveState state;
   bool known = false;  // the robot loop has spoken
   Nanos next_scene_try = 0;
+  MasterState tried;           // whose scene was looked for last
   std::string scene_problem;   // last one logged
   bool scene_missing = false;  // the last one tried could not be loaded
   std::uint32_t peer_epoch = 0;

@@ -93,12 +93,15 @@ TEST_F(WholeCellTest, ASceneThatTheSlaveDoesNotHaveIsGivenUp) {
   order("engage: true");
 }
 
-TEST_F(WholeCellTest, OneSceneCanFollowAnother) {
-  order("scene_load: 'plane'");
-  order("scene_load: 'linear-movement'");
-  order("scene_load: 'linear-movement'");
-  EXPECT_EQ(status().slave_scene(), "linear-movement");
-  order("engage: true");
+TEST_F(WholeCellTest, OneSceneCanFollowAnotherAtOnce) {
+  folder.write("mine.scene", "name: 'mine' mapping { scale: 3 }\n");
+  for (int round = 0; round < 10; ++round) {
+    order("scene_load: 'plane'");
+    EXPECT_THAT(refusal("scene_load: 'mine'"), HasSubstr("'plane' stays"));
+    order("scene_load: 'linear-movement'");
+    order("scene_load: 'linear-movement'");
+    EXPECT_EQ(status().slave_scene(), "linear-movement");
+  }
 }
 
 TEST_F(WholeCellTest, TermDisengagesAndEndsEveryProgramWithZero) {
