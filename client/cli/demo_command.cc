@@ -19,6 +19,7 @@ constexpr double kOvershoot = 2.0 * kMm;  // the hand goes past the end, as hand
 constexpr double kTurn = 45.0;            // about the vertical through B [deg]
 constexpr double kMoveTime = 2.5;         // of one hand move [s]
 constexpr Nanos kSettle = 800 * kMillisecond;
+constexpr double kFollows = 5.0 * kMm;  // an arm further behind a hand at rest is held
 constexpr int kSampleMs = 7;
 constexpr Nanos kPatience = 5 * kSecond;
 
@@ -130,6 +131,8 @@ void move(Driver& driver, const Vec3& by_mm, const Vec3& turn_deg, DemoMeasure* 
     } else if (still_since < 0) {
       still_since = now;
     } else if (now - still_since > kSettle) {
+      const double behind = (pose_of(status.command()).p - pose_of(status.tip()).p).norm();
+      if (behind > kFollows) driver.fail("the arm could not follow: " + status.reason());
       return;
     }
     if (now > give_up) return driver.fail("the simulated hand did not come to rest");
@@ -144,6 +147,7 @@ Pose tip(Driver& driver) {
 // Device right is -Y, up is +Z at the robot.
 const Vec3 kRight(1.0, 0.0, 0.0);
 const Vec3 kUp(0.0, 1.0, 0.0);
+const Vec3 kDown = -kUp;
 constexpr double kHandLeg = (kLeg / kScale + kOvershoot) / kMm;
 
 DriveResult drive(Driver& driver, bool tools) {
@@ -152,7 +156,7 @@ DriveResult drive(Driver& driver, bool tools) {
   DemoTask task;
   task.p_A = pose_of(status.command()).p;
   task.p_B = task.p_A - kLeg * Vec3::UnitY();
-  task.p_C = task.p_B + kLeg * Vec3::UnitZ();
+  task.p_C = task.p_B - kLeg * Vec3::UnitZ();
   DemoMeasure measure(task);
   const Nanos start = monotonic_now();
 
@@ -170,14 +174,16 @@ DriveResult drive(Driver& driver, bool tools) {
   move(driver, Vec3::Zero(), kTurn * kUp, &measure);
   if (tools) {
     driver.order(simple_tool(pb::Tool::N_ROTATION));
-    driver.order(line_to(Vec3::UnitZ(), task.p_C));
+    driver.order(line_to(-Vec3::UnitZ(), task.p_C));
   }
   measure.begin(DemoPhase::kToC, tip(driver).q);
-  move(driver, kHandLeg * kUp, Vec3::Zero(), &measure);
+  move(driver, kHandLeg * kDown, Vec3::Zero(), &measure);
   if (tools) driver.order(tools_off(true, true));
   return {to_seconds(monotonic_now() - start), measure.path(), measure.position_error(),
           measure.orientation_error()};
 }
+
+void go_back(Driver& driver) { move(driver, -kHandLeg * (kRight + kDown), -kTurn * kUp, nullptr); }
 
 void print_row(const Console& console, const char* name, const char* unit, double without,
                double with) {
@@ -234,11 +240,13 @@ ExitCode run_demo(const Options& options, const Console& console) {
   say("engaged; driving A to B to C without tools ...\n");
   const DriveResult nv = drive(driver, false);
   say("going back to A ...\n");
-  move(driver, -kHandLeg * (kRight + kUp), -kTurn * kUp, nullptr);
+  go_back(driver);
   say("driving A to B to C with a one-way line, N-rotation and the point tool ...\n");
   const DriveResult v = drive(driver, true);
   pb::Status status;
   driver.status(status);
+  say("going back to A ...\n");
+  go_back(driver);
   driver.order(disengage);
   if (!driver.ok()) {
     console.err << "handrail: demo: " << driver.problem() << '\n';
