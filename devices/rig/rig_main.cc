@@ -30,15 +30,7 @@ int fail(const std::string& message) {
 
 int main(int argc, char** argv) {
   const auto args = handrail::parse_daemon_args(argc, argv);
-  if (!args) return fail(args.message());
-  if (args->help) {
-    std::fputs(handrail::daemon_help("handrail-rig", kWhat).c_str(), stdout);
-    return 0;
-  }
-  if (args->version) {
-    std::puts("handrail-rig " HANDRAIL_VERSION);
-    return 0;
-  }
+  if (const auto code = handrail::answer_at_once(args, "handrail-rig", kWhat)) return *code;
   handrail::pb::RigConfig config;
   if (!args->config_path.empty()) {
     const auto loaded = handrail::load_rig_config(args->config_path);

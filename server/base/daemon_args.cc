@@ -1,5 +1,6 @@
 #include "server/base/daemon_args.h"
 
+#include <cstdio>
 #include <string_view>
 
 namespace handrail {
@@ -51,6 +52,23 @@ std::string daemon_help(const std::string& program, const std::string& what_it_d
          "  --help, -h     this text\n"
          "  --version      the version\n\n"
          "Exit: 0 done, 1 failed, 2 bad argument, configuration or address.\n";
+}
+
+std::optional<int> answer_at_once(const Result<DaemonArgs>& args, const std::string& program,
+                                  const std::string& what_it_does) {
+  if (!args) {
+    std::fprintf(stderr, "%s: %s\n", program.c_str(), args.message().c_str());
+    return 2;
+  }
+  if (args->help) {
+    std::fputs(daemon_help(program, what_it_does).c_str(), stdout);
+    return 0;
+  }
+  if (args->version) {
+    std::printf("%s %s\n", program.c_str(), HANDRAIL_VERSION);
+    return 0;
+  }
+  return std::nullopt;
 }
 
 }  // namespace handrail

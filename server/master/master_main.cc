@@ -150,15 +150,7 @@ int run(const pb::MasterConfig& config, bool check_only) {
 int main(int argc, char** argv) {
   using namespace handrail;
   const auto args = parse_daemon_args(argc, argv);
-  if (!args) return fail(args.message());
-  if (args->help) {
-    std::fputs(daemon_help("handrail-master", kWhat).c_str(), stdout);
-    return 0;
-  }
-  if (args->version) {
-    std::puts("handrail-master " HANDRAIL_VERSION);
-    return 0;
-  }
+  if (const auto code = answer_at_once(args, "handrail-master", kWhat)) return *code;
   const auto config = load_master_config(args->config_path);
   if (!config) return fail(config.message());
   // Standard output carries only the READY line.

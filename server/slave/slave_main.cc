@@ -112,15 +112,7 @@ int run(const pb::SlaveConfig& config, bool check_only) {
 int main(int argc, char** argv) {
   using namespace handrail;
   const auto args = parse_daemon_args(argc, argv);
-  if (!args) return fail(args.message());
-  if (args->help) {
-    std::fputs(daemon_help("handrail-slave", kWhat).c_str(), stdout);
-    return 0;
-  }
-  if (args->version) {
-    std::puts("handrail-slave " HANDRAIL_VERSION);
-    return 0;
-  }
+  if (const auto code = answer_at_once(args, "handrail-slave", kWhat)) return *code;
   const auto config = load_slave_config(args->config_path);
   if (!config) return fail(config.message());
   // Standard output carries only the READY line.
