@@ -33,8 +33,6 @@ ForceShares Arbiter::share(const ForceLimits& limits, Vec3 f_tool, Vec3 f_spring
   ForceShares out;
   if (!trusted || !usable(f_tool)) f_tool.setZero();
   if (!trusted || !usable(f_spring)) f_spring.setZero();
-  out.tool = f_tool;
-  out.spring = f_spring;
 
   const double cap = peak_now(limits, heat_);
   const double wanted = f_tool.norm();
@@ -46,7 +44,9 @@ ForceShares Arbiter::share(const ForceLimits& limits, Vec3 f_tool, Vec3 f_spring
   const double s = largest_share(tool, f_spring, cap);
   out.budget = s < 1.0;
   if (out.budget && cap < limits.peak) out.thermal = true;
-  Vec3 force = tool + s * f_spring;
+  out.tool = tool;
+  out.spring = s * f_spring;
+  Vec3 force = out.tool + out.spring;
 
   const Vec3 change = force - last_;
   const double allowed =

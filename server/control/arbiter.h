@@ -14,11 +14,12 @@ struct ForceLimits {
   double fade_out = 0.050;  // time in which any force leaves when it is no longer trusted [s]
 };
 
-// Where the device's force came from this tick, frame M [N]. The three add up to `device`.
+// Where the device's force came from this tick, frame M [N]. The three add up to `device`. Tool and
+// spring are what the peak leaves them; `limited` is what the step and fade limits added or took.
 struct ForceShares {
   Vec3 tool = Vec3::Zero();
   Vec3 spring = Vec3::Zero();
-  Vec3 limited = Vec3::Zero();  // added or taken by step, budget and fade limits
+  Vec3 limited = Vec3::Zero();
   Vec3 device = Vec3::Zero();
   bool budget = false;   // the spring was reduced in favour of the tool
   bool clamped = false;  // the tool alone exceeds the peak
