@@ -1,9 +1,8 @@
 // handrail-lab as a program: its JSON, and what it says about bad files.
 #include <gmock/gmock.h>
-#include <google/protobuf/struct.pb.h>
-#include <google/protobuf/util/json_util.h>
 
 #include <map>
+#include <regex>
 
 #include "tests/loopback/program.h"
 
@@ -37,16 +36,25 @@ class LabProgram : public ::testing::Test {
   TempFolder folder;
 };
 
+// The numbers of one flat object; empty when `text` is anything else. (Protobuf's own Struct would
+// do, but its maps change their layout under ThreadSanitizer and the system's library does not.)
+std::map<std::string, double> flat_json(const std::string& text) {
+  const std::string number = "-?[0-9]+(?:\\.[0-9]+)?(?:[eE][-+]?[0-9]+)?";
+  const std::string pair = "\"(\\w+)\": (" + number + ")";
+  const std::regex whole("\\{" + pair + "(?:, " + pair + ")*\\}\n");
+  std::map<std::string, double> out;
+  if (!std::regex_match(text, whole)) return out;
+  const std::regex one(pair);
+  for (std::sregex_iterator it(text.begin(), text.end(), one), end; it != end; ++it) {
+    out[(*it)[1]] = std::stod((*it)[2]);
+  }
+  return out;
+}
+
 TEST_F(LabProgram, PrintsItsResultAsJson) {
   const Run lab = run({"hand", good(), "--tool", "line", "--one-way", "--json"});
   ASSERT_EQ(lab.code, 0) << lab.output;
-  google::protobuf::Struct json;
-  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(lab.output, &json).ok()) << lab.output;
-  std::map<std::string, double> values;
-  for (const auto& [key, value] : json.fields()) {
-    EXPECT_TRUE(value.has_number_value()) << key;
-    values[key] = value.number_value();
-  }
+  auto values = flat_json(lab.output);
   std::vector<std::string> keys;
   for (const auto& [key, value] : values) keys.push_back(key);
   EXPECT_THAT(keys, ElementsAre("backward_steps", "gaps", "max_force_n", "max_joint_speed_ratio",
