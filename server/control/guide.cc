@@ -43,7 +43,7 @@ Reason anchor(const ToolCall& call, const GuideSettings& settings, const Pose& X
       }
       break;
     case ToolKind::kNRotation:
-      tool.q_ref = X_SC.q;
+      tool.q_ref = X_SC.q.normalized();
       break;
     case ToolKind::kFRotation:
       tool.normal_S = call.has_axis ? Vec3(call.axis_S.normalized()) : Vec3(X_SC.q * Vec3::UnitZ());

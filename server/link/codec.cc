@@ -71,7 +71,9 @@ Reject decode_as(DatagramKind kind, std::span<const std::uint8_t> bytes, Datagra
   const Reject in_header = check(header);
   if (in_header != Reject::kNone) return in_header;
   if (!take(m, state)) return Reject::kScene;
-  return check(state);
+  const Reject in_state = check(state);
+  if (in_state != Reject::kNone) return in_state;
+  return tools_match(m, state) ? Reject::kNone : Reject::kTool;
 }
 
 }  // namespace

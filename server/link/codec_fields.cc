@@ -104,6 +104,8 @@ void put(const MasterState& s, pb::MasterDatagram& m) {
   add(geometry, o.stiffness);
   put(m.mutable_hashes(), s.hashes);
   m.mutable_scene()->assign(s.scene.data(), length_of(s.scene));
+  m.set_position_hash(hash_of(p));
+  m.set_orientation_hash(hash_of(o));
 }
 
 bool present(const pb::MasterDatagram& m) {
@@ -112,7 +114,8 @@ bool present(const pb::MasterDatagram& m) {
          m.has_position_kind() && m.has_position_id() && m.has_position_epoch() &&
          m.position_geometry_size() == 11 && m.has_position_one_way() && m.has_position_has_end() &&
          m.has_orientation_kind() && m.has_orientation_id() && m.has_orientation_epoch() &&
-         m.orientation_geometry_size() == 11 && m.hashes_size() == 4 && m.has_scene();
+         m.orientation_geometry_size() == 11 && m.hashes_size() == 4 && m.has_scene() &&
+         m.has_position_hash() && m.has_orientation_hash();
 }
 
 bool take(const pb::MasterDatagram& m, MasterState& s) {
@@ -142,6 +145,11 @@ bool take(const pb::MasterDatagram& m, MasterState& s) {
   orientation(o.stiffness);
   s.hashes = take_hashes(m.hashes());
   return take_scene(m.scene(), s.scene);
+}
+
+bool tools_match(const pb::MasterDatagram& m, const MasterState& s) {
+  return m.position_hash() == hash_of(s.position_tool) &&
+         m.orientation_hash() == hash_of(s.orientation_tool);
 }
 
 void put(const SlaveState& s, pb::SlaveDatagram& m) {

@@ -17,6 +17,9 @@ bool present(const pb::SlaveDatagram& m);
 // Reads a message whose fields are present, normalising quaternions; codes out of range come out as
 // kCount. False when the scene's name is too long; nothing else is checked.
 bool take(const pb::MasterDatagram& m, MasterState& s);
+// True when each tool's hash is that of the definition taken. A slave sends no tools.
+bool tools_match(const pb::MasterDatagram& m, const MasterState& s);
+inline bool tools_match(const pb::SlaveDatagram&, const SlaveState&) { return true; }
 bool take(const pb::SlaveDatagram& m, SlaveState& s);
 
 }  // namespace handrail

@@ -24,7 +24,7 @@ enum class Reject : std::uint8_t {
   kNotFinite,
   kRotation,  // a quaternion off unit length by over 1e-6
   kRange,     // a position of 10 m or more from the base, a negative span
-  kTool,      // a tool that contradicts itself
+  kTool,      // a tool that contradicts itself or its hash
   kScene,     // a scene name with other than letters, digits, - and _, or too long
   // Order
   kDuplicate,       // a sequence already accepted

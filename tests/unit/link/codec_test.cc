@@ -58,7 +58,7 @@ TEST(Codec, TheLargestDatagramFits) {
   DatagramHeader header = sample_header(UINT64_MAX, UINT64_MAX);
   header.sent = INT64_MAX;
   const auto largest = std::max(datagram(header, master).size(), datagram(header, slave).size());
-  EXPECT_EQ(largest, 457u);
+  EXPECT_EQ(largest, 477u);
   EXPECT_LE(largest, kMaxDatagram);
 }
 
@@ -143,6 +143,16 @@ TEST(Codec, AnExtraElementIsRefused) {
   pb::MasterDatagram message = sample_message();
   message.add_command_pose(0.0);
   EXPECT_EQ(decode(message), Reject::kMissingField);
+}
+
+TEST(Codec, AToolThatIsNotTheOneItsHashNamesIsRefused) {
+  pb::MasterDatagram message = sample_message();
+  EXPECT_EQ(decode(message), Reject::kNone);
+  message.set_position_hash(message.position_hash() ^ 1);
+  EXPECT_EQ(decode(message), Reject::kTool);
+  message = sample_message();
+  message.set_orientation_hash(message.orientation_hash() ^ 1);
+  EXPECT_EQ(decode(message), Reject::kTool);
 }
 
 TEST(Codec, UnknownFieldsAndEnumValuesAreRefused) {
