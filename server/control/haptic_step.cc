@@ -141,7 +141,11 @@ void advance_session(const HapticSettings& settings, const HapticInput& in, Hapt
   if (s.session == SessionState::kAligning) {
     // The command is the pose the slave already stands on: taking over moves nothing.
     s.has_command = in.slave.has_pose && plausible(in.slave.X_ST_command);
-    if (s.has_command) s.X_SU = in.slave.X_ST_command;
+    if (s.has_command) {
+      s.X_SU = in.slave.X_ST_command;
+      // Tools may be called before the hand first drives, with the clutch held: anchored here.
+      s.guide.restart(settings.guide, s.X_SU);
+    }
   }
   if (s.session == SessionState::kOff || s.session == SessionState::kFault) {
     // A tool left over would pull the arm at the next engagement, with the hand still.

@@ -305,6 +305,22 @@ TEST(HapticTools, ReClutchingOntoAToolWithAStillHandMovesNothing) {
   }
 }
 
+TEST(HapticTools, AToolCalledWithTheClutchHeldSinceEngagingIsAnchoredAtTheTip) {
+  HapticRig rig;
+  rig.in.hand.clutch_button = true;
+  rig.engage();
+  ASSERT_EQ(rig.session(), SessionState::kClutched);
+  const Pose tip = rig.command();
+  ASSERT_EQ(rig.call(line_call(Vec3::UnitY())), Reason::kNone);
+  ASSERT_EQ(rig.call(call_of(ToolKind::kNRotation)), Reason::kNone);
+  EXPECT_LT((rig.out.link.position_tool.p_SA - tip.p).norm(), 1e-12);
+  EXPECT_LT(angle_between(rig.out.link.orientation_tool.q_ref, tip.q), 1e-7);
+  rig.in.hand.clutch_button = false;
+  rig.ticks(500);
+  EXPECT_LT((rig.command().p - tip.p).norm(), 1e-9) << "released with the hand still";
+  EXPECT_LT(angle_between(rig.command().q, tip.q), 1e-7);
+}
+
 TEST(HapticTools, TheToolsInTheLinkAreAbsoluteAndInTheBaseFrame) {
   HapticRig rig;
   rig.engage();
