@@ -28,7 +28,8 @@ const std::map<std::string, Folders>& table() {
   static const std::map<std::string, Folders> rows = {
       {"proto", {}},
       {"server/base", {}},
-      {"server/scene", base + Folders{"proto"}},
+      {"server/task", base},
+      {"server/scene", base + Folders{"server/task", "proto"}},
       {"server/kinematics", base},
       {"server/constraint", base + Folders{"server/scene"}},
       {"server/effects", base + Folders{"server/scene"}},
@@ -38,7 +39,8 @@ const std::map<std::string, Folders>& table() {
       {"server/record", base + Folders{"proto"}},
       {"server/master", daemons},
       {"server/slave", daemons + Folders{"devices/melfa", "devices/net_ft"}},
-      {"server/lab", daemons + all_devices + Folders{"server/master", "server/slave"}},
+      {"server/lab",
+       daemons + all_devices + Folders{"server/task", "server/master", "server/slave"}},
       {"devices", steps + all_devices},
       {"devices/udp", base},
       {"devices/melfa", base + Folders{"devices", "devices/udp"}},
@@ -47,7 +49,8 @@ const std::map<std::string, Folders>& table() {
       {"devices/omni", sim},
       {"devices/rig", sim + Folders{"proto", "devices/melfa", "devices/net_ft", "devices/udp"}},
       {"client/api", base + Folders{"proto", "server/link"}},
-      {"client/cli", base + Folders{"proto", "server/link", "server/scene", "client/api"}},
+      {"client/cli",
+       base + Folders{"proto", "server/link", "server/task", "server/scene", "client/api"}},
       {"client/console", base + Folders{"proto", "server/link", "client/api"}}};
   return rows;
 }
@@ -153,7 +156,7 @@ Violations base_dependencies(const File& source) {
 
 Violations pure_folders(const File& source) {
   static const std::set<std::string> pure = {"server/kinematics", "server/constraint",
-                                             "server/effects", "server/control"};
+                                             "server/effects", "server/task", "server/control"};
   if (pure.count(folder_of(source.path)) == 0) return {};
   return forbid(
       source,
