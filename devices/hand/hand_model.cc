@@ -16,6 +16,7 @@ HandModel::HandModel(const HandOptions& options, const HeldBody& held) noexcept
       mass_(options.mass + held.mass),
       stiffness_(options.stiffness),
       damping_(2.0 * options.damping_ratio * std::sqrt(options.stiffness * options.mass)),
+      turn_lever_(options.turn_lever),
       inertia_(options.rotation_inertia),
       rotation_stiffness_(options.rotation_stiffness),
       rotation_damping_(2.0 * options.rotation_damping_ratio *
@@ -74,9 +75,14 @@ Vec3 HandModel::stop_force() const noexcept {
   return f;
 }
 
+Vec3 HandModel::strayed() const noexcept {
+  const Vec3 from_tip_to_grip(0.0, std::sqrt(0.5), std::sqrt(0.5));
+  return turn_lever_ * (motion_.orientation() * from_tip_to_grip - from_tip_to_grip);
+}
+
 Pose HandModel::pose() const noexcept {
   const Quat away = rotation_exp(turn_) * rotation_exp(wander_.rotation());
-  return {x_ + wander_.position(), (away * motion_.orientation()).normalized()};
+  return {x_ + strayed() + wander_.position(), (away * motion_.orientation()).normalized()};
 }
 
 }  // namespace handrail

@@ -27,6 +27,9 @@ struct HandOptions {
   double drift_rms = 0.97e-3;          // [m]
   double drift_rotation_rms = 0.0122;  // 0.7 deg [rad]
   double reaction = 0.2;               // simple visual reaction, 180 to 250 ms [s]
+  // How far the tip strays when the stylus turns: the distance from tip to the pivot in the grip,
+  // less what habit makes up for [m].
+  double turn_lever = 0.0;
   // Rotational impedance, felt by devices with torque only. Our choice: a light precision grip.
   double rotation_inertia = 2e-4;   // [kg m^2]
   double rotation_stiffness = 1.0;  // [N m/rad]
@@ -49,8 +52,9 @@ struct HeldBody {
 //
 // so that without outside force the body follows the intent exactly: people learn the mass and the
 // friction of what they move (Shadmehr and Mussa-Ivaldi 1994). Tremor and drift add to the body's
-// motion at the fingertips, past the friction of the device's joints. Rotation deviates from the
-// intent by a spring-damper under the device's torque.
+// motion at the fingertips, past the friction of the device's joints, and so does straying when the
+// stylus, held like a pen (pointing half forward, half down), turns about the grip. Rotation
+// deviates from the intent by a spring-damper under the device's torque.
 //
 // Pure: fixed state, no allocation, no clock; the same seed and calls give the same bits.
 class HandModel final : public SteerableHand {
@@ -65,8 +69,9 @@ class HandModel final : public SteerableHand {
   // by projection: a body at rest stays exactly at rest until pushed harder than friction.
   void step(double dt, const Wrench& f_H_M) noexcept;
 
-  Pose pose() const noexcept;                                         // X_MH of the tip
-  Vec3 velocity() const noexcept { return v_ + wander_.velocity(); }  // of the tip, true [m/s]
+  Pose pose() const noexcept;  // X_MH of the tip
+  // Of the tip, true, but for the part of straying [m/s].
+  Vec3 velocity() const noexcept { return v_ + wander_.velocity(); }
   std::uint32_t buttons() const noexcept { return motion_.buttons(); }
   const HandMotion& motion() const noexcept { return motion_; }
 
@@ -74,10 +79,12 @@ class HandModel final : public SteerableHand {
   void translate(double h, const Vec3& force) noexcept;
   void rotate(double h, const Vec3& torque) noexcept;
   Vec3 stop_force() const noexcept;
+  Vec3 strayed() const noexcept;
 
   HeldBody held_;
   double mass_;                                   // hand and body [kg]
   double stiffness_, damping_;                    // [N/m], [N s/m]
+  double turn_lever_;                             // [m]
   double inertia_;                                // [kg m^2]
   double rotation_stiffness_, rotation_damping_;  // [N m/rad], [N m s/rad]
   HandMotion motion_;
