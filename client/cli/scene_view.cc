@@ -14,6 +14,16 @@ using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 using google::protobuf::TextFormat;
 
+// True for a block that is there or, being left out, stands for its defaults.
+bool has_values(const Message& m, const FieldDescriptor& f) {
+  if (m.GetReflection()->HasField(m, &f)) return true;
+  const google::protobuf::Descriptor& type = *f.message_type();
+  for (int i = 0; i < type.field_count(); ++i) {
+    if (type.field(i)->options().GetExtension(pb::range).required()) return false;
+  }
+  return true;
+}
+
 // `all`: also the fields at their defaults.
 void print_message(const Message& m, const std::string& prefix, bool all, std::ostream& out);
 
@@ -35,7 +45,10 @@ void print_field(const Message& m, const FieldDescriptor& f, const std::string& 
   const google::protobuf::Reflection& r = *m.GetReflection();
   const std::string name = prefix + f.name();
   if (f.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
-    if (!f.is_repeated()) return print_message(r.GetMessage(m, &f), name + ".", all, out);
+    if (!f.is_repeated()) {
+      if (has_values(m, f)) print_message(r.GetMessage(m, &f), name + ".", all, out);
+      return;
+    }
     for (int i = 0; i < r.FieldSize(m, &f); ++i) {
       print_message(r.GetRepeatedMessage(m, &f, i), name + "[" + std::to_string(i) + "].", false,
                     out);
@@ -69,7 +82,7 @@ pb::Scene with_sections(pb::Scene scene) {
   for (int i = 0; i < type.field_count(); ++i) {
     const FieldDescriptor& f = *type.field(i);
     const bool section = !f.is_repeated() && f.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE;
-    if (section) scene.GetReflection()->MutableMessage(&scene, &f);
+    if (section && has_values(scene, f)) scene.GetReflection()->MutableMessage(&scene, &f);
   }
   return scene;
 }

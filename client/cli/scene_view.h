@@ -10,7 +10,7 @@ namespace handrail {
 // One line a value: name, value, unit, and whether it is a default.
 std::string scene_text(const pb::Scene& scene);
 
-// The scene with every section present, so that JSON shows the defaults too.
+// The scene with every section that has defaults present, so that JSON shows them too.
 pb::Scene with_sections(pb::Scene scene);
 
 }  // namespace handrail

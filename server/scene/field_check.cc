@@ -110,10 +110,10 @@ std::optional<FieldProblem> check_fields(const Message& message) {
   }
   for (int i = 0; i < type.field_count(); ++i) {
     const FieldDescriptor& f = *type.field(i);
-    const bool required = f.options().GetExtension(pb::range).required();
-    if (required && !message.GetReflection()->HasField(message, &f)) {
-      return FieldProblem{f.name(), "missing, but required"};
-    }
+    if (!f.options().GetExtension(pb::range).required()) continue;
+    const Reflection& r = *message.GetReflection();
+    const bool given = f.is_repeated() ? r.FieldSize(message, &f) > 0 : r.HasField(message, &f);
+    if (!given) return FieldProblem{f.name(), "missing, but required"};
   }
   return std::nullopt;
 }

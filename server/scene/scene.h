@@ -1,6 +1,7 @@
 // A scene: what master and slave must agree on, immutable once loaded. SI, without protobuf.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "server/base/spatial.h"
 #include "server/base/tool_call.h"
 #include "server/base/units.h"
+#include "server/task/linear_task.h"
 
 namespace handrail {
 
@@ -54,11 +56,12 @@ struct Scene {
   Limits limits;
   double tip_length = 0.301;    // wrist centre to the tip [m]
   std::vector<ToolCall> tools;  // called on loading: at most one position and one orientation tool
+  std::optional<LinearTask> task;  // what the person is asked to do
 };
 
 // Hashes of what both sides must hold alike: mapping, limits (with the bumper, which also holds the
 // arm back) and robot, over the SI values. `tools` stays 0: it belongs to the tools active, not to
-// the scene.
+// the scene. The task is the operator's business alone.
 SectionHashes section_hashes(const Scene& scene) noexcept;
 
 // One sentence for each setting that is allowed but likely to surprise.

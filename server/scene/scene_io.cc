@@ -102,6 +102,25 @@ Problem tools_from(const pb::Scene& in, std::vector<ToolCall>& out) {
   return std::nullopt;
 }
 
+Problem check_apart(const char* field, const Vec3& p, const char* other, const Vec3& from) {
+  constexpr double kLeast = 1.0 * kMm;
+  const double distance = (p - from).norm();
+  if (distance >= kLeast) return std::nullopt;
+  return FieldProblem{field, number_text(std::round(distance / kMm * 1e6) / 1e6) + " mm from " +
+                                 other + ", expected at least " + number_text(kLeast / kMm)};
+}
+
+Problem task_from(const pb::LinearTask& in, LinearTask& out) {
+  const auto vector = [](const auto& v) { return Vec3(v.Get(0), v.Get(1), v.Get(2)); };
+  out.p_SA = vector(in.a_mm()) * kMm;
+  out.p_SB = vector(in.b_mm()) * kMm;
+  out.p_SC = vector(in.c_mm()) * kMm;
+  out.turn = vector(in.turn_deg()) * kDeg;
+  if (Problem p = check_apart("task.b_mm", out.p_SB, "a_mm", out.p_SA)) return p;
+  if (Problem p = check_apart("task.c_mm", out.p_SC, "a_mm", out.p_SA)) return p;
+  return check_apart("task.c_mm", out.p_SC, "b_mm", out.p_SB);
+}
+
 Problem scene_from(const pb::Scene& in, const std::string& path, Scene& out) {
   if (Problem p = name_from(in, path, out)) return p;
   out.description = in.description();
@@ -112,6 +131,9 @@ Problem scene_from(const pb::Scene& in, const std::string& path, Scene& out) {
   if (Problem p = bumper_from(in.bumper(), out.bumper)) return p;
   if (Problem p = limits_from(in.limits(), out.limits)) return p;
   out.tip_length = in.robot().tip_length_mm() * kMm;
+  if (in.has_task()) {
+    if (Problem p = task_from(in.task(), out.task.emplace())) return p;
+  }
   return tools_from(in, out.tools);
 }
 

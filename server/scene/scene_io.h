@@ -14,7 +14,8 @@ namespace handrail {
 inline constexpr std::string_view kSceneExtension = ".scene";
 
 // Loads one file. Besides the ranges in scene.proto: the name is the file's stem, the rotation is
-// one, limits lie within Table 3.1, tools can be anchored and there is at most one of each sort.
+// one, limits lie within Table 3.1, tools can be anchored and there is at most one of each sort, a
+// task's points are at least 1 mm apart.
 // Errors are one line with file, line, column, field, value and what was expected. With `raw` the
 // message as written is given too.
 Result<Scene> load_scene_file(const std::string& path, pb::Scene* raw = nullptr);

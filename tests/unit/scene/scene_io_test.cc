@@ -144,6 +144,45 @@ TEST(SceneIo, PlacesAProblemOfATool) {
             "/x/a.scene:4:3: field 'tool[0].direction': the direction has no length");
 }
 
+TEST(SceneIo, ReadsTheTask) {
+  EXPECT_FALSE(scene_of("").task.has_value());
+  const Scene s = scene_of(
+      "task { a_mm: [350, 37.5, 329] b_mm: [350, -37.5, 329] c_mm: [350, -37.5, 254]\n"
+      "turn_deg: [45, 0, -90] }");
+  ASSERT_TRUE(s.task.has_value());
+  EXPECT_TRUE(s.task->p_SA.isApprox(Vec3(0.35, 0.0375, 0.329), 1e-12));
+  EXPECT_TRUE(s.task->p_SB.isApprox(Vec3(0.35, -0.0375, 0.329), 1e-12));
+  EXPECT_TRUE(s.task->p_SC.isApprox(Vec3(0.35, -0.0375, 0.254), 1e-12));
+  EXPECT_TRUE(s.task->turn.isApprox(Vec3(45 * kDeg, 0, -90 * kDeg), 1e-12));
+}
+
+TEST(SceneIo, WantsAWholeTask) {
+  EXPECT_EQ(error_of("task {\n a_mm: [0, 0, 0] b_mm: [9, 0, 0] c_mm: [9, 9, 0] }"),
+            "/x/a.scene:2:1: field 'task.turn_deg': missing, but required");
+  EXPECT_EQ(error_of("task { b_mm: [9, 0, 0] c_mm: [9, 9, 0] turn_deg: [0, 0, 0] }"),
+            "/x/a.scene:2:1: field 'task.a_mm': missing, but required");
+  EXPECT_EQ(error_of("task { a_mm: [0, 0] }"),
+            "/x/a.scene:2:8: field 'task.a_mm': 2 values, expected 3");
+  EXPECT_EQ(error_of("task { a_mm: [0, 0, 2001] }"),
+            "/x/a.scene:2:8: field 'task.a_mm[2]': 2001 is outside -2000 to 2000 mm");
+  EXPECT_EQ(error_of("task { turn_deg: [0, 181, 0] }"),
+            "/x/a.scene:2:8: field 'task.turn_deg[1]': 181 is outside -180 to 180 deg");
+}
+
+TEST(SceneIo, WantsTheTasksPointsApart) {
+  const auto task = [](const char* a, const char* b, const char* c) {
+    return std::string("task { a_mm: [") + a + "]\n b_mm: [" + b + "]\n c_mm: [" + c +
+           "]\n turn_deg: [0, 0, 0] }";
+  };
+  EXPECT_EQ(error_of(task("0, 0, 0", "0, 0.5, 0", "0, 9, 0")),
+            "/x/a.scene:3:2: field 'task.b_mm': 0.5 mm from a_mm, expected at least 1");
+  EXPECT_EQ(error_of(task("0, 0, 0", "0, 9, 0", "0, 9, 0.3")),
+            "/x/a.scene:4:2: field 'task.c_mm': 0.3 mm from b_mm, expected at least 1");
+  EXPECT_EQ(error_of(task("0, 0, 0", "0, 9, 0", "0, 0, 0")),
+            "/x/a.scene:4:2: field 'task.c_mm': 0 mm from a_mm, expected at least 1");
+  EXPECT_EQ(error_of(task("0, 0, 0", "0, 1, 0", "0, 2, 0")), "");
+}
+
 TEST(SceneIo, GivesTheMessageAsWritten) {
   pb::Scene raw;
   ASSERT_TRUE(parse_scene("/x/a.scene", "name: 'a'", &raw).is_ok());

@@ -34,6 +34,16 @@ TEST(SceneLibrary, ShipsTheDefaultAndThePublishedMethods) {
   EXPECT_DOUBLE_EQ(published->guidance.delta, 1e-4);
 }
 
+TEST(SceneLibrary, ShipsTheLinearMovementTask) {
+  const Result<Scene> scene = SceneLibrary().load("linear-movement");
+  ASSERT_TRUE(scene.is_ok() && scene->task.has_value()) << scene.message();
+  const LinearTask& task = *scene->task;
+  // 75 mm to the side and 75 mm down, 150 mm in all as in the dissertation.
+  EXPECT_TRUE((task.p_SB - task.p_SA).isApprox(Vec3(0, -0.075, 0), 1e-12));
+  EXPECT_TRUE((task.p_SC - task.p_SB).isApprox(Vec3(0, 0, -0.075), 1e-12));
+  EXPECT_TRUE(task.turn.isApprox(Vec3(45 * kDeg, 0, 0), 1e-12));
+}
+
 TEST(SceneLibrary, LooksInTheFoldersGivenFirst) {
   const TempFolder folder;
   const std::string mine =

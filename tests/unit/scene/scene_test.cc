@@ -27,6 +27,7 @@ TEST(SectionHashes, ChangeWithTheirOwnSectionOnly) {
       {[](Scene& s) { s.tip_length = 0.085; }, false, false, true},
       {[](Scene& s) { s.description = "other"; }, false, false, false},
       {[](Scene& s) { s.guidance.stiffness = 1.0; }, false, false, false},
+      {[](Scene& s) { s.task.emplace(); }, false, false, false},
   };
   for (const auto& c : cases) {
     Scene scene;
