@@ -7,25 +7,13 @@
 #include <sstream>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "server/scene/scene_io.h"
+#include "server/scene/shipped.h"
 
 namespace handrail {
-namespace {
-
 namespace fs = std::filesystem;
-
-void add_shipped_folders(std::vector<std::string>& folders) {
-  std::error_code error;
-  // In the tree this was built from, else beside an installed program.
-  if (fs::is_directory(HANDRAIL_SCENE_LIBRARY, error)) folders.push_back(HANDRAIL_SCENE_LIBRARY);
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  if (error) return;
-  const fs::path installed = program.parent_path().parent_path() / "share" / "handrail" / "scenes";
-  if (fs::is_directory(installed, error)) folders.push_back(installed.string());
-}
-
-}  // namespace
 
 SceneLibrary::SceneLibrary(const std::vector<std::string>& first_folders)
     : folders_(first_folders) {
@@ -35,7 +23,9 @@ SceneLibrary::SceneLibrary(const std::vector<std::string>& first_folders)
       if (!folder.empty()) folders_.push_back(folder);
     }
   }
-  add_shipped_folders(folders_);
+  for (std::string& folder : shipped_folders(HANDRAIL_SCENE_LIBRARY, "scenes")) {
+    folders_.push_back(std::move(folder));
+  }
 }
 
 Result<std::string> SceneLibrary::find(const std::string& name) const {

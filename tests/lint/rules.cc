@@ -140,6 +140,7 @@ Violations link_direction(const File& cmake) {
       for (const char* top : {"server/", "devices/", "client/"}) {
         allowed |= may_use(cmake.path, top + name);
       }
+      allowed |= starts_with(name, "lab_") && may_use(cmake.path, "server/lab");
       allowed |= name == "client_api" && may_use(cmake.path, "client/api");
       allowed |= name == "registry" && may_use(cmake.path, "devices");
       if (!allowed) found.push_back(cmake.path + ": may not link handrail_" + name);

@@ -1,0 +1,235 @@
+#include "server/lab/study/population_io.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "server/base/units.h"
+#include "server/scene/text_io.h"
+#include "tests/support/temp_folder.h"
+#include "tests/unit/study/population_samples.h"
+
+namespace handrail {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string error_of(const std::string& text) {
+  return parse_population("/x/p.operators", text).message();
+}
+// The error when the speed has that block; its line is 9, its block starts behind "parameter { ".
+std::string speed_error(const std::string& rest) {
+  return error_of(population_text("speed_mm_s", rest));
+}
+
+Population shipped() {
+  const Result<std::string> file = find_population("linear-movement");
+  EXPECT_TRUE(file.is_ok()) << file.message();
+  const Result<Population> people = load_population(file ? *file : "");
+  EXPECT_TRUE(people.is_ok()) << people.message();
+  return people ? *people : Population();
+}
+
+void expect_same_bits(const Population& a, const Population& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.description, b.description);
+  EXPECT_EQ(a.comment, b.comment);
+  ASSERT_EQ(a.parameters.size(), b.parameters.size());
+  for (std::size_t i = 0; i < a.parameters.size(); ++i) {
+    const ParameterRange &p = a.parameters[i], &q = b.parameters[i];
+    EXPECT_EQ(p.field, q.field);
+    EXPECT_EQ(p.median, q.median) << p.name;
+    EXPECT_EQ(p.spread, q.spread) << p.name;
+    EXPECT_EQ(p.low, q.low) << p.name;
+    EXPECT_EQ(p.high, q.high) << p.name;
+    EXPECT_EQ(p.fitted, q.fitted) << p.name;
+    EXPECT_EQ(p.source, q.source) << p.name;
+  }
+}
+
+TEST(PopulationIo, ReadsAParameterInItsUnit) {
+  Result<Population> people = parse_population(
+      "/x/p.operators",
+      population_text("turn_speed_deg_s",
+                      "median: 90 spread: 0.1 low: 45 high: 180 fitted: true source: 'a book'"));
+  ASSERT_TRUE(people.is_ok()) << people.message();
+  const ParameterRange& turn = *people->find("turn_speed_deg_s");
+  EXPECT_DOUBLE_EQ(turn.median, 90 * kDeg);
+  EXPECT_DOUBLE_EQ(turn.low, 45 * kDeg);
+  EXPECT_DOUBLE_EQ(turn.high, 180 * kDeg);
+  EXPECT_EQ(turn.spread, 0.1);
+  EXPECT_TRUE(turn.fitted);
+  EXPECT_EQ(turn.source, "a book");
+  EXPECT_FALSE(people->find("gain")->fitted);
+  EXPECT_EQ(people->name, "p");
+  EXPECT_EQ(people->file, "/x/p.operators");
+}
+
+TEST(PopulationIo, TakesParametersInAnyOrder) {
+  const auto& table = operator_parameter_table();
+  const std::string text = population_text();
+  const std::size_t end = text.find('\n') + 1;
+  const std::size_t second = text.find('\n', end) + 1;
+  const Result<Population> people = parse_population(
+      "p", text.substr(0, end) + text.substr(second) + text.substr(end, second - end));
+  ASSERT_TRUE(people.is_ok()) << people.message();
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    EXPECT_EQ(people->parameters[i].field, table[i].field);
+  }
+}
+
+TEST(PopulationIo, RefusesAnUnknownParameter) {
+  EXPECT_EQ(error_of(population_text() + parameter_text("speed_mm", kPlainRange)),
+            "/x/p.operators:30:13: field 'parameter[28].name': no parameter 'speed_mm'; did you "
+            "mean 'speed_mm_s'?");
+  EXPECT_EQ(error_of("name: 'p' " + parameter_text("colour_of_the_hat", kPlainRange)),
+            "/x/p.operators:1:23: field 'parameter[0].name': no parameter 'colour_of_the_hat'");
+}
+
+TEST(PopulationIo, RefusesAParameterGivenTwice) {
+  EXPECT_EQ(error_of(population_text() + parameter_text("gain", kPlainRange)),
+            "/x/p.operators:30:13: field 'parameter[28].name': 'gain' is given twice");
+}
+
+TEST(PopulationIo, WantsEveryParameter) {
+  std::string text = population_text();
+  const std::size_t start = text.find("parameter { name: 'gain'");
+  text.erase(start, text.find('\n', start) + 1 - start);
+  EXPECT_EQ(error_of(text),
+            "/x/p.operators:2:1: field 'parameter': gain is missing, expected every one once");
+  EXPECT_EQ(error_of("name: 'p'"),
+            "/x/p.operators:1:1: field 'parameter': vision_delay_ms is missing, expected every one "
+            "once");
+}
+
+TEST(PopulationIo, WantsTheMedianBetweenItsBounds) {
+  EXPECT_EQ(speed_error("median: 40 spread: 0.2 low: 50 high: 90 source: 's'"),
+            "/x/p.operators:9:32: field 'parameter[7].median': 40 is outside its bounds, 50 to 90");
+  EXPECT_EQ(speed_error("median: 95 spread: 0.2 low: 50 high: 90 source: 's'"),
+            "/x/p.operators:9:32: field 'parameter[7].median': 95 is outside its bounds, 50 to 90");
+  EXPECT_EQ(speed_error("median: 50 spread: 0.2 low: 50 high: 50 source: 's'"), "");
+}
+
+TEST(PopulationIo, WantsBoundsThatTheModelCanWorkWith) {
+  EXPECT_EQ(speed_error("median: 40 spread: 0.2 low: 0.5 high: 90 source: 's'"),
+            "/x/p.operators:9:55: field 'parameter[7].low': 0.5 is outside the 1 to 1000 that "
+            "speed_mm_s can be");
+  EXPECT_EQ(speed_error("median: 40 spread: 0.2 low: 10 high: 1001 source: 's'"),
+            "/x/p.operators:9:63: field 'parameter[7].high': 1001 is outside the 1 to 1000 that "
+            "speed_mm_s can be");
+}
+
+TEST(PopulationIo, WantsASpreadInRange) {
+  EXPECT_EQ(speed_error("median: 40 spread: 2.5 low: 10 high: 90 source: 's'"),
+            "/x/p.operators:9:43: field 'parameter[7].spread': 2.5 is outside 0 to 2");
+  EXPECT_EQ(speed_error("median: nan spread: 0.1 low: 10 high: 90 source: 's'"),
+            "/x/p.operators:9:32: field 'parameter[7].median': nan is not a finite number");
+}
+
+TEST(PopulationIo, WantsASource) {
+  EXPECT_EQ(speed_error("median: 40 spread: 0.2 low: 10 high: 90"),
+            "/x/p.operators:9:1: field 'parameter[7].source': missing, but required");
+  EXPECT_EQ(speed_error("median: 40 spread: 0.2 low: 10 high: 90 source: ''"),
+            "/x/p.operators:9:72: field 'parameter[7].source': empty, expected where the numbers "
+            "are from");
+}
+
+TEST(PopulationIo, WantsAFittedParametersBoundsAboveZero) {
+  EXPECT_EQ(error_of(population_text(
+                "pause_s", "median: 1 spread: 0.2 low: 0 high: 9 fitted: true source: 's'")),
+            "/x/p.operators:16:51: field 'parameter[14].low': 0, but a fitted parameter's is above "
+            "0");
+}
+
+TEST(PopulationIo, WantsAName) {
+  EXPECT_EQ(error_of("name: ''"), "/x/p.operators:1:1: field 'name': empty");
+  EXPECT_EQ(error_of(""), "/x/p.operators:1:1: field 'name': missing, but required");
+}
+
+TEST(PopulationIo, SaysWhichFileItCannotRead) {
+  EXPECT_EQ(load_population("/no/such.operators").message(),
+            "/no/such.operators: cannot open: No such file or directory");
+  const TempFolder folder;
+  const std::string file = folder.write("a.operators", "name: 'a'\nparametr { }");
+  EXPECT_EQ(load_population(file).message(),
+            file + ":2:1: field 'parametr': no such field; did you mean 'parameter'?");
+}
+
+TEST(PopulationIo, FindsShippedOnesByNameAndOthersByFile) {
+  EXPECT_EQ(*find_population("linear-movement"),
+            HANDRAIL_SOURCE_DIR "/server/lab/library/linear-movement.operators");
+  EXPECT_EQ(*find_population("mine.operators"), "mine.operators");
+  EXPECT_EQ(*find_population("./mine"), "./mine");
+  EXPECT_EQ(find_population("none").message().find("population 'none' not found in /"), 0U);
+}
+
+TEST(PopulationIo, TheShippedOneHasTheModelsDefaultsAsMedians) {
+  const OperatorParameters defaults, medians = shipped().median();
+  for (const ParameterInfo& info : operator_parameter_table()) {
+    EXPECT_NEAR(medians.*info.field / (defaults.*info.field), 1.0, 0.01) << info.name;
+  }
+}
+
+TEST(PopulationIo, TheShippedOneFitsJudgementOfPlaceRestlessnessAndPauses) {
+  std::vector<std::string> fitted;
+  for (const ParameterRange& p : shipped().parameters) {
+    if (p.fitted) fitted.push_back(p.name);
+    EXPECT_EQ(p.fitted, p.source.find("fitted to the published NV medians") == 0) << p.name;
+    EXPECT_GT(p.source.size(), 40U) << p.name;
+  }
+  EXPECT_THAT(fitted, ::testing::ElementsAre("vision_noise_lateral_mm", "vision_noise_depth_mm",
+                                             "vision_noise_angle_deg", "pause_s", "drift_mm",
+                                             "drift_angle_deg"));
+}
+
+TEST(PopulationIo, WritesTheShippedFileAsItIs) {
+  const Population people = shipped();
+  EXPECT_EQ(to_text(people), *read_file(people.file, 1 << 20));
+}
+
+TEST(PopulationIo, WritesAFileThatReadsBackToTheSameBits) {
+  Population people = shipped();
+  people.comment = "# one\n#two\n";
+  people.description = "a \"quoted\" \\ word,\nµm";
+  people.parameters[0].source = "it's 5 µm";
+  Random random(11);
+  for (int round = 0; round < 50; ++round) {
+    // Decimals of the file's unit, of 1 to 17 digits.
+    for (ParameterRange& p : people.parameters) {
+      const ParameterInfo& info =
+          operator_parameter_table()[static_cast<std::size_t>(&p - people.parameters.data())];
+      double value = info.least + (info.most - info.least) * (0.01 + 0.9 * random.uniform());
+      if (round % 2 == 0) value = std::strtod(number_text(value).substr(0, 6).c_str(), nullptr);
+      p.median = value * p.unit;
+      p.low = std::max(info.least, 0.5 * value) * p.unit;
+      p.high = info.most * p.unit;
+      p.spread = random.uniform();
+    }
+    const std::string text = to_text(people);
+    const Result<Population> back = parse_population("p", text);
+    ASSERT_TRUE(back.is_ok()) << back.message();
+    expect_same_bits(people, *back);
+    EXPECT_EQ(to_text(*back), text);
+  }
+}
+
+TEST(PopulationIo, WritesShortDecimals) {
+  Population people = shipped();
+  people.find("speed_mm_s")->median = 41.3 * kMm;
+  people.find("turn_speed_deg_s")->median = 36.1 * kDeg;
+  EXPECT_THAT(to_text(people), HasSubstr("median: 41.3  spread: 0.2  low: 25  high: 68\n"));
+  EXPECT_THAT(to_text(people), HasSubstr("median: 36.1  spread: 0.2  low: 22  high: 61\n"));
+}
+
+TEST(PopulationIo, KeepsOnlyTheCommentAtTheHead) {
+  const Result<Population> people =
+      parse_population("p", "# head\n#\n" + population_text() + "# tail\n");
+  ASSERT_TRUE(people.is_ok()) << people.message();
+  EXPECT_EQ(people->comment, "# head\n#\n");
+  EXPECT_EQ(to_text(*people).find("# head\n#\nname: \"p\"\n"), 0U);
+}
+
+}  // namespace
+}  // namespace handrail
