@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <iomanip>
 
-#include "client/cli/json_text.h"
+#include "server/scene/json_io.h"
 #include "client/cli/scene_view.h"
 #include "server/scene/scene_io.h"
 #include "server/scene/scene_library.h"

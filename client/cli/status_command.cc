@@ -5,7 +5,7 @@
 
 #include <atomic>
 
-#include "client/cli/json_text.h"
+#include "server/scene/json_io.h"
 #include "client/cli/status_view.h"
 
 namespace handrail {

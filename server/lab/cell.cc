@@ -18,8 +18,9 @@ Cell::Cell(const CellOptions& options)
 }
 
 void Cell::tick(const HandReading& hand, const HapticOrder& order) noexcept {
-  now_ += kTick;
+  now_ += options_.tick;
   sent_count_ = 0;
+  robot_cycle_ = false;
   run_rig();
 
   to_master_.receive(now_);
@@ -29,7 +30,7 @@ void Cell::tick(const HandReading& hand, const HapticOrder& order) noexcept {
   in.slave = to_master_.newest;
   in.slave_known = to_master_.known;
   in.slave_age = to_master_.known ? now_ - to_master_.arrived : kForever;
-  haptic_step(options_.haptic, in, to_seconds(kTick), haptic_, haptic_out_);
+  haptic_step(options_.haptic, in, to_seconds(options_.tick), haptic_, haptic_out_);
 
   to_slave_.send(haptic_out_.link, now_ + options_.transit);
   // The slave's IO repeats its newest state at the same rate.
@@ -43,6 +44,7 @@ void Cell::run_rig() noexcept {
     const RigEvent event = rig_.step(at);
     if (event == RigEvent::kSensor) read_sensor();
     if (event != RigEvent::kControl) continue;
+    robot_cycle_ = true;
     for (const Controller::Outgoing& packet : rig_.controller().replies()) {
       RobotReply reply;
       if (client_.on_datagram(packet.bytes(), at, reply) == RobotEvent::kReply) {

@@ -16,14 +16,13 @@ struct CellOptions {
   HapticSettings haptic;
   FollowSettings follow;
   RigOptions rig;
+  Nanos tick = kMillisecond;  // of the master's loop, 0.1 to 10 ms
   Nanos transit = 0;  // one-way time of the link, on top of waiting for the next tick or cycle
 };
 
 // Same options, hands and orders: same answers, bit for bit. Large: keep it on the heap.
 class Cell {
  public:
-  static constexpr Nanos kTick = kMillisecond;
-
   explicit Cell(const CellOptions& options);
 
   // Lets one master tick pass: first what the rig and the slave do until then, then the master's
@@ -35,6 +34,8 @@ class Cell {
   const HapticState& master_state() const noexcept { return haptic_; }
   const SlaveState& slave() const noexcept { return follow_out_.link; }
   const Rig& rig() const noexcept { return rig_; }
+  // True when the robot's controller ran a cycle during the last tick: the arm has moved.
+  bool robot_cycle() const noexcept { return robot_cycle_; }
   // The joint targets in the datagrams sent to the controller during the last tick, as read back
   // from their bytes [rad].
   std::span<const JointVector> sent() const noexcept { return {sent_.data(), sent_count_}; }
@@ -84,6 +85,7 @@ class Cell {
   Wire<SlaveState> to_master_;
   std::array<JointVector, 4> sent_;
   std::size_t sent_count_ = 0;
+  bool robot_cycle_ = false;
   Nanos now_ = 0;
 };
 

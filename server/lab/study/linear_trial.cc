@@ -1,0 +1,268 @@
+#include "server/lab/study/linear_trial.h"
+
+#include <cmath>
+#include <memory>
+
+#include "devices/hand/operator_model.h"
+#include "devices/omni/sim_omni.h"
+#include "server/master/haptic_settings.h"
+#include "server/slave/follow_settings.h"
+
+namespace handrail {
+namespace {
+
+constexpr double kEngagePatience = 1.0;  // [s]
+constexpr double kAtRest = 0.3;          // between engaging and the first thought [s]
+constexpr std::size_t kOrders = 2;       // to call a phase's tools
+
+// What the machine adds between hand and tip, as practice teaches it.
+double lag_of(const StudyMachine& machine) {
+  const double smoother = 0.5 * (machine.scene.smoother_samples - 1) * to_seconds(machine.tick);
+  const double cycles = 1.5 * to_seconds(machine.rig.controller.period);
+  return smoother + cycles + to_seconds(machine.transit) + machine.rig.controller.arm.lag;
+}
+
+HapticOrder line_order(const Vec3& from, const Vec3& to) {
+  HapticOrder order;
+  order.kind = OrderKind::kTool;
+  order.tool.kind = ToolKind::kLine;
+  order.tool.at_present = false;
+  order.tool.p_SA = from;
+  order.tool.direction_S = to - from;
+  order.tool.one_way = true;
+  order.tool.has_end = true;
+  order.tool.p_SE = to;
+  return order;
+}
+
+HapticOrder n_rotation_order() {
+  HapticOrder order;
+  order.kind = OrderKind::kTool;
+  order.tool.kind = ToolKind::kNRotation;
+  return order;
+}
+
+std::array<HapticOrder, kOrders> orders_of(const LinearTask& task, LinearPhase phase) {
+  switch (phase) {
+    case LinearPhase::kToB:
+      return {line_order(task.p_SA, task.p_SB), n_rotation_order()};
+    case LinearPhase::kTurn: {
+      HapticOrder point;
+      point.kind = OrderKind::kTool;
+      point.tool.kind = ToolKind::kPoint;
+      point.tool.at_present = false;
+      point.tool.p_SA = task.p_SB;
+      HapticOrder release;
+      release.kind = OrderKind::kToolOff;
+      release.drop_position = false;
+      return {point, release};
+    }
+    case LinearPhase::kToC:
+      return {line_order(task.p_SB, task.p_SC), n_rotation_order()};
+  }
+  return {};
+}
+
+OperatorAim aim_of(const LinearTask& task, LinearPhase phase, bool tools) {
+  OperatorAim aim;
+  aim.X_SG = {phase == LinearPhase::kToC ? task.p_SC : task.p_SB,
+              phase == LinearPhase::kToB ? task.q_first : task.q_second()};
+  aim.p_S0 = phase == LinearPhase::kToB ? task.p_SA : task.p_SB;
+  aim.path = phase != LinearPhase::kTurn;
+  aim.stop = aim.path && tools;
+  return aim;
+}
+
+// The operator at the cell, tick by tick.
+class Bench {
+ public:
+  Bench(const StudyMachine& machine, const CellOptions& cell, const OperatorParameters& person,
+        std::uint64_t seed)
+      : dt_(to_seconds(machine.tick)),
+        cell_(cell),
+        omni_(hand_options(person, seed), false),
+        mind_(person,
+              {machine.scene.mapping.scale, Quat(machine.scene.mapping.R_SM), lag_of(machine)},
+              seed + 1),
+        tip_(cell_.rig().controller().arm().true_tip()) {
+    (void)omni_.open();
+  }
+
+  void tick(const HapticOrder& order) {
+    now_ += dt_;
+    HandReading hand = hand_reading(omni_.read(cell_.now()));
+    hand.clutch_button = clutch_;
+    cell_.tick(hand, order);
+    omni_.write(cell_.master().f_H_M);
+    if (cell_.robot_cycle()) tip_ = cell_.rig().controller().arm().true_tip();
+    mind_.step(dt_, tip_, cell_.master().f_H_M.force, *omni_.hand());
+  }
+
+  void clutch(bool closed) { clutch_ = closed; }
+  OperatorModel& mind() { return mind_; }
+  const Cell& cell() const { return cell_; }
+  const Pose& tip() const { return tip_; }
+  double now() const { return now_; }
+  bool driving() const {
+    const SessionState state = cell_.master_state().session;
+    return state == SessionState::kEngaged || state == SessionState::kClutched;
+  }
+
+ private:
+  double dt_;
+  double now_ = 0.0;
+  bool clutch_ = true;
+  Cell cell_;
+  SimOmni omni_;
+  OperatorModel mind_;
+  Pose tip_;
+};
+
+// A trial on the bench: the procedure and its clock.
+class Trial {
+ public:
+  Trial(const LinearTask& task, const TrialOptions& options, Bench& bench)
+      : task_(task), options_(options), bench_(bench), measure_(task) {}
+
+  TrialResult run() {
+    const double pause =
+        options_.person.pause * std::pow(options_.number, -options_.person.practice);
+    const bool tools = options_.mode == StudyMode::kTools;
+    const double call =
+        tools ? options_.person.call_homing + kOrders * options_.person.call_key : 0.0;
+    bool ok = engage();
+    for (int i = 0; ok && i < kLinearPhases; ++i) {
+      phase_ = static_cast<LinearPhase>(i);
+      ok = wait(pause) && start_clock() && wait(call) && call_tools(tools) && act(tools);
+    }
+    result_.execution_time = bench_.now() - started_;
+    result_.simulated_time = bench_.now();
+    result_.path = measure_.path();
+    result_.position_error = measure_.position_error();
+    result_.position_error_on_lines = measure_.position_error_on_lines();
+    result_.orientation_error = measure_.orientation_error();
+    result_.orientation_error_to_reference = measure_.orientation_error_to_reference();
+    result_.orientation_error_to_nominal = measure_.orientation_error_to_nominal();
+    return std::move(result_);
+  }
+
+ private:
+  bool fail(TrialEnd end) {
+    result_.end = end;
+    return false;
+  }
+
+  bool engage() {
+    HapticOrder order;
+    order.kind = OrderKind::kEngage;
+    while (bench_.cell().master_state().session != SessionState::kClutched) {
+      if (bench_.now() > kEngagePatience) return fail(TrialEnd::kSession);
+      bench_.tick(order);
+    }
+    const double until = bench_.now() + kAtRest;
+    while (bench_.now() < until) bench_.tick({});
+    return true;
+  }
+
+  // One tick with everything that is watched all the time.
+  bool step(const HapticOrder& order = {}) {
+    bench_.tick(order);
+    if (!bench_.driving()) return fail(TrialEnd::kSession);
+    if (!timed_) return true;
+    if (bench_.cell().robot_cycle()) {
+      measure_.add(bench_.tip());
+      if (options_.keep_trace) result_.trace.push_back({bench_.tip().p, phase_});
+    }
+    return bench_.now() - started_ <= kTrialLimit || fail(TrialEnd::kTimeOut);
+  }
+
+  bool wait(double seconds) {
+    const double until = bench_.now() + seconds;
+    while (bench_.now() < until) {
+      if (!step()) return false;
+    }
+    return true;
+  }
+
+  bool start_clock() {
+    if (timed_) return true;
+    timed_ = true;
+    started_ = bench_.now();
+    measure_.add(bench_.tip());
+    return true;
+  }
+
+  // Takes the same ticks in either mode.
+  bool call_tools(bool tools) {
+    for (const HapticOrder& order : orders_of(task_, phase_)) {
+      if (!step(tools && options_.tools_act ? order : HapticOrder())) return false;
+      if (bench_.cell().master().order_result != Reason::kNone) return fail(TrialEnd::kSession);
+    }
+    return true;
+  }
+
+  bool act(bool tools) {
+    bench_.clutch(false);
+    const OperatorAim aim = aim_of(task_, phase_, tools && options_.tools_act);
+    bench_.mind().aim(aim);
+    measure_.begin(phase_, bench_.tip().q, bench_.cell().master_state().X_SU.q);
+    do {
+      if (!step()) return false;
+    } while (!bench_.mind().arrived());
+    measure_.end();
+    return (bench_.tip().p - aim.X_SG.p).norm() <= kOffTarget || fail(TrialEnd::kOffTarget);
+  }
+
+  LinearTask task_;
+  const TrialOptions& options_;
+  Bench& bench_;
+  LinearMeasure measure_;
+  TrialResult result_;
+  LinearPhase phase_ = LinearPhase::kToB;
+  double started_ = 0.0;
+  bool timed_ = false;
+};
+
+}  // namespace
+
+const char* name_of(StudyMode mode) noexcept { return mode == StudyMode::kFree ? "NV" : "V"; }
+
+const char* name_of(TrialEnd end) noexcept {
+  switch (end) {
+    case TrialEnd::kDone:
+      return "done";
+    case TrialEnd::kTimeOut:
+      return "time-out";
+    case TrialEnd::kOffTarget:
+      return "off target";
+    case TrialEnd::kSession:
+      return "session lost";
+  }
+  return "?";
+}
+
+Result<TrialResult> run_linear_trial(const StudyMachine& machine, const TrialOptions& options) {
+  if (!machine.scene.task) {
+    return Status::error("scene '" + machine.scene.name + "' has no task block");
+  }
+  const LinearTask& task = *machine.scene.task;
+  auto cell = std::make_unique<CellOptions>();
+  cell->rig = machine.rig;
+  cell->rig.controller.arm.seed = options.arm_seed;
+  cell->rig.sensor.seed = options.seed + 2;
+  ServoArmOptions& arm = cell->rig.controller.arm;
+  arm.geometry.d6 = machine.scene.tip_length;
+  const Pose X_SA{task.p_SA, task.q_first};
+  if (inverse_near(arm.geometry, X_SA, ServoArmOptions::default_start(), arm.q_start) !=
+      InverseStatus::kOk) {
+    return Status::error("scene '" + machine.scene.name + "': the arm cannot stand at task.a_mm");
+  }
+  cell->haptic = haptic_settings(machine.scene, omni_capabilities(false));
+  cell->follow = follow_settings(machine.scene, cell->rig.controller.period, true, 1000.0);
+  cell->transit = machine.transit;
+  cell->tick = machine.tick;
+  const auto bench = std::make_unique<Bench>(machine, *cell, options.person, options.seed);
+  return Trial(task, options, *bench).run();
+}
+
+}  // namespace handrail

@@ -1,0 +1,70 @@
+// One trial of the linear-movement task: a simulated operator at the whole cell, in virtual time.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "devices/hand/operator_parameters.h"
+#include "server/base/status.h"
+#include "server/lab/cell.h"
+#include "server/scene/scene.h"
+#include "server/task/linear_measure.h"
+
+namespace handrail {
+
+// What operators are set before, the same in both modes.
+struct StudyMachine {
+  Scene scene;  // with a task
+  RigOptions rig;
+  Nanos transit = 0;          // one-way time of the link
+  Nanos tick = kMillisecond;  // of the haptic loop
+};
+
+enum class StudyMode : std::uint8_t { kFree, kTools };  // NV and V of the dissertation
+inline constexpr int kStudyModes = 2;
+const char* name_of(StudyMode mode) noexcept;
+
+// How a trial ended. Everything but kDone is a failure.
+enum class TrialEnd : std::uint8_t { kDone, kTimeOut, kOffTarget, kSession };
+const char* name_of(TrialEnd end) noexcept;
+
+struct TrialOptions {
+  StudyMode mode = StudyMode::kFree;
+  OperatorParameters person;
+  int number = 1;              // of this trial among all the operator makes, from 1
+  std::uint64_t seed = 1;      // of everything that differs from trial to trial
+  std::uint64_t arm_seed = 1;  // of the arm's joint lags
+  bool tools_act = true;       // false: V goes through its motions, but no tool is called
+  bool keep_trace = false;
+};
+
+struct TracePoint {
+  Vec3 p_ST = Vec3::Zero();  // true tip [m]
+  LinearPhase phase = LinearPhase::kToB;
+};
+
+// SI. Measured on the rig's true tip. The time runs from the end of the first decision pause, so
+// that every tool call and the pauses between phases count, to the operator's last declaration.
+struct TrialResult {
+  TrialEnd end = TrialEnd::kDone;
+  double execution_time = 0.0;                  // [s]
+  double path = 0.0;                            // [m]
+  double position_error = 0.0;                  // [m]
+  double position_error_on_lines = 0.0;         // [m]
+  double orientation_error = 0.0;               // [rad]
+  double orientation_error_to_reference = 0.0;  // [rad]
+  double orientation_error_to_nominal = 0.0;    // [rad]
+  double simulated_time = 0.0;                  // of the whole run [s]
+  std::vector<TracePoint> trace;                // at the robot's rate, with keep_trace
+};
+
+inline constexpr double kTrialLimit = 60.0;  // a trial that takes longer has failed [s]
+inline constexpr double kOffTarget = 10e-3;  // as has one that calls this far off reached [m]
+
+// Runs one trial: the arm waits at A with the clutch closed; before each phase the operator
+// decides, with tools calls them (forward-only line with a stop and N-rotation on AB and BC, the
+// point at B), acts, and declares the phase done. Same arguments, same bits. `machine.scene` has a
+// task; the error says why none or why the arm cannot stand at A.
+Result<TrialResult> run_linear_trial(const StudyMachine& machine, const TrialOptions& options);
+
+}  // namespace handrail
