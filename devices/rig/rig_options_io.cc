@@ -66,4 +66,13 @@ Result<RigOptions> rig_options(const pb::RigConfig& config) {
   return options;
 }
 
+Result<RigOptions> rig_options(const std::vector<Override>& overrides) {
+  constexpr char kPrefix[] = "rig.";
+  pb::RigConfig config;
+  if (Status s = set_fields(config, overrides, kPrefix); !s) return s;
+  Result<RigOptions> options = rig_options(config);
+  if (!options) return Status::error(kPrefix + options.message());
+  return options;
+}
+
 }  // namespace handrail

@@ -139,20 +139,30 @@ Problem scene_from(const pb::Scene& in, const std::string& path, Scene& out) {
 
 }  // namespace
 
-Result<Scene> parse_scene(const std::string& path, std::string_view text, pb::Scene* raw) {
+Result<Scene> parse_scene(const std::string& path, std::string_view text, pb::Scene* raw,
+                          const std::vector<Override>& overrides) {
   TextSource source;
   pb::Scene message;
   if (Status status = source.parse(path, text, message); !status) return status;
   Scene scene;
   if (const Problem problem = scene_from(message, path, scene)) return source.error_at(*problem);
+  if (!overrides.empty()) {
+    const auto check = [&](const google::protobuf::Message& changed) -> Problem {
+      if (Problem problem = check_fields(changed)) return problem;
+      scene = Scene();
+      return scene_from(static_cast<const pb::Scene&>(changed), path, scene);
+    };
+    if (Status status = set_fields(message, overrides, "", check); !status) return status;
+  }
   if (raw != nullptr) *raw = message;
   return scene;
 }
 
-Result<Scene> load_scene_file(const std::string& path, pb::Scene* raw) {
+Result<Scene> load_scene_file(const std::string& path, pb::Scene* raw,
+                              const std::vector<Override>& overrides) {
   const Result<std::string> text = read_file(path, TextSource::kMaxBytes);
   if (!text) return text.status();
-  return parse_scene(path, *text, raw);
+  return parse_scene(path, *text, raw, overrides);
 }
 
 }  // namespace handrail

@@ -43,10 +43,11 @@ Result<std::string> SceneLibrary::find(const std::string& name) const {
   return Status::error("scene '" + name + "' not found in " + searched);
 }
 
-Result<Scene> SceneLibrary::load(const std::string& name) const {
+Result<Scene> SceneLibrary::load(const std::string& name,
+                                 const std::vector<Override>& overrides) const {
   const Result<std::string> file = find(name);
   if (!file) return file.status();
-  return load_scene_file(*file);
+  return load_scene_file(*file, nullptr, overrides);
 }
 
 std::vector<SceneLibrary::Entry> SceneLibrary::list() const {

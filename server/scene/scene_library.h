@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/base/status.h"
+#include "server/scene/overrides.h"
 #include "server/scene/scene.h"
 
 namespace handrail {
@@ -18,7 +19,7 @@ class SceneLibrary {
   // The file of that name. The error lists the folders searched, or says why it is no name.
   Result<std::string> find(const std::string& name) const;
   // find, then load_scene_file.
-  Result<Scene> load(const std::string& name) const;
+  Result<Scene> load(const std::string& name, const std::vector<Override>& overrides = {}) const;
 
   struct Entry {
     std::string name;

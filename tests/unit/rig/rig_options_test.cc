@@ -56,5 +56,30 @@ TEST(RigOptions, NamesAListThatIsNotSixLong) {
       << options.message();
 }
 
+TEST(RigOptions, TakesOverrides) {
+  const auto options = rig_options(std::vector<Override>{
+      {"rig.servo_lag_ms", "50"}, {"rig.start_joints_deg", "0,20,110,0,50,0"}, {"rig.seed", "3"}});
+  ASSERT_TRUE(options) << options.message();
+  EXPECT_DOUBLE_EQ(options->controller.arm.lag, 0.050);
+  EXPECT_DOUBLE_EQ(options->controller.arm.q_start[2], 110.0 * kDeg);
+  EXPECT_EQ(options->controller.arm.seed, 3U);
+  EXPECT_DOUBLE_EQ(rig_options(std::vector<Override>{})->controller.arm.lag, 0.045);
+}
+
+TEST(RigOptions, NamesAnOverrideThatTheRigCannotTake) {
+  const auto error = [](const char* key, const char* value) {
+    return rig_options(std::vector<Override>{{key, value}}).message();
+  };
+  EXPECT_EQ(error("rig.servo_lag_ms", "20"),
+            "--set rig.servo_lag_ms=20: 20 is outside 30 to 60 ms");
+  EXPECT_EQ(error("rig.servo_lag", "40"),
+            "--set rig.servo_lag=40: no field 'servo_lag'; did you mean 'servo_lag_ms'?");
+  EXPECT_EQ(error("servo_lag_ms", "40"), "--set servo_lag_ms=40: the key does not begin with rig.");
+  EXPECT_EQ(error("rig.joint_lag_ms", "45,45"),
+            "--set rig.joint_lag_ms=45,45: 2 values, expected 6");
+  EXPECT_TRUE(
+      error("rig.start_joints_deg", "0,0,40,0,90,0").starts_with("rig.start_joints_deg: J3 = 40"));
+}
+
 }  // namespace
 }  // namespace handrail

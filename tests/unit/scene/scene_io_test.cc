@@ -183,6 +183,67 @@ TEST(SceneIo, WantsTheTasksPointsApart) {
   EXPECT_EQ(error_of(task("0, 0, 0", "0, 1, 0", "0, 2, 0")), "");
 }
 
+// The error of a scene with `text` and overrides.
+std::string error_with(const std::vector<Override>& overrides, const std::string& text = "") {
+  return parse_scene("/x/a.scene", "name: 'a'\n" + text, nullptr, overrides).message();
+}
+
+TEST(SceneIo, TakesOverrides) {
+  pb::Scene raw;
+  const Result<Scene> scene = parse_scene("/x/a.scene", "name: 'a' mapping { scale: 3 }", &raw,
+                                          {{"mapping.scale", "4"},
+                                           {"guidance.method", "PUBLISHED"},
+                                           {"smoother.form", "LENGTH"},
+                                           {"smoother.samples", "7"},
+                                           {"limits.speed_share", "0.5"},
+                                           {"mapping.scale", "5"}});
+  ASSERT_TRUE(scene.is_ok()) << scene.message();
+  EXPECT_EQ(scene->mapping.scale, 5.0);
+  EXPECT_TRUE(scene->guidance.published_method);
+  EXPECT_EQ(scene->smoother_samples, 7);
+  EXPECT_TRUE(scene->limits.joints.max_speed.isApprox(0.5 * rv2a_limits().max_speed));
+  EXPECT_EQ(raw.mapping().scale(), 5.0);
+}
+
+TEST(SceneIo, TakesATaskFieldByField) {
+  const std::vector<Override> task = {{"task.a_mm", "0,0,0"},
+                                      {"task.b_mm", "0,9,0"},
+                                      {"task.c_mm", "0,9,9"},
+                                      {"task.turn_deg", "0,0,45"}};
+  const Result<Scene> scene = parse_scene("/x/a.scene", "name: 'a'", nullptr, task);
+  ASSERT_TRUE(scene.is_ok()) << scene.message();
+  EXPECT_TRUE(scene->task->p_SC.isApprox(Vec3(0, 0.009, 0.009)));
+  EXPECT_EQ(error_with({task[0]}),
+            "--set task.a_mm=0,0,0: field 'task.b_mm': missing, but required");
+}
+
+TEST(SceneIo, NamesTheOverrideAtFault) {
+  EXPECT_EQ(error_with({{"limits.speed_share", "0.5"}, {"guidance.delta_mm", "abc"}}),
+            "--set guidance.delta_mm=abc: 'abc' is not a number");
+  EXPECT_EQ(error_with({{"guidance.delta_mm", "11"}, {"limits.speed_share", "0.5"}}),
+            "--set guidance.delta_mm=11: 11 is outside 0.001 to 10 mm");
+  EXPECT_EQ(error_with({{"name", "b"}}), "--set name=b: 'b' differs from the file's name 'a'");
+  // The dead band is what is wrong, but the threshold was set.
+  EXPECT_EQ(
+      error_with({{"bumper.threshold_n", "1"}, {"mapping.scale", "1"}},
+                 "bumper { dead_band_n: 2 }"),
+      "--set bumper.threshold_n=1: field 'bumper.dead_band_n': dead band 2 N is not below the "
+      "threshold 1 N");
+}
+
+TEST(SceneIo, LooksAtOverridesTogether) {
+  // Either alone would not do.
+  EXPECT_EQ(error_with({{"bumper.threshold_n", "1"}, {"bumper.dead_band_n", "0.5"}}), "");
+  EXPECT_EQ(error_with({{"smoother.samples", "7"}, {"smoother.form", "LENGTH"}}), "");
+}
+
+TEST(SceneIo, AnOverrideDoesNotMendAFile) {
+  EXPECT_EQ(error_with({{"mapping.scale", "1"}}, "mapping { scale: 50 }"),
+            "/x/a.scene:2:11: field 'mapping.scale': 50 is outside 0.05 to 20");
+  EXPECT_EQ(error_with({{"smoother.form", "LENGTH"}}, "smoother { samples: 7 }"),
+            "/x/a.scene:2:12: field 'smoother.samples': only used with form: LENGTH");
+}
+
 TEST(SceneIo, GivesTheMessageAsWritten) {
   pb::Scene raw;
   ASSERT_TRUE(parse_scene("/x/a.scene", "name: 'a'", &raw).is_ok());

@@ -67,6 +67,16 @@ TEST(SceneLibrary, LooksInTheFoldersOfTheEnvironment) {
   EXPECT_EQ(*library.find("mine"), folder.path() + "/two/mine.scene");
 }
 
+TEST(SceneLibrary, LoadsWithOverrides) {
+  const SceneLibrary library;
+  const Result<Scene> scene = library.load("linear-movement", {{"mapping.scale", "5"}});
+  ASSERT_TRUE(scene.is_ok()) << scene.message();
+  EXPECT_EQ(scene->mapping.scale, 5.0);
+  EXPECT_TRUE(scene->task.has_value());
+  EXPECT_EQ(library.load("linear-movement", {{"mapping.scale", "50"}}).message(),
+            "--set mapping.scale=50: 50 is outside 0.05 to 20");
+}
+
 TEST(SceneLibrary, SaysWhereItLooked) {
   const TempFolder folder;
   const std::string error = SceneLibrary({folder.path()}).find("none").message();
