@@ -6,9 +6,9 @@
 #include <cstdio>
 #include <functional>
 
-#include "client/cli/demo_measure.h"
 #include "server/base/clock.h"
 #include "server/base/units.h"
+#include "server/task/linear_measure.h"
 
 namespace handrail {
 namespace {
@@ -113,7 +113,7 @@ pb::Request tools_off(bool position, bool orientation) {
 }
 
 // Orders the move and samples the tip until hand and arm have come to rest. Hand in device axes.
-void move(Driver& driver, const Vec3& by_mm, const Vec3& turn_deg, DemoMeasure* measure) {
+void move(Driver& driver, const Vec3& by_mm, const Vec3& turn_deg, LinearMeasure* measure) {
   if (!driver.order(hand_move(by_mm, turn_deg))) return;
   Nanos still_since = -1;
   const Nanos give_up = monotonic_now() + 20 * kSecond;
@@ -139,9 +139,10 @@ void move(Driver& driver, const Vec3& by_mm, const Vec3& turn_deg, DemoMeasure* 
   }
 }
 
-Pose tip(Driver& driver) {
+void begin(Driver& driver, LinearMeasure& measure, LinearPhase phase) {
   pb::Status status;
-  return driver.status(status) ? pose_of(status.tip()) : Pose();
+  if (!driver.status(status)) return;
+  measure.begin(phase, pose_of(status.tip()).q, pose_of(status.command()).q);
 }
 
 // Device right is -Y, up is +Z at the robot.
@@ -153,30 +154,33 @@ constexpr double kHandLeg = (kLeg / kScale + kOvershoot) / kMm;
 DriveResult drive(Driver& driver, bool tools) {
   pb::Status status;
   if (!driver.status(status)) return {};
-  DemoTask task;
-  task.p_A = pose_of(status.command()).p;
-  task.p_B = task.p_A - kLeg * Vec3::UnitY();
-  task.p_C = task.p_B - kLeg * Vec3::UnitZ();
-  DemoMeasure measure(task);
+  const Pose X_SA = pose_of(status.command());
+  LinearTask task;
+  task.p_SA = X_SA.p;
+  task.p_SB = task.p_SA - kLeg * Vec3::UnitY();
+  task.p_SC = task.p_SB - kLeg * Vec3::UnitZ();
+  task.q_first = X_SA.q;
+  task.turn = kTurn * kDeg * Vec3::UnitZ();
+  LinearMeasure measure(task);
   const Nanos start = monotonic_now();
 
   if (tools) {
-    driver.order(line_to(-Vec3::UnitY(), task.p_B));
+    driver.order(line_to(-Vec3::UnitY(), task.p_SB));
     driver.order(simple_tool(pb::Tool::N_ROTATION));
   }
-  measure.begin(DemoPhase::kToB, tip(driver).q);
+  begin(driver, measure, LinearPhase::kToB);
   move(driver, kHandLeg * kRight, Vec3::Zero(), &measure);
   if (tools) {
     driver.order(simple_tool(pb::Tool::POINT));
     driver.order(tools_off(false, true));
   }
-  measure.begin(DemoPhase::kTurn, tip(driver).q);
+  begin(driver, measure, LinearPhase::kTurn);
   move(driver, Vec3::Zero(), kTurn * kUp, &measure);
   if (tools) {
     driver.order(simple_tool(pb::Tool::N_ROTATION));
-    driver.order(line_to(-Vec3::UnitZ(), task.p_C));
+    driver.order(line_to(-Vec3::UnitZ(), task.p_SC));
   }
-  measure.begin(DemoPhase::kToC, tip(driver).q);
+  begin(driver, measure, LinearPhase::kToC);
   move(driver, kHandLeg * kDown, Vec3::Zero(), &measure);
   if (tools) driver.order(tools_off(true, true));
   return {to_seconds(monotonic_now() - start), measure.path(), measure.position_error(),

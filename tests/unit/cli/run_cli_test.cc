@@ -130,6 +130,12 @@ TEST(Cli, LooksAtScenesWithoutAMaster) {
             std::string::npos);
   const CliRun show_json = without_master({"scene", "show", "plane", "--json"});
   EXPECT_NE(show_json.out.find("\"threshold_n\": 50"), std::string::npos);
+  EXPECT_NE(without_master({"scene", "show", "linear-movement"})
+                .out.find("task.b_mm                           350, -37.5, 329 mm\n"),
+            std::string::npos);
+  // No task is a task left out, not one with values of its own.
+  EXPECT_EQ(show.out.find("task"), std::string::npos);
+  EXPECT_EQ(show_json.out.find("task"), std::string::npos);
   const CliRun check =
       without_master({"scene", "check", HANDRAIL_SOURCE_DIR "/server/scene/library/plane.scene"});
   EXPECT_EQ(check.code, kExitDone);
