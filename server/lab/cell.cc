@@ -6,13 +6,17 @@ namespace handrail {
 namespace {
 
 constexpr PeerId kSlave = 1;
+constexpr Nanos kRepeat = kMillisecond;  // between two sends of the slave's IO, as in its daemon
 
 }  // namespace
 
 Cell::Cell(const CellOptions& options)
     : options_(options),
       rig_(options.rig, 0),
-      client_({kMxtLong, options.rig.controller.period, 100}) {
+      client_({kMxtLong, options.rig.controller.period, 100}),
+      to_slave_(options.transit, options.tick),
+      to_master_(options.transit, kRepeat),
+      repeat_next_(kRepeat) {
   to_controller(client_.start(0));
   rig_.sensor().on_datagram(encode_rdt(RdtRequest{RdtCommand::kStream, 0}), kSlave);
 }
@@ -23,36 +27,41 @@ void Cell::tick(const HandReading& hand, const HapticOrder& order) noexcept {
   robot_cycle_ = false;
   run_rig();
 
-  to_master_.receive(now_);
-  HapticInput in;
-  in.hand = hand;
-  in.order = order;
-  in.slave = to_master_.newest;
-  in.slave_known = to_master_.known;
-  in.slave_age = to_master_.known ? now_ - to_master_.arrived : kForever;
-  haptic_step(options_.haptic, in, to_seconds(options_.tick), haptic_, haptic_out_);
-
-  to_slave_.send(haptic_out_.link, now_ + options_.transit);
-  // The slave's IO repeats its newest state at the same rate.
-  to_master_.send(follow_out_.link, now_ + options_.transit);
+  haptic_in_.hand = hand;
+  haptic_in_.order = order;
+  haptic_in_.slave_known |= to_master_.receive(now_, haptic_in_.slave);
+  haptic_in_.slave_age = to_master_.age(now_);
+  haptic_step(options_.haptic, haptic_in_, to_seconds(options_.tick), haptic_, haptic_out_);
+  to_slave_.send(haptic_out_.link, now_);
 }
 
+// What is due until now, in the order of its time. The slave's IO comes last at any instant, after
+// the master's step: one that falls on a tick waits for the next.
 void Cell::run_rig() noexcept {
   for (;;) {
     const Nanos at = rig_.next();
+    if (repeat_next_ < at && repeat_next_ < now_) {
+      to_master_.send(follow_out_.link, repeat_next_);
+      repeat_next_ += kRepeat;
+      continue;
+    }
     if (at > now_) break;
     const RigEvent event = rig_.step(at);
     if (event == RigEvent::kSensor) read_sensor();
-    if (event != RigEvent::kControl) continue;
-    robot_cycle_ = true;
-    for (const Controller::Outgoing& packet : rig_.controller().replies()) {
-      RobotReply reply;
-      if (client_.on_datagram(packet.bytes(), at, reply) == RobotEvent::kReply) {
-        on_reply(reply, at);
-      }
-    }
-    if (client_.poll(at) == RobotEvent::kSilence) to_controller(client_.packet());
+    if (event == RigEvent::kControl) on_control(at);
   }
+}
+
+void Cell::on_control(Nanos at) noexcept {
+  robot_cycle_ = true;
+  robot_cycle_at_ = at;
+  for (const Controller::Outgoing& packet : rig_.controller().replies()) {
+    RobotReply reply;
+    if (client_.on_datagram(packet.bytes(), at, reply) == RobotEvent::kReply) {
+      on_reply(reply, at);
+    }
+  }
+  if (client_.poll(at) == RobotEvent::kSilence) to_controller(client_.packet());
 }
 
 void Cell::read_sensor() noexcept {
@@ -71,12 +80,10 @@ void Cell::read_sensor() noexcept {
 
 void Cell::on_reply(const RobotReply& reply, Nanos at) noexcept {
   if (!follow_.placed) place(options_.follow, reply.q_commanded, follow_);
-  to_slave_.receive(at);
   follow_in_.q_measured = reply.q_measured;
   follow_in_.robot_ready = true;
-  follow_in_.master = to_slave_.newest;
-  follow_in_.master_known = to_slave_.known;
-  follow_in_.master_age = to_slave_.known ? at - to_slave_.arrived : kForever;
+  follow_in_.master_known |= to_slave_.receive(at, follow_in_.master);
+  follow_in_.master_age = to_slave_.age(at);
   follow_step(options_.follow, follow_in_, follow_, follow_out_);
   to_controller(client_.send(follow_out_.q_target));
 }

@@ -9,6 +9,7 @@
 #include "devices/rig/rig.h"
 #include "server/control/follow_step.h"
 #include "server/control/haptic_step.h"
+#include "server/lab/wire.h"
 
 namespace handrail {
 
@@ -20,7 +21,8 @@ struct CellOptions {
   Nanos transit = 0;  // one-way time of the link, on top of waiting for the next tick or cycle
 };
 
-// Same options, hands and orders: same answers, bit for bit. Large: keep it on the heap.
+// Same options, hands and orders: same answers, bit for bit. The master sends its state once a
+// tick, the slave its own once a millisecond, whatever the tick. Large: keep it on the heap.
 class Cell {
  public:
   explicit Cell(const CellOptions& options);
@@ -36,39 +38,16 @@ class Cell {
   const Rig& rig() const noexcept { return rig_; }
   // True when the robot's controller ran a cycle during the last tick: the arm has moved.
   bool robot_cycle() const noexcept { return robot_cycle_; }
+  // When the newest cycle ran, and so when the arm stood where the rig shows it; 0 before the
+  // first. A tick longer than the controller's period can hold two cycles.
+  Nanos robot_cycle_at() const noexcept { return robot_cycle_at_; }
   // The joint targets in the datagrams sent to the controller during the last tick, as read back
   // from their bytes [rad].
   std::span<const JointVector> sent() const noexcept { return {sent_.data(), sent_count_}; }
 
  private:
-  // What crosses the link takes `transit`: a short queue of whole states.
-  template <typename State>
-  struct Wire {
-    struct Entry {
-      State state;
-      Nanos due = 0;
-    };
-    std::array<Entry, 256> queue;
-    std::size_t head = 0, tail = 0;
-    State newest;
-    Nanos arrived = -kForever;
-    bool known = false;
-
-    void send(const State& state, Nanos due) noexcept {
-      queue[head++ % queue.size()] = {state, due};
-      if (head - tail > queue.size()) tail = head - queue.size();  // the oldest is lost
-    }
-    void receive(Nanos now) noexcept {
-      while (tail != head && queue[tail % queue.size()].due <= now) {
-        const Entry& entry = queue[tail++ % queue.size()];
-        newest = entry.state;
-        arrived = entry.due;
-        known = true;
-      }
-    }
-  };
-
   void run_rig() noexcept;
+  void on_control(Nanos at) noexcept;
   void on_reply(const RobotReply& reply, Nanos at) noexcept;
   void read_sensor() noexcept;
   void to_controller(MxtClient::Bytes bytes) noexcept;
@@ -76,6 +55,7 @@ class Cell {
   CellOptions options_;
   Rig rig_;
   MxtClient client_;
+  HapticInput haptic_in_;
   HapticState haptic_;
   HapticOutput haptic_out_;
   FollowState follow_;
@@ -85,6 +65,8 @@ class Cell {
   Wire<SlaveState> to_master_;
   std::array<JointVector, 4> sent_;
   std::size_t sent_count_ = 0;
+  Nanos repeat_next_ = 0;  // when the slave's IO sends next
+  Nanos robot_cycle_at_ = 0;
   bool robot_cycle_ = false;
   Nanos now_ = 0;
 };

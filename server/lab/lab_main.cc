@@ -1,11 +1,16 @@
 // handrail-lab: experiments in virtual time, with the daemons' own steps.
+#include <signal.h>
+
 #include <CLI/CLI.hpp>
+#include <atomic>
 #include <cstdio>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "devices/hand/recorded_hand_io.h"
 #include "server/lab/hand_run.h"
+#include "server/lab/study/linear_command.h"
 #include "server/scene/scene_library.h"
 
 namespace handrail {
@@ -72,28 +77,126 @@ int run_hand_command(const HandCommand& command) {
   return 0;
 }
 
+// Raised by Ctrl-C: long work ends soon, and nothing half-done is printed.
+std::atomic<bool> cancelled = false;
+void cancel(int) { cancelled = true; }
+
+void let_ctrl_c_cancel() {
+  struct sigaction action {};
+  action.sa_handler = cancel;
+  ::sigaction(SIGINT, &action, nullptr);
+  ::sigaction(SIGTERM, &action, nullptr);
+}
+
+// The words that stand for a setting, beside --set itself.
+struct Shorthands {
+  std::string smoother;
+  std::string rate;
+  std::string tool_method;
+
+  std::vector<std::string> settings() const {
+    std::vector<std::string> out;
+    if (smoother == "published") out.push_back("smoother.form=PUBLISHED");
+    if (smoother == "low-lag") out.push_back("smoother.form=LOW_LAG");
+    if (!smoother.empty() && out.empty()) {
+      out = {"smoother.form=LENGTH", "smoother.samples=" + smoother};
+    }
+    if (!rate.empty()) out.push_back("haptic.rate_hz=" + rate);
+    if (tool_method == "exact") out.push_back("guidance.method=EXACT");
+    if (tool_method == "published") out.push_back("guidance.method=PUBLISHED");
+    return out;
+  }
+};
+
+void add_hand(CLI::App& app, HandCommand& hand) {
+  CLI::App* sub = app.add_subcommand("hand", "drive the simulated arm by a recorded hand");
+  sub->add_option("FILE", hand.file, "CSV: t_s,x_mm,y_mm[,z_mm]")->required();
+  sub->add_option("--tool", hand.tool, "tool to hold on to")
+      ->check(CLI::IsMember(kTools))
+      ->capture_default_str();
+  sub->add_option("--scene", hand.scene, "scene to run in")->capture_default_str();
+  sub->add_flag("--one-way", hand.one_way, "forward along device +X only");
+  sub->add_flag("--json", hand.json, "print the result as JSON");
+}
+
+void add_linear(CLI::App& app, LinearCommand& study, Shorthands& words) {
+  CLI::App* sub = app.add_subcommand(
+      "linear-movement", "simulated operators from A to B to C, without tools (NV) and with (V)");
+  sub->add_option("--operators", study.operators, "how many")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  sub->add_option("--trials", study.trials, "successful trials of each in each mode")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  sub->add_option("--seed", study.seed, "another seed, other people")->capture_default_str();
+  sub->add_option("--threads", study.threads, "0: one a core; results do not depend on it")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  sub->add_option("--scene", study.scene, "scene, with a task")->capture_default_str();
+  sub->add_option("--population", study.population, "name or file of the operators' population")
+      ->capture_default_str();
+  sub->add_flag("--json", study.json, "print everything, every trial too, as JSON");
+  sub->add_option("--figures", study.figures, "folder for the figures (SVG)");
+  const std::string vary = "Vary one thing, printed beside the study as it is";
+  sub->add_option("--smoother", words.smoother, "published, low-lag, or a number of samples")
+      ->group(vary);
+  sub->add_option("--rate", words.rate, "of the haptic loop [Hz]")->group(vary);
+  sub->add_option("--tool-method", words.tool_method, "exact or published (Algorithm 2)")
+      ->check(CLI::IsMember({"exact", "published"}))
+      ->group(vary);
+  sub->add_option("--set", study.settings,
+                  "KEY=VALUE: a scene's field, rig.FIELD, operator.PARAMETER, haptic.rate_hz, "
+                  "link.delay_ms; all --set together are one variation")
+      ->allow_extra_args(false)
+      ->group(vary);
+  sub->add_option("--sweep", study.sweeps, "KEY=VALUE,VALUE,...: a variation for each value")
+      ->allow_extra_args(false)
+      ->group(vary);
+}
+
+void add_fit(CLI::App& app, FitCommand& fit) {
+  CLI::App* sub = app.add_subcommand(
+      "fit", "fit a population's free parameters to the published medians without tools");
+  sub->require_subcommand(1);
+  sub = sub->add_subcommand("linear-movement", "to mode NV of the linear movement");
+  sub->add_option("--operators", fit.operators, "how many")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  sub->add_option("--seed", fit.seed, "other people than a study's")->capture_default_str();
+  sub->add_option("--threads", fit.threads, "0: one a core; the fit does not depend on it")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  sub->add_option("--scene", fit.scene, "scene, with a task")->capture_default_str();
+  sub->add_option("--population", fit.population, "name or file to start from")
+      ->capture_default_str();
+  sub->add_option("--out", fit.out, "file to write; without it the population's own");
+  sub->add_flag("--check", fit.check,
+                "write nothing; exit 1 if the file is not what the fit gives");
+}
+
 int run(int argc, char** argv) {
   CLI::App app{
       "Experiments in virtual time: the same master and slave steps as the daemons, "
       "without sockets or sleeping, bit-identical for the same input."};
   app.require_subcommand(1);
-
   HandCommand hand;
-  CLI::App* hand_app = app.add_subcommand("hand", "drive the simulated arm by a recorded hand");
-  hand_app->add_option("FILE", hand.file, "CSV: t_s,x_mm,y_mm[,z_mm]")->required();
-  hand_app->add_option("--tool", hand.tool, "tool to hold on to")
-      ->check(CLI::IsMember(kTools))
-      ->capture_default_str();
-  hand_app->add_option("--scene", hand.scene, "scene to run in")->capture_default_str();
-  hand_app->add_flag("--one-way", hand.one_way, "forward along device +X only");
-  hand_app->add_flag("--json", hand.json, "print the result as JSON");
-
+  LinearCommand study;
+  Shorthands words;
+  FitCommand fit;
+  add_hand(app, hand);
+  add_linear(app, study, words);
+  add_fit(app, fit);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
-  return run_hand_command(hand);
+  if (app.got_subcommand("hand")) return run_hand_command(hand);
+  let_ctrl_c_cancel();
+  if (app.got_subcommand("fit")) return run_fit_command(fit, cancelled);
+  const std::vector<std::string> shorthands = words.settings();
+  study.settings.insert(study.settings.begin(), shorthands.begin(), shorthands.end());
+  return run_linear_command(study, cancelled);
 }
 
 }  // namespace
