@@ -109,7 +109,7 @@ std::string head_comment(std::string_view text) {
   return out;
 }
 
-// The shortest decimal that, times `unit`, gives the bits of `si`.
+// The shortest decimal that, times `unit`, gives the bits of `si`; the nearest if none does.
 std::string in_unit(double si, double unit) {
   const double near = si / unit;
   std::array<char, 40> text;
@@ -117,11 +117,6 @@ std::string in_unit(double si, double unit) {
   for (int digits = 0; digits < kMostDigits; ++digits) {
     std::snprintf(text.data(), text.size(), "%.*e", digits, near);
     const double value = std::strtod(text.data(), nullptr);
-    if (value * unit == si) return number_text(value);
-  }
-  // Division and multiplication round apart: the next number either way.
-  for (const double toward : {0.0, std::numeric_limits<double>::max()}) {
-    const double value = std::nextafter(near, toward);
     if (value * unit == si) return number_text(value);
   }
   return number_text(near);

@@ -155,6 +155,9 @@ TEST(SetFields, BlamesTheOverrideThatTheProblemIsAt) {
             "--set guidance.delta_mm=99: 99 is outside 0.001 to 10 mm");
   EXPECT_EQ(set_fields(scene, {{"mapping.scale", "99"}, {"mapping.scale", "98"}}).message(),
             "--set mapping.scale=98: 98 is outside 0.05 to 20");
+  pb::RigConfig rig;  // one name begins like the other
+  EXPECT_EQ(set_fields(rig, {{"counts_per_n_m", "0"}, {"counts_per_n", "5"}}).message(),
+            "--set counts_per_n_m=0: 0 is outside 1 to 1000000000");
 }
 
 TEST(SetFields, BlamesTheOverrideSinceWhichACheckFails) {

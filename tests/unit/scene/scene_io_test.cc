@@ -205,6 +205,14 @@ TEST(SceneIo, TakesOverrides) {
   EXPECT_EQ(raw.mapping().scale(), 5.0);
 }
 
+TEST(SceneIo, KeepsWhatOverridesDoNotName) {
+  const Result<Scene> scene = parse_scene("/x/a.scene", "name: 'a' tool { kind: POINT }", nullptr,
+                                          {{"mapping.scale", "4"}, {"limits.speed_share", "1"}});
+  ASSERT_TRUE(scene.is_ok()) << scene.message();
+  EXPECT_EQ(scene->tools.size(), 1U);
+  EXPECT_EQ(scene->name, "a");
+}
+
 TEST(SceneIo, TakesATaskFieldByField) {
   const std::vector<Override> task = {{"task.a_mm", "0,0,0"},
                                       {"task.b_mm", "0,9,0"},

@@ -86,14 +86,14 @@ TEST(PathLength, AZigZagBelowTheVertexCountsNothing) {
 TEST(PathLength, AVertexIsHalfAMillimetreFromTheLastOne) {
   PathLength path;
   path.add(mm(0, 0, 0));
-  path.add(mm(0.3, 0, 0));
+  path.add(mm(0.49, 0, 0));
   EXPECT_EQ(path.length(), 0.0);
-  path.add(mm(0.6, 0, 0));
-  EXPECT_NEAR(length_mm(path), 0.6, 1e-9);
-  path.add(mm(1.0, 0, 0));  // 0.4 mm from the vertex at 0.6 mm
-  EXPECT_NEAR(length_mm(path), 0.6, 1e-9);
+  path.add(mm(0.51, 0, 0));
+  EXPECT_NEAR(length_mm(path), 0.51, 1e-9);
+  path.add(mm(1.0, 0, 0));  // 0.49 mm from the vertex at 0.51 mm
+  EXPECT_NEAR(length_mm(path), 0.51, 1e-9);
   path.add(mm(0, 0, 0));
-  EXPECT_NEAR(length_mm(path), 1.2, 1e-9);
+  EXPECT_NEAR(length_mm(path), 1.02, 1e-9);
 }
 
 TEST(PathLength, NoiseOfThirtyMicrometresDoesNotLengthenIt) {
