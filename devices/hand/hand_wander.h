@@ -1,7 +1,7 @@
 // The unintended motion of a simulated hand: physiological tremor and slow drift, seeded.
 #pragma once
 
-#include <array>
+#include <Eigen/Core>
 #include <cstdint>
 
 #include "server/base/random.h"
@@ -9,20 +9,32 @@
 
 namespace handrail {
 
-// White noise through two first-order lags, so that position and velocity are continuous. Starts at
-// zero and settles to the given root mean square, all three axes together.
+// Slow wander of position and orientation: white noise through two first-order lags. Starts at zero
+// and settles to the given root mean squares, each of three axes together. The noise comes in steps
+// of 4 ms on the drift's own clock, and what lies between is in closed form: any split of a span of
+// time takes the same numbers and gives the same drift, but for rounding.
 class SlowDrift {
  public:
-  explicit SlowDrift(double rms) noexcept;
-  // Advances by dt > 0 [s], drawing three normal numbers unless the drift is zero.
+  // Of the translation [m] and the rotation vector [rad].
+  SlowDrift(double rms, double rotation_rms) noexcept;
+  // Advances by dt > 0 [s], drawing six normal numbers every 4 ms unless both parts are zero.
   void step(double dt, Random& random) noexcept;
-  const Vec3& value() const noexcept { return value_; }
-  Vec3 rate() const noexcept;  // [1/s]
+  auto translation() const noexcept { return value_.head<3>(); }  // [m]
+  auto rotation() const noexcept { return value_.tail<3>(); }     // vector [rad]
+  Vec3 velocity() const noexcept;                                 // of the translation [m/s]
 
  private:
-  double sigma_;  // of one axis of `input_`
-  Vec3 input_ = Vec3::Zero();
-  Vec3 value_ = Vec3::Zero();
+  using Vec6 = Eigen::Matrix<double, 6, 1>;
+  void settle(double dt) noexcept;
+  void draw(Random& random) noexcept;
+
+  double keep_;  // share of `input_` that outlasts 4 ms
+  Vec6 fresh_;   // standard deviation of each new part of `input_`
+  Vec6 input_ = Vec6::Zero();
+  Vec6 value_ = Vec6::Zero();
+  double to_draw_;          // [s]
+  double settle_dt_ = 0.0;  // what `left_` is for [s]
+  double left_ = 1.0;       // share of a difference that outlasts `settle_dt_`
 };
 
 // A sum of sines of random phase, spread over 8 to 12 Hz, the same root mean square on each axis.
@@ -30,41 +42,42 @@ class Tremor {
  public:
   // `rms` of the three axes together [m].
   Tremor(double rms, Random& random) noexcept;
+  // Advances by dt > 0 [s]. Cheap while dt stays the same.
   void step(double dt) noexcept;
   const Vec3& value() const noexcept { return value_; }  // [m]
   const Vec3& rate() const noexcept { return rate_; }    // [m/s]
 
  private:
   static constexpr int kSines = 6;
-  struct Sine {
-    double omega = 0.0;  // [rad/s]
-    double phase = 0.0;  // [rad]
-  };
+  using Sines = Eigen::Array<double, kSines, 3>;  // one column an axis
   void update() noexcept;
 
   double amplitude_;  // of one sine [m]
-  double t_ = 0.0;    // [s]
-  std::array<std::array<Sine, kSines>, 3> sines_;
+  Sines omega_;       // [rad/s]
+  // Each sine is a unit phasor, turned by one fixed rotation a step.
+  Sines sin_, cos_;
+  double turn_dt_ = 0.0;  // what the rotation is for [s]
+  Sines turn_sin_, turn_cos_;
   Vec3 value_ = Vec3::Zero();
   Vec3 rate_ = Vec3::Zero();
 };
 
 // Both together, at the stylus tip, frame M. The tremor's sideways part pivots the stylus, so it
-// shows in the orientation too. Pure: time comes as dt; real-time safe.
+// shows in the orientation too. Any split of a span of time gives the same motion, but for
+// rounding. Pure: time comes as dt; real-time safe.
 class HandWander {
  public:
   HandWander(std::uint64_t seed, double tremor_rms, double drift_rms,
              double drift_rotation_rms) noexcept;
   void step(double dt) noexcept;
-  Vec3 position() const noexcept { return tremor_.value() + drift_.value(); }  // [m]
-  Vec3 velocity() const noexcept { return tremor_.rate() + drift_.rate(); }    // [m/s]
-  Vec3 rotation() const noexcept;                                              // vector [rad]
+  Vec3 position() const noexcept { return tremor_.value() + drift_.translation(); }  // [m]
+  Vec3 velocity() const noexcept { return tremor_.rate() + drift_.velocity(); }      // [m/s]
+  Vec3 rotation() const noexcept;                                                    // vector [rad]
 
  private:
   Random random_;
   Tremor tremor_;
   SlowDrift drift_;
-  SlowDrift turn_drift_;
 };
 
 }  // namespace handrail

@@ -73,6 +73,82 @@ TEST(HandWander, DriftSettlesToTheGivenRms) {
   EXPECT_NEAR(std::sqrt(rotation / kSteps), 0.0122, 0.04 * 0.0122);
 }
 
+// Root mean square of the position over the next `steps` steps of a millisecond.
+double rms_ahead(HandWander& wander, int steps) {
+  double sum = 0.0;
+  for (int i = 0; i < steps; ++i) {
+    wander.step(kTick);
+    sum += wander.position().squaredNorm();
+  }
+  return std::sqrt(sum / steps);
+}
+
+TEST(HandWander, TremorKeepsItsSizeAndItsPaceOverTenMinutes) {
+  HandWander fine(4, 0.05e-3, 0.0, 0.0);
+  HandWander coarse(4, 0.05e-3, 0.0, 0.0);
+  EXPECT_NEAR(rms_ahead(fine, 60'000), 0.05e-3, 0.001e-3);
+  for (int i = 0; i < 480'000; ++i) fine.step(kTick);
+  EXPECT_NEAR(rms_ahead(fine, 60'000), 0.05e-3, 0.001e-3);
+  for (int i = 0; i < 60'000; ++i) coarse.step(10.0 * kTick);
+  EXPECT_LT((fine.position() - coarse.position()).norm(), 1e-12);
+}
+
+// Two first-order lags on white noise: (S e^(-t/S) - F e^(-t/F)) / (S - F), S = 3 s and F = 0.6 s.
+TEST(HandWander, DriftForgetsWhereItWasAtThePaceOfItsLags) {
+  for (const double dt : {1e-3, kCoarse}) {
+    HandWander wander(6, 0.0, 1e-3, 0.01);
+    const int steps = static_cast<int>(6000.0 / kCoarse);
+    const int per_sample = static_cast<int>(kCoarse / dt + 0.5);
+    std::vector<Vec3> track;
+    std::vector<Vec3> turns;
+    for (int i = 0; i < steps; ++i) {
+      for (int k = 0; k < per_sample; ++k) wander.step(dt);
+      track.push_back(wander.position() / 1e-3);
+      turns.push_back(wander.rotation() / 0.01);
+    }
+    for (const double lag : {0.0, 0.5, 1.0, 3.0}) {
+      const auto shift = static_cast<std::size_t>(lag / kCoarse + 0.5);
+      double product = 0.0;
+      double turn_product = 0.0;
+      double crossed = 0.0;
+      for (std::size_t i = shift; i < track.size(); ++i) {
+        product += track[i].dot(track[i - shift]);
+        turn_product += turns[i].dot(turns[i - shift]);
+        crossed += track[i].dot(turns[i - shift]);
+      }
+      const auto count = static_cast<double>(track.size() - shift);
+      const double expected = (3.0 * std::exp(-lag / 3.0) - 0.6 * std::exp(-lag / 0.6)) / 2.4;
+      // Three standard deviations: some 6000 / 3.6 independent values on each of three axes.
+      EXPECT_NEAR(product / count, expected, 0.06) << lag << " s, steps of " << dt;
+      EXPECT_NEAR(turn_product / count, expected, 0.06) << lag << " s, steps of " << dt;
+      EXPECT_NEAR(crossed / count, 0.0, 0.06) << lag << " s, steps of " << dt;
+    }
+  }
+}
+
+TEST(HandWander, AnySplitOfTheTimeGivesTheSameMotion) {
+  HandWander whole(8, 0.05e-3, 0.97e-3, 0.0122);
+  HandWander split(8, 0.05e-3, 0.97e-3, 0.0122);
+  for (int i = 0; i < 1000; ++i) {
+    whole.step(10e-3);
+    for (const double dt : {0.3e-3, 0.7e-3, 4e-3, 0.25e-3, 0.75e-3, 3e-3, 1e-3}) split.step(dt);
+    ASSERT_LT((whole.position() - split.position()).norm(), 1e-13) << i;
+    ASSERT_LT((whole.velocity() - split.velocity()).norm(), 1e-11) << i;
+    ASSERT_LT((whole.rotation() - split.rotation()).norm(), 1e-11) << i;
+  }
+  EXPECT_GT(whole.position().norm(), 1e-5);
+}
+
+TEST(HandWander, TheTurningDriftLeavesThePathOfTheTipAlone) {
+  HandWander turning(8, 0.05e-3, 0.97e-3, 0.0122);
+  HandWander straight(8, 0.05e-3, 0.97e-3, 0.0);
+  for (int i = 0; i < 1000; ++i) {
+    turning.step(kTick);
+    straight.step(kTick);
+    ASSERT_EQ(turning.position(), straight.position()) << i;
+  }
+}
+
 TEST(HandWander, VelocityIsTheRateOfThePositionAndHasNoJumps) {
   HandWander wander(3, 0.05e-3, 0.97e-3, 0.0);
   Vec3 last = wander.position();
