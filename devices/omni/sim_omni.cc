@@ -24,8 +24,8 @@ HeldBody omni_body() noexcept {
 }
 
 Vec3 limited(const Vec3& v, double limit) noexcept {
-  const double size = v.stableNorm();
-  return size > limit ? Vec3(v * (limit / size)) : v;
+  if (v.squaredNorm() <= limit * limit) return v;
+  return v * (limit / v.stableNorm());
 }
 
 Vec3 quantised(const Vec3& p) noexcept {
