@@ -17,7 +17,8 @@ struct CellOptions {
   HapticSettings haptic;
   FollowSettings follow;
   RigOptions rig;
-  Nanos tick = kMillisecond;  // of the master's loop, 0.1 to 10 ms
+  // Of the master's loop, 0.1 to 10 ms. The smoother in `haptic` counts ticks, not time.
+  Nanos tick = kMillisecond;
   Nanos transit = 0;  // one-way time of the link, on top of waiting for the next tick or cycle
 };
 

@@ -1,11 +1,14 @@
-// One cell in virtual time: engages, follows, repeats bit for bit, at several transit times.
+// One cell in virtual time: engages, follows, repeats bit for bit, at several transit times and
+// haptic rates.
 #include "server/lab/cell.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "devices/omni/omni_data.h"
+#include "devices/omni/sim_omni.h"
 #include "server/base/fnv.h"
 #include "server/kinematics/rv2a.h"
 #include "server/master/haptic_settings.h"
@@ -15,7 +18,7 @@
 namespace handrail {
 namespace {
 
-std::unique_ptr<Cell> make_cell(Nanos transit, std::uint64_t seed = 1) {
+std::unique_ptr<Cell> make_cell(Nanos transit, std::uint64_t seed = 1, Nanos tick = kMillisecond) {
   Scene scene;
   scene.name = "test";
   scene.limits.joints = rv2a_limits();
@@ -25,6 +28,7 @@ std::unique_ptr<Cell> make_cell(Nanos transit, std::uint64_t seed = 1) {
   options.rig.controller.arm.seed = seed;
   options.rig.controller.arm.geometry.d6 = scene.tip_length;
   options.transit = transit;
+  options.tick = tick;
   return std::make_unique<Cell>(options);
 }
 
@@ -41,14 +45,24 @@ HapticOrder order_of(OrderKind kind) {
   return order;
 }
 
-// Ticks with an engage order until engaged, at most a second; how many it took.
-int engage(Cell& cell) {
-  int ticks = 0;
-  while (cell.master_state().session != SessionState::kEngaged && ticks < 1000) {
+// Ticks with an engage order until engaged, at most three seconds; how long it took.
+Nanos engage(Cell& cell) {
+  const Nanos start = cell.now();
+  while (cell.master_state().session != SessionState::kEngaged &&
+         cell.now() - start < 3 * kSecond) {
     cell.tick(hand_at(Vec3::Zero()), order_of(OrderKind::kEngage));
-    ++ticks;
   }
-  return ticks;
+  return cell.now() - start;
+}
+
+// Brings the hand 20 mm to the right within a second, then waits; the cell stays engaged.
+void drive_right(Cell& cell, Nanos tick, Nanos duration) {
+  const Nanos start = cell.now();
+  while (cell.now() - start < duration) {
+    const double way = std::min(1.0, to_seconds(cell.now() - start)) * 0.02;
+    cell.tick(hand_at(Vec3(way, 0, 0)));
+    ASSERT_EQ(cell.slave().state, SessionState::kEngaged) << "tick " << tick;
+  }
 }
 
 class CellTransit : public ::testing::TestWithParam<int> {};
@@ -56,22 +70,95 @@ class CellTransit : public ::testing::TestWithParam<int> {};
 TEST_P(CellTransit, EngagesWithoutMotionAndBringsTheTipToTheHand) {
   const auto cell = make_cell(GetParam() * kMillisecond);
   const JointVector before = cell->rig().controller().arm().target();
-  EXPECT_LT(engage(*cell), 1000);
+  EXPECT_LT(engage(*cell), 3 * kSecond);
   EXPECT_EQ(cell->slave().state, SessionState::kEngaged);
   EXPECT_LT((cell->rig().controller().arm().target() - before).cwiseAbs().maxCoeff(), 1e-6);
   const Vec3 start = cell->master().link.X_SU.p;
-  for (int i = 0; i < 3000; ++i) {
-    const double way = std::min(1.0, i * 1e-3) * 0.02;  // hand 20 mm to the right
-    cell->tick(hand_at(Vec3(way, 0, 0)));
-    ASSERT_EQ(cell->slave().state, SessionState::kEngaged);
-  }
+  drive_right(*cell, kMillisecond, 4 * kSecond);
   const Vec3 wanted = start - 0.04 * Vec3::UnitY();
   EXPECT_LT((cell->master().link.X_SU.p - wanted).norm(), 1e-6);
   EXPECT_LT((cell->slave().X_ST_command.p - wanted).norm(), 1e-6);
   EXPECT_LT((cell->slave().X_ST.p - wanted).norm(), 0.5e-3);
 }
 
-INSTANTIATE_TEST_SUITE_P(Milliseconds, CellTransit, ::testing::Values(0, 3, 30));
+INSTANTIATE_TEST_SUITE_P(Milliseconds, CellTransit, ::testing::Values(0, 3, 30, 400));
+
+class CellRate : public ::testing::TestWithParam<int> {};
+
+TEST_P(CellRate, EngagesAndBringsTheTipToTheHand) {
+  const Nanos tick = GetParam() * kMicrosecond;
+  const auto cell = make_cell(3 * kMillisecond, 1, tick);
+  EXPECT_LT(engage(*cell), kSecond);
+  const Vec3 start = cell->master().link.X_SU.p;
+  drive_right(*cell, tick, 4 * kSecond);
+  const Vec3 wanted = start - 0.04 * Vec3::UnitY();
+  EXPECT_LT((cell->master().link.X_SU.p - wanted).norm(), 1e-6);
+  EXPECT_LT((cell->slave().X_ST_command.p - wanted).norm(), 1e-6);
+  EXPECT_LT((cell->slave().X_ST.p - wanted).norm(), 0.5e-3);
+}
+
+// How far the command moves when the hand comes back 5 mm from where it was lost.
+double jump_after_losing_the_hand(Nanos tick, Nanos lost_for) {
+  const auto cell = make_cell(0, 1, tick);
+  engage(*cell);
+  for (int i = 0; i < 300; ++i) cell->tick(hand_at(Vec3::Zero()));
+  const Vec3 before = cell->master().link.X_SU.p;
+  HandReading lost;
+  for (Nanos t = 0; t < lost_for; t += tick) cell->tick(lost);
+  for (int i = 0; i < 300; ++i) cell->tick(hand_at(Vec3(0.005, 0, 0)));
+  return (cell->master().link.X_SU.p - before).norm();
+}
+
+// The master lets go of a hand it has not seen for 20 ms.
+TEST_P(CellRate, TheMasterKnowsHowLongItsTicksAre) {
+  const Nanos tick = GetParam() * kMicrosecond;
+  EXPECT_GT(jump_after_losing_the_hand(tick, 10 * kMillisecond), 0.005);
+  EXPECT_LT(jump_after_losing_the_hand(tick, 40 * kMillisecond), 1e-6);
+}
+
+INSTANTIATE_TEST_SUITE_P(Microseconds, CellRate, ::testing::Values(100, 250, 1000, 4000, 10'000));
+
+// The master of a slow loop hears of the slave's newest millisecond: to ask and to be answered
+// takes a tick, plus the wait for the controller's cycle.
+TEST(CellTest, TheSlaveRepeatsItselfWhateverTheMastersRate) {
+  EXPECT_EQ(engage(*make_cell(0, 1, 10 * kMillisecond)), 30 * kMillisecond);
+}
+
+TEST(CellTest, SaysWhenTheControllerRanACycle) {
+  const auto cell = make_cell(3 * kMillisecond);
+  constexpr Nanos kPeriod = 7'100 * kMicrosecond;
+  engage(*cell);
+  while (cell->now() % (10 * kPeriod) != 0) cell->tick(hand_at(Vec3::Zero()));
+  int cycles = 0;
+  int moved = 0;
+  Vec3 tip = cell->rig().controller().arm().true_tip().p;
+  for (int i = 0; i < 7100; ++i) {
+    cell->tick(hand_at(Vec3(2e-6 * i, 0, 0)));
+    const Vec3 now = cell->rig().controller().arm().true_tip().p;
+    if (cell->robot_cycle()) {
+      ++cycles;
+      EXPECT_EQ(cell->robot_cycle_at() % kPeriod, 0);
+      EXPECT_GT(cell->robot_cycle_at(), cell->now() - kMillisecond);
+      EXPECT_LE(cell->robot_cycle_at(), cell->now());
+    } else {
+      EXPECT_EQ(now, tip) << i;
+    }
+    moved += now == tip ? 0 : 1;
+    tip = now;
+  }
+  EXPECT_EQ(cycles, 1000);  // 140.8 a second
+  EXPECT_GT(moved, 950);
+}
+
+TEST(CellTest, ALongTickTellsOfItsNewestCycle) {
+  const auto cell = make_cell(0, 1, 10 * kMillisecond);
+  EXPECT_EQ(cell->robot_cycle_at(), 0);
+  for (const int tenths : {71, 142, 284, 355, 497}) {
+    cell->tick(hand_at(Vec3::Zero()));
+    EXPECT_TRUE(cell->robot_cycle());
+    EXPECT_EQ(cell->robot_cycle_at(), tenths * 100 * kMicrosecond);
+  }
+}
 
 // Ticks from the hand's first motion to the first step of the slave's command.
 int ticks_to_react(Nanos transit) {
@@ -114,25 +201,43 @@ TEST(CellTest, TicksWithoutTouchingTheHeap) {
   for (int i = 0; i < 500; ++i) cell->tick(hand_at(Vec3(1e-5 * i, 0, 0)));
 }
 
-std::uint64_t fingerprint(std::uint64_t seed) {
-  const auto cell = make_cell(3 * kMillisecond, seed);
-  engage(*cell);
+// Of a simulated hand that pushes against the cell's force, device and arm.
+std::uint64_t fingerprint(std::uint64_t seed, std::uint64_t hand_seed, Nanos tick) {
+  const auto cell = make_cell(3 * kMillisecond, seed, tick);
+  HandOptions hand;
+  hand.seed = hand_seed;
+  SimOmni omni(hand, false);
+  EXPECT_TRUE(omni.open().is_ok());
+  HandIntent intent;
+  intent.displacement_M = Vec3(0.02, 0.01, 0.0);
+  intent.rotation_M = Vec3(0.0, 0.0, 0.3);
+  intent.duration = 0.8;
+  omni.hand()->steer(intent);
   Fnv fnv;
-  for (int i = 0; i < 1000; ++i) {
-    cell->tick(hand_at(Vec3(2e-5 * i, 1e-5 * i, 0)));
-    for (int j = 0; j < kJoints; ++j) {
-      fnv.f64(cell->slave().q_measured[j]);
-    }
+  while (cell->now() < kSecond) {
+    const HapticSample sample = omni.read(cell->now());
+    HandReading reading;
+    reading.X_MH = sample.X_MH;
+    reading.v_MH = sample.v_MH;
+    reading.valid = sample.valid;
+    cell->tick(reading, cell->now() < kSecond / 5 ? order_of(OrderKind::kEngage) : HapticOrder());
+    omni.write(cell->master().f_H_M);
+    for (int j = 0; j < kJoints; ++j) fnv.f64(cell->slave().q_measured[j]);
     for (int k = 0; k < 3; ++k) {
       fnv.f64(cell->master().f_H_M.force[k]);
+      fnv.f64(sample.X_MH.p[k]);
     }
   }
+  EXPECT_EQ(cell->slave().state, SessionState::kEngaged);
   return fnv.value();
 }
 
-TEST(CellTest, TheSameSeedGivesTheSameBitsAndAnotherOneOthers) {
-  EXPECT_EQ(fingerprint(1), fingerprint(1));
-  EXPECT_NE(fingerprint(1), fingerprint(2));
+TEST(CellTest, TheSameSeedsGiveTheSameBitsAndOtherOnesOthers) {
+  for (const Nanos tick : {kMillisecond / 4, kMillisecond, 4 * kMillisecond}) {
+    EXPECT_EQ(fingerprint(1, 1, tick), fingerprint(1, 1, tick));
+    EXPECT_NE(fingerprint(1, 1, tick), fingerprint(2, 1, tick));
+    EXPECT_NE(fingerprint(1, 1, tick), fingerprint(1, 2, tick));
+  }
 }
 
 }  // namespace
