@@ -46,6 +46,7 @@ void OperatorModel::aim(const OperatorAim& aim) noexcept {
   aim_ = aim;
   aiming_ = true;
   arrived_ = false;
+  near_stop_ = false;
   felt_for_ = 0.0;
   homing_for_ = 0.0;
   to_plan_ = 0.0;
@@ -84,9 +85,10 @@ const OperatorModel::Glance& OperatorModel::before(double seconds) const noexcep
   return memory_[(glances_ - 1 - std::min({ago, glances_ - 1, kGlances - 1})) % kGlances];
 }
 
-// A stop is felt when it pushes back for long enough to react; what was pushed into it is let go.
+// A stop is felt when it pushes back, where it is expected, for long enough to react; what was
+// pushed into it is let go.
 void OperatorModel::feel(double dt, const Vec3& f_H_M, SteerableHand& hand) noexcept {
-  if (!aim_.stop || arrived_) return;
+  if (!near_stop_ || arrived_) return;
   const Vec3 forward = machine_.q_SM.conjugate() * (aim_.X_SG.p - aim_.p_S0).normalized();
   felt_for_ = -f_H_M.dot(forward) > parameters_.stop_force ? felt_for_ + dt : 0.0;
   if (felt_for_ < parameters_.touch_delay) return;
@@ -133,6 +135,7 @@ Vec3 OperatorModel::wanted_step(const Vec3& p_expected) noexcept {
     homing_for_ += p.plan_interval;
     return error.norm() > tolerated(p.tolerance) ? Vec3(p.gain * error) : Vec3(Vec3::Zero());
   }
+  near_stop_ = aim_.stop && left < advance;
   // Toward a stop there is no turning back: the tool does not let the tip go past it.
   const Vec3 along = (aim_.stop ? advance : std::copysign(advance, left)) * forward;
   const Vec3 across = error - left * forward;

@@ -52,7 +52,8 @@ class OperatorModel {
   void step(double dt, const Pose& X_ST, const Vec3& f_H_M, SteerableHand& hand) noexcept;
 
   // True from when the operator holds the aim to be reached: it sees tip and orientation within its
-  // tolerances with nothing left under way, or feels or sees the stop.
+  // tolerances with nothing left under way, or feels or sees the stop near its
+  // end.
   bool arrived() const noexcept { return arrived_; }
 
   const OperatorParameters& parameters() const noexcept { return parameters_; }
@@ -89,6 +90,7 @@ class OperatorModel {
   OperatorAim aim_;
   bool aiming_ = false;
   bool arrived_ = false;
+  bool near_stop_ = false;              // as expected at the last plan
   double homing_for_ = 0.0;             // aiming at the end point itself [s]
   double felt_for_ = 0.0;               // the stop's force, without a break [s]
   Vec3 misjudged_ = Vec3::Zero();       // position, frame M, in tip scale [m]

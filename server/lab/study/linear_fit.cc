@@ -26,8 +26,6 @@ class Judge {
     study_.seed = options.seed;
     study_.threads = options.threads;
     study_.with_tools = false;
-    study_.trials = 1;
-    study_.practice = 0;
     study_.cancelled = options.cancelled;
   }
 

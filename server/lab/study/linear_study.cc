@@ -18,7 +18,7 @@ struct PersonResult {
   Status status = Status::ok();
 };
 
-// One operator, from practice to the last trial.
+// One operator, all trials.
 PersonResult run_person(const StudyMachine& machine, const Population& population,
                         const StudyOptions& options, int index) {
   PersonResult out;
@@ -35,23 +35,20 @@ PersonResult run_person(const StudyMachine& machine, const Population& populatio
     trial.mode = (turn == 0) == tools_first ? StudyMode::kTools : StudyMode::kFree;
     if (trial.mode == StudyMode::kTools && !options.with_tools) continue;
     int succeeded = 0;
-    const int most = options.practice + kAttemptsPerTrial * options.trials;
+    const int most = kAttemptsPerTrial * options.trials;
     for (int i = 0; i < most && succeeded < options.trials; ++i) {
-      const bool counts = i >= options.practice;
-      trial.number = turn * per_mode + i + 1;
+      trial.number = turn * per_mode + options.practice + i + 1;
       trial.seed =
           seed_of(own, 3 + static_cast<std::uint64_t>(trial.mode), static_cast<std::uint64_t>(i));
-      trial.keep_trace = counts && index < options.traced;
+      trial.keep_trace = index < options.traced;
       Result<TrialResult> result = run_linear_trial(machine, trial);
       if (!result) {
         out.status = result.status();
         return out;
       }
       out.simulated_time += result->simulated_time;
-      if (!counts) continue;
       succeeded += result->end == TrialEnd::kDone;
-      out.trials.push_back(
-          {index, trial.mode, trial.number, i - options.practice + 1, std::move(*result)});
+      out.trials.push_back({index, trial.mode, trial.number, i + 1, std::move(*result)});
     }
   }
   return out;

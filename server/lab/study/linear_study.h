@@ -14,7 +14,7 @@ namespace handrail {
 struct StudyOptions {
   int operators = 7;
   int trials = 2;    // successful ones wanted of each operator in each mode
-  int practice = 1;  // trials in each mode before, not counted
+  int practice = 1;  // trials in each mode before: they count as practice and are not run
   std::uint64_t seed = 1;
   int threads = 0;         // 0: one a core
   bool with_tools = true;  // false: mode NV alone, as the fit needs it
@@ -34,13 +34,15 @@ struct StudyTrial {
 
 struct StudyResult {
   std::vector<StudyTrial> trials;  // counted ones: by operator, in the order made
-  double simulated_time = 0.0;     // of everything run, practice included [s]
+  double simulated_time = 0.0;     // of everything run [s]
 };
 
 // Each operator is drawn from the population, works with an arm of its own (joint lags drawn from
-// the rig's spread) and meets the modes in random order: practice, then trials until `trials` have
-// succeeded or three times as many were made. Operator i of a seed is the same whatever the number
-// of operators or threads. The error says what the machine lacks, or that it was cancelled.
+// the rig's spread) and meets the modes in random order, trials until `trials` have succeeded or
+// three times as many were made. All that one trial leaves behind for the next is practice, which
+// shortens the pause for decisions; so practice trials are counted, not run. Operator i of a seed
+// is the same whatever the number of operators or threads. The error says what the machine lacks,
+// or that it was cancelled.
 Result<StudyResult> run_linear_study(const StudyMachine& machine, const Population& population,
                                      const StudyOptions& options);
 
