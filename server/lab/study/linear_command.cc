@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <fstream>
 
+#include "server/lab/study/linear_drawing.h"
 #include "server/lab/study/linear_fit.h"
 #include "server/lab/study/linear_report_io.h"
 #include "server/lab/study/population_io.h"
@@ -121,7 +122,9 @@ int run_linear_command(const LinearCommand& command, const std::atomic<bool>& ca
   const std::string text =
       command.json ? linear_json(header, base, varied) : linear_table(header, base, varied);
   std::fputs(text.c_str(), stdout);
-  return kDone;
+  if (command.figures.empty()) return kDone;
+  const Status drawn = draw_linear(command.figures, header, base, *setups[0].machine.scene.task);
+  return drawn ? kDone : complain(drawn, kFailed);
 }
 
 int run_fit_command(const FitCommand& command, const std::atomic<bool>& cancelled) {

@@ -27,7 +27,9 @@ struct StudyOptions {
 struct StudyTrial {
   int person = 0;  // from 0
   StudyMode mode = StudyMode::kFree;
-  int number = 1;   // among all this operator makes, practice included, from 1
+  // Among all this operator makes, practice included, from 1. The second mode's start where they
+  // would without failures in the first.
+  int number = 1;
   int attempt = 1;  // among the counted ones in this mode, from 1
   TrialResult result;
 };

@@ -68,7 +68,9 @@ TEST(LinearFit, ChangesNothingButFreeMediansAndKeepsThemInBounds) {
     const ParameterRange& after = result.population.parameters[i];
     EXPECT_EQ(before.spread, after.spread);
     EXPECT_EQ(before.source, after.source);
-    if (!before.fitted) EXPECT_EQ(before.median, after.median) << before.name;
+    if (!before.fitted) {
+      EXPECT_EQ(before.median, after.median) << before.name;
+    }
     EXPECT_GE(after.median, after.low) << after.name;
     EXPECT_LE(after.median, after.high) << after.name;
   }

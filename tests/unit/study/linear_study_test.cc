@@ -69,14 +69,15 @@ TEST(LinearStudy, EveryOperatorSucceedsTheTrialsWantedInBothModesInRandomOrder) 
   std::set<StudyMode> first_modes;
   for (int person = 0; person < options.operators; ++person) {
     int done[kStudyModes] = {};
-    int last_number = 0;
+    int last_number[kStudyModes] = {};
     bool first = true;
     for (const StudyTrial& trial : study.trials) {
       if (trial.person != person) continue;
       if (first) first_modes.insert(trial.mode);
       first = false;
-      EXPECT_GT(trial.number, last_number) << "trials are numbered as they are made";
-      last_number = trial.number;
+      int& last = last_number[static_cast<int>(trial.mode)];
+      EXPECT_GT(trial.number, last) << "trials are numbered as they are made";
+      last = trial.number;
       EXPECT_LE(trial.attempt, 6) << "three times as many as wanted";
       done[static_cast<int>(trial.mode)] += trial.result.end == TrialEnd::kDone;
     }
