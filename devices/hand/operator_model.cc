@@ -46,7 +46,7 @@ void OperatorModel::aim(const OperatorAim& aim) noexcept {
   aim_ = aim;
   aiming_ = true;
   arrived_ = false;
-  near_stop_ = false;
+  near_stop_ = felt_ = false;
   felt_for_ = 0.0;
   homing_for_ = 0.0;
   to_plan_ = 0.0;
@@ -88,11 +88,11 @@ const OperatorModel::Glance& OperatorModel::before(double seconds) const noexcep
 // A stop is felt when it pushes back, where it is expected, for long enough to react; what was
 // pushed into it is let go.
 void OperatorModel::feel(double dt, const Vec3& f_H_M, SteerableHand& hand) noexcept {
-  if (!near_stop_ || arrived_) return;
+  if (!near_stop_ || felt_) return;
   const Vec3 forward = machine_.q_SM.conjugate() * (aim_.X_SG.p - aim_.p_S0).normalized();
   felt_for_ = -f_H_M.dot(forward) > parameters_.stop_force ? felt_for_ + dt : 0.0;
   if (felt_for_ < parameters_.touch_delay) return;
-  arrived_ = true;
+  felt_ = true;
   goal_p_ = intent_.position().p + f_H_M / parameters_.stiffness;
   steer(hand);
 }
@@ -110,12 +110,14 @@ void OperatorModel::plan(SteerableHand& hand) noexcept {
 
   const Vec3 turn = wanted_turn(rotation_log(aim_.X_SG.q * q_expected.conjugate()));
   Vec3 step = Vec3::Zero();
-  if (!(aim_.stop && arrived_)) {
+  if (aim_.stop) {
+    if (!felt_) step = wanted_step(p_seen + coming);
+    arrived_ = arrived_ || stopped(p_seen);
+  } else {
     step = wanted_step(p_seen + coming);
-    const bool nothing_to_do = step.isZero(0.0) && turn.isZero(0.0);
-    arrived_ = (nothing_to_do && coming.norm() < kUnderWay * tolerated(p.tolerance) &&
-                coming_turn.norm() < kUnderWay * tolerated(p.angle_threshold)) ||
-               (aim_.stop && stopped(p_seen));
+    arrived_ = step.isZero(0.0) && turn.isZero(0.0) &&
+               coming.norm() < kUnderWay * tolerated(p.tolerance) &&
+               coming_turn.norm() < kUnderWay * tolerated(p.angle_threshold);
   }
   if (step.isZero(0.0) && turn.isZero(0.0)) return;
   goal_p_ += machine_.q_SM.conjugate() * missed(step) / machine_.scale;
@@ -151,13 +153,13 @@ Vec3 OperatorModel::wanted_turn(const Vec3& error) const noexcept {
   return error * (angle > advance ? advance / angle : p.gain);
 }
 
-// True when the tip, pushed on, is seen to stand near the stop.
+// True when the tip is seen to stand: at a stop that was felt, or pushed on and near the end.
 bool OperatorModel::stopped(const Vec3& p_seen) const noexcept {
   const OperatorParameters& p = parameters_;
   const Vec3 forward = (aim_.X_SG.p - aim_.p_S0).normalized();
   const Vec3 moved =
       before(p.vision_delay).X_ST.p - before(p.vision_delay + p.plan_interval).X_ST.p;
-  return (aim_.X_SG.p - p_seen).dot(forward) < p.tolerance &&
+  return (felt_ || (aim_.X_SG.p - p_seen).dot(forward) < p.tolerance) &&
          moved.norm() < kStopped * p.speed * p.plan_interval;
 }
 

@@ -52,8 +52,7 @@ class OperatorModel {
   void step(double dt, const Pose& X_ST, const Vec3& f_H_M, SteerableHand& hand) noexcept;
 
   // True from when the operator holds the aim to be reached: it sees tip and orientation within its
-  // tolerances with nothing left under way, or feels or sees the stop near its
-  // end.
+  // tolerances with nothing left under way, or sees the tip stand at a stop it felt or expected.
   bool arrived() const noexcept { return arrived_; }
 
   const OperatorParameters& parameters() const noexcept { return parameters_; }
@@ -92,6 +91,7 @@ class OperatorModel {
   bool arrived_ = false;
   bool near_stop_ = false;              // as expected at the last plan
   double homing_for_ = 0.0;             // aiming at the end point itself [s]
+  bool felt_ = false;                   // the stop
   double felt_for_ = 0.0;               // the stop's force, without a break [s]
   Vec3 misjudged_ = Vec3::Zero();       // position, frame M, in tip scale [m]
   Vec3 misjudged_turn_ = Vec3::Zero();  // orientation, frame M [rad]

@@ -2,6 +2,8 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <fstream>
 
@@ -90,6 +92,8 @@ int run_linear_command(const LinearCommand& command, const std::atomic<bool>& ca
   StudyResult base;
   std::vector<StudyVariation> varied;
   Progress progress;
+  double simulated = 0.0;
+  const auto started = std::chrono::steady_clock::now();
   for (std::size_t i = 0; i < runs.size(); ++i) {
     StudyOptions options;
     options.operators = command.operators;
@@ -105,6 +109,7 @@ int run_linear_command(const LinearCommand& command, const std::atomic<bool>& ca
     };
     auto result = run_linear_study(setups[i].machine, setups[i].population, options);
     if (!result) return complain(result.status(), cancelled ? kCancelled : kFailed);
+    simulated += result->simulated_time;
     if (i == 0) {
       base = std::move(*result);
     } else {
@@ -112,6 +117,11 @@ int run_linear_command(const LinearCommand& command, const std::atomic<bool>& ca
     }
   }
   progress.show("");
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - started;
+  if (!command.json) {
+    std::fprintf(stderr, "%.0f s of trials in %.1f s: %.0f times as fast as real time\n", simulated,
+                 wall.count(), simulated / wall.count());
+  }
 
   StudyHeader header;
   header.scene = command.scene;

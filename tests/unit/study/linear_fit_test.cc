@@ -15,8 +15,8 @@ StudySetup setup() {
 
 FitOptions small() {
   FitOptions options;
-  options.operators = 3;
-  options.evaluations = 12;
+  options.operators = 2;
+  options.evaluations = 8;
   return options;
 }
 

@@ -63,7 +63,7 @@ TEST(LinearStudy, AnOperatorIsTheSameInABiggerStudyAndAnotherWithAnotherSeed) {
 TEST(LinearStudy, EveryOperatorSucceedsTheTrialsWantedInBothModesInRandomOrder) {
   const StudySetup s = setup();
   StudyOptions options;
-  options.operators = 24;
+  options.operators = 12;
   options.trials = 2;
   const StudyResult study = run(s, options);
   std::set<StudyMode> first_modes;
