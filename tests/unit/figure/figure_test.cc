@@ -79,10 +79,14 @@ TEST(Figure, PutsPanelsInRowsWithAlignedFrames) {
   };
   EXPECT_EQ(left(0), left(2));
   EXPECT_EQ(left(1), left(3));
-  EXPECT_NE(left(0), left(1));
+  EXPECT_GT(std::stod(left(0)), 12.0 + 30.0) << "room for labels beside the first column";
+  EXPECT_GT(std::stod(left(1)), 12.0 + 340.0 + 10.0 + 30.0) << "and the second";
   EXPECT_EQ(top(0), top(1));
   EXPECT_EQ(top(2), top(3));
-  EXPECT_NE(top(0), top(2));
+  // Corners: upper left, upper right, lower right, lower left, upper left.
+  const std::string lower_right = frames[0].substr(0, frames[0].rfind(' '));
+  const double bottom = std::stod(lower_right.substr(lower_right.rfind(',') + 1));
+  EXPECT_GT(std::stod(top(2).substr(1)), bottom + 50.0) << "room for labels and a title between";
 }
 
 TEST(Figure, KeepsEverythingOnThePage) {

@@ -211,6 +211,16 @@ TEST(PanelRange, HoldsAllDataAndDoesNotGoBelowZeroForNothing) {
   EXPECT_EQ(svg.find("−"), std::string::npos) << "no negative tick";
 }
 
+TEST(PanelRange, HoldsWholeErrorBars) {
+  Panel panel("", {.label = "x"}, {.label = "y"});
+  panel.points({{1, 5}, {2, 6}}, kRed, "", {{-40, 5}, {6, 90}});
+  int caps = 0;
+  for (const std::string& line : having(elements(drawn(panel), "line"), "stroke", "#ff0000")) {
+    caps += value(line, "y1") == value(line, "y2") ? 1 : 0;
+  }
+  EXPECT_EQ(caps, 4);
+}
+
 TEST(PanelRange, WithoutDataIsStillDrawn) {
   for (const Scale scale : {Scale::kLinear, Scale::kLog}) {
     Panel panel("empty", {.label = "x", .scale = scale}, {.label = "y", .scale = scale});
