@@ -7,6 +7,7 @@
 #include "server/base/spatial.h"
 #include "server/base/status.h"
 #include "server/base/time.h"
+#include "server/scene/effect_list.h"
 
 namespace handrail {
 
@@ -67,6 +68,9 @@ class HapticDevice {
   virtual void write(const Wrench& f_H_M) noexcept = 0;
   // Force off, device released. Safe to call twice.
   virtual void close() noexcept = 0;
+  // A simulated device shows these of its own effects from now on; others have what they have.
+  // Real-time safe.
+  virtual void simulate(const DeviceEffects&) noexcept {}
   // The simulated hand that holds the device, or null on real hardware and on recordings.
   virtual SteerableHand* hand() noexcept { return nullptr; }
 };

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "devices/hand/recorded_hand_io.h"
+#include "devices/joystick/sim_joystick.h"
 #include "devices/omni/recorded_device.h"
 #include "devices/omni/sim_omni.h"
 
@@ -52,6 +53,14 @@ Made recorded(const HapticDeviceOptions& options) {
   return Made(std::make_unique<RecordedDevice>(std::move(*motion)));
 }
 
+Made sim_joystick(const HapticDeviceOptions& o) {
+  if (Status status = check(o.hand); !status) return status;
+  if (o.recording_path.empty()) return Made(std::make_unique<SimJoystick>(o.hand, o.effects));
+  auto motion = load_recorded_motion(o.recording_path);
+  if (!motion) return motion.status();
+  return Made(std::make_unique<SimJoystick>(o.hand, o.effects, std::move(*motion)));
+}
+
 struct Entry {
   HapticDeviceKind kind;
   Made (*make)(const HapticDeviceOptions&);
@@ -61,6 +70,7 @@ constexpr Entry kDevices[] = {
     {HapticDeviceKind::kSimOmni, [](const auto& o) { return sim_omni(o.hand, false); }},
     {HapticDeviceKind::kSimOmniTorque, [](const auto& o) { return sim_omni(o.hand, true); }},
     {HapticDeviceKind::kRecorded, recorded},
+    {HapticDeviceKind::kSimJoystick, sim_joystick},
 };
 
 }  // namespace

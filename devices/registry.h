@@ -11,12 +11,21 @@
 
 namespace handrail {
 
-enum class HapticDeviceKind : std::uint8_t { kSimOmni, kSimOmniTorque, kRecorded, kCount };
+enum class HapticDeviceKind : std::uint8_t {
+  kSimOmni,
+  kSimOmniTorque,
+  kRecorded,
+  kSimJoystick,
+  kCount
+};
 
 struct HapticDeviceOptions {
   HapticDeviceKind kind = HapticDeviceKind::kSimOmni;
-  HandOptions hand;            // simulated devices
-  std::string recording_path;  // kRecorded: a CSV file, see load_recorded_motion
+  HandOptions hand;  // simulated devices
+  // A CSV file, see load_recorded_motion. kRecorded: what is played; kSimJoystick: where the hand
+  // means to go, if not empty.
+  std::string recording_path;
+  DeviceEffects effects;  // kSimJoystick
 };
 
 // The device `options` ask for, not yet open. The error names the option or the file's line, the

@@ -14,8 +14,11 @@ constexpr double kSlow = 1e-3;          // below this the expected friction fade
 HandModel::HandModel(const HandOptions& options, const HeldBody& held) noexcept
     : held_(held),
       mass_(options.mass + held.mass),
+      hand_mass_(options.mass),
       stiffness_(options.stiffness),
-      damping_(2.0 * options.damping_ratio * std::sqrt(options.stiffness * options.mass)),
+      hand_damping_(2.0 * options.damping_ratio * std::sqrt(options.stiffness * options.mass)),
+      damping_(hand_damping_ + held.viscosity),
+      wander_is_meant_(options.wander_is_meant),
       turn_lever_(options.turn_lever),
       inertia_(options.rotation_inertia),
       rotation_stiffness_(options.rotation_stiffness),
@@ -24,23 +27,45 @@ HandModel::HandModel(const HandOptions& options, const HeldBody& held) noexcept
       motion_(options.reaction),
       wander_(options.seed, options.tremor_rms, options.drift_rms, options.drift_rotation_rms) {}
 
+void HandModel::hold(const HeldBody& held) noexcept {
+  held_ = held;
+  mass_ = hand_mass_ + held.mass;
+  damping_ = hand_damping_ + held.viscosity;
+}
+
 void HandModel::step(double dt, const Wrench& f_H_M) noexcept {
   const int steps = std::max(1, static_cast<int>(std::ceil(dt / kInnerStep - 1e-6)));
   const double h = dt / steps;
+  const Vec3 v_before = v_;
+  effort_.setZero();
   for (int i = 0; i < steps; ++i) {
     motion_.step(h);
     translate(h, f_H_M.force);
     rotate(h, f_H_M.torque);
   }
+  const Vec3 meant_rate = meant().v;
+  push_ = (effort_ + mass_ * (meant_rate - meant_rate_) - hand_mass_ * (v_ - v_before)) / dt;
+  meant_rate_ = meant_rate;
   wander_.step(dt);
 }
 
+VectorMotion HandModel::meant() const noexcept {
+  VectorMotion out = motion_.position();
+  if (!wander_is_meant_) return out;
+  out.p += wander_.position();
+  out.v += wander_.velocity();
+  return out;
+}
+
 void HandModel::translate(double h, const Vec3& force) noexcept {
-  const Vec3& r = motion_.position().p;
-  const Vec3& r_rate = motion_.position().v;
+  const VectorMotion intent = meant();
+  const Vec3& r = intent.p;
+  const Vec3& r_rate = intent.v;
   const Vec3 expected_friction = held_.friction / std::max(r_rate.norm(), kSlow) * r_rate;
   const double resistance = mass_ + h * (damping_ + h * stiffness_);
   const Vec3 push = force + stop_force() + expected_friction - stiffness_ * deviation_;
+  effort_ += h * (expected_friction + held_.viscosity * r_rate - stiffness_ * deviation_ -
+                  hand_damping_ * deviation_rate_);
   const Vec3 free_rate = (mass_ * deviation_rate_ + h * push) / resistance;
 
   const Vec3 v_free = r_rate + free_rate;
@@ -82,7 +107,8 @@ Vec3 HandModel::strayed() const noexcept {
 
 Pose HandModel::pose() const noexcept {
   const Quat away = rotation_exp(turn_) * rotation_exp(wander_.rotation());
-  return {x_ + strayed() + wander_.position(), (away * motion_.orientation()).normalized()};
+  const Vec3 shaken = wander_is_meant_ ? Vec3(Vec3::Zero()) : wander_.position();
+  return {x_ + strayed() + shaken, (away * motion_.orientation()).normalized()};
 }
 
 }  // namespace handrail

@@ -30,16 +30,20 @@ struct HandOptions {
   // How far the tip strays when the stylus turns: the distance from tip to the pivot in the grip,
   // less what habit makes up for [m].
   double turn_lever = 0.0;
+  // True: tremor and drift move what the hand means, as on a device as stiff as the hand; false:
+  // they move the tip itself, past the device.
+  bool wander_is_meant = false;
   // Rotational impedance, felt by devices with torque only. Our choice: a light precision grip.
   double rotation_inertia = 2e-4;   // [kg m^2]
   double rotation_stiffness = 1.0;  // [N m/rad]
   double rotation_damping_ratio = 0.7;
 };
 
-// What the hand holds: a point mass with dry friction between soft stops.
+// What the hand holds: a point mass with friction between soft stops.
 struct HeldBody {
   double mass = 0.0;                     // [kg]
   double friction = 0.0;                 // Coulomb, in any direction [N]
+  double viscosity = 0.0;                // [N s/m]
   Vec3 stop_half = Vec3::Constant(1e3);  // the stops' distance from M's origin [m]
   double stop_stiffness = 0.0;           // [N/m]
   double stop_damping = 0.0;             // [N s/m]
@@ -50,11 +54,11 @@ struct HeldBody {
 //
 //   m e'' + b e' + k e = f_device + f_stop + (friction, less the friction the hand expects),
 //
-// so that without outside force the body follows the intent exactly: people learn the mass and the
-// friction of what they move (Shadmehr and Mussa-Ivaldi 1994). Tremor and drift add to the body's
-// motion at the fingertips, past the friction of the device's joints, and so does straying when the
-// stylus, held like a pen (pointing half forward, half down), turns about the grip. Rotation
-// deviates from the intent by a spring-damper under the device's torque.
+// with b of hand and body, so that without outside force the body follows the intent exactly:
+// people learn the mass and the friction of what they move (Shadmehr and Mussa-Ivaldi 1994). Tremor
+// and drift add to the body's motion at the fingertips, past the friction of the device's joints,
+// and so does straying when the stylus, held like a pen (pointing half forward, half down), turns
+// about the grip. Rotation deviates from the intent by a spring-damper under the device's torque.
 //
 // Pure: fixed state, no allocation, no clock; the same seed and calls give the same bits.
 class HandModel final : public SteerableHand {
@@ -63,6 +67,11 @@ class HandModel final : public SteerableHand {
 
   void steer(const HandIntent& intent) noexcept override { motion_.steer(intent); }
   bool moving() const noexcept override { return motion_.moving(); }
+  // The intent is given from outside, until the next order; see HandMotion::lead.
+  void lead(const VectorMotion& intent) noexcept { motion_.lead(intent); }
+
+  // Holds another body from now on, where the hand is.
+  void hold(const HeldBody& held) noexcept;
 
   // Advances by dt, 0 < dt <= 10 ms, under a constant finite wrench of the device on the hand,
   // frame M. Inner steps of at most 0.25 ms, implicit in the hand's spring and damper, and friction
@@ -71,19 +80,25 @@ class HandModel final : public SteerableHand {
 
   Pose pose() const noexcept;  // X_MH of the tip
   // Of the tip, true, but for the part of straying [m/s].
-  Vec3 velocity() const noexcept { return v_ + wander_.velocity(); }
+  Vec3 velocity() const noexcept { return wander_is_meant_ ? v_ : Vec3(v_ + wander_.velocity()); }
+  // Force of the hand on what it holds, mean of the last step, frame M [N].
+  const Vec3& push() const noexcept { return push_; }
   std::uint32_t buttons() const noexcept { return motion_.buttons(); }
   const HandMotion& motion() const noexcept { return motion_; }
 
  private:
+  VectorMotion meant() const noexcept;
   void translate(double h, const Vec3& force) noexcept;
   void rotate(double h, const Vec3& torque) noexcept;
   Vec3 stop_force() const noexcept;
   Vec3 strayed() const noexcept;
 
   HeldBody held_;
-  double mass_;                                   // hand and body [kg]
-  double stiffness_, damping_;                    // [N/m], [N s/m]
+  double mass_;                    // hand and body [kg]
+  double hand_mass_;               // [kg]
+  double stiffness_;               // [N/m]
+  double hand_damping_, damping_;  // of the hand; of hand and body [N s/m]
+  bool wander_is_meant_;
   double turn_lever_;                             // [m]
   double inertia_;                                // [kg m^2]
   double rotation_stiffness_, rotation_damping_;  // [N m/rad], [N m s/rad]
@@ -93,6 +108,9 @@ class HandModel final : public SteerableHand {
   Vec3 v_ = Vec3::Zero();               // [m/s]
   Vec3 deviation_ = Vec3::Zero();       // of the body from the intent [m]
   Vec3 deviation_rate_ = Vec3::Zero();  // [m/s]
+  Vec3 meant_rate_ = Vec3::Zero();      // a step before [m/s]
+  Vec3 effort_ = Vec3::Zero();          // impulse of the hand, but for inertia, of this step [N s]
+  Vec3 push_ = Vec3::Zero();            // [N]
   Vec3 turn_ = Vec3::Zero();            // rotation away from the intent, frame M [rad]
   Vec3 turn_rate_ = Vec3::Zero();       // [rad/s]
 };

@@ -22,6 +22,12 @@ class HandMotion {
   // way round. Ignored: not finite, over 1 m, or a duration outside (0, 3600] s.
   void steer(const HandIntent& intent) noexcept;
 
+  // The intent is where `motion` says, from outside, until the next order. Finite.
+  void lead(const VectorMotion& motion) noexcept {
+    position_ = motion;
+    running_ = waiting_ = false;
+  }
+
   // True from an order until its move has ended.
   bool moving() const noexcept { return waiting_ || running_; }
 

@@ -23,8 +23,9 @@ const std::map<std::string, Folders>& table() {
   static const Folders daemons =
       steps + Folders{"server/control", "server/link", "server/record", "proto", "devices"};
   static const Folders sim = steps + Folders{"devices", "devices/hand"};
-  static const Folders all_devices = {"devices/hand",   "devices/omni", "devices/melfa",
-                                      "devices/net_ft", "devices/udp",  "devices/rig"};
+  static const Folders all_devices = {"devices/hand",  "devices/omni",   "devices/joystick",
+                                      "devices/melfa", "devices/net_ft", "devices/udp",
+                                      "devices/rig"};
   static const std::map<std::string, Folders> rows = {
       {"proto", {}},
       {"server/base", {}},
@@ -47,6 +48,7 @@ const std::map<std::string, Folders>& table() {
       {"devices/net_ft", base + Folders{"devices", "devices/udp"}},
       {"devices/hand", sim},
       {"devices/omni", sim},
+      {"devices/joystick", sim},
       {"devices/rig", sim + Folders{"proto", "devices/melfa", "devices/net_ft", "devices/udp"}},
       {"client/api", base + Folders{"proto", "server/link"}},
       {"client/cli",

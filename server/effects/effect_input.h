@@ -1,0 +1,65 @@
+// What every effect of a two-axis scene is given, and what it may tell. Frame of the walls, SI.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "server/base/plane.h"
+#include "server/scene/walls.h"
+
+namespace handrail {
+
+// One tick's view of the hand among the walls. Finite; `dt` > 0.
+struct EffectInput {
+  Vec2 hand = Vec2::Zero();            // [m]
+  Vec2 velocity = Vec2::Zero();        // of the hand, as the device gives it [m/s]
+  Vec2 proxy = Vec2::Zero();           // in free space [m]
+  const WallRegion* region = nullptr;  // that the proxy is in; never null in a step
+  const WallRegion* wall = nullptr;    // that is touched; null while the hand is free
+  double dt = 1e-3;                    // [s]
+};
+
+// The least that effects may count on about device and hand. All > 0 but the lag.
+struct Plant {
+  double least_mass = 0.5;    // device and hand together [kg]
+  double velocity_lag = 0.0;  // of the device's velocity, >= 0 [s]
+  double most_force = 25.0;   // of the device [N]
+};
+
+struct EffectEvent {
+  enum class Kind : std::uint8_t { kLocked, kUnlocked, kReturned };
+  Kind kind = Kind::kLocked;
+  int place = 0;  // locked, unlocked: index into the detent's places
+};
+
+// What one tick of the effects came to.
+struct EffectTick {
+  Vec2 force = Vec2::Zero();  // on the hand [N]
+  bool locked = false;        // a detent holds the hand
+  std::array<EffectEvent, 4> events{};
+  int event_count = 0;
+
+  void tell(EffectEvent event) noexcept {
+    if (event_count < static_cast<int>(events.size())) {
+      events[static_cast<std::size_t>(event_count++)] = event;
+    }
+  }
+};
+
+// A share that moves between 0 and 1 within 50 ms, so that no force starts or ends with a step.
+class Fade {
+ public:
+  double move(bool on, double dt) noexcept {
+    constexpr double kTime = 0.050;  // [s]
+    const double step = dt / kTime;
+    share_ = on ? (share_ + step < 1.0 ? share_ + step : 1.0)
+                : (share_ - step > 0.0 ? share_ - step : 0.0);
+    return share_;
+  }
+  double share() const noexcept { return share_; }
+
+ private:
+  double share_ = 0.0;
+};
+
+}  // namespace handrail

@@ -1,0 +1,52 @@
+// Spring and damper of a wall, (2.1).
+#pragma once
+
+#include <algorithm>
+
+#include "server/effects/effect_input.h"
+
+namespace handrail {
+
+// f = K (x_proxy - x) - B x'  (2.1), of the wall that is touched.
+//
+// Read as a wall: the damper acts along the way out only, comes on over the first half millimetre
+// (after Hunt and Crossley 1975), so that the force of contact begins at zero, and never pulls the
+// hand in. B is kept under what a force held for a period can do, B / (1 + B h / m), with h the
+// period and the velocity's lag and m the least mass: over a tick the damper can stop the hand but
+// not throw it back, whatever B. Where the wall's stiffness changes along it, the change is spread
+// over 20 ms.
+class WallSpring {
+ public:
+  explicit WallSpring(const Plant& plant) noexcept : plant_(plant) {}
+
+  void restart(const Vec2&) noexcept { stiffness_ = 0.0; }
+
+  Vec2 force(const EffectInput& in, EffectTick&) noexcept {
+    if (in.wall == nullptr) {
+      stiffness_ = 0.0;
+      return Vec2::Zero();
+    }
+    constexpr double kChange = 0.020;  // [s]
+    constexpr double kOnset = 0.5e-3;  // [m]
+    const double wanted = in.wall->stiffness;
+    stiffness_ = stiffness_ == 0.0
+                     ? wanted
+                     : stiffness_ + std::min(in.dt / kChange, 1.0) * (wanted - stiffness_);
+    const Vec2 out = in.proxy - in.hand;
+    const Vec2 spring = stiffness_ * out;
+    const double depth = out.norm();
+    if (in.wall->damping == 0.0 || depth == 0.0) return spring;
+    const double damping =
+        in.wall->damping /
+        (1.0 + in.wall->damping * (in.dt + plant_.velocity_lag) / plant_.least_mass);
+    const double speed_out = in.velocity.dot(out) / depth;
+    const double drag = damping * std::min(depth / kOnset, 1.0) * speed_out;
+    return (std::max(stiffness_ * depth - drag, 0.0) / depth) * out;
+  }
+
+ private:
+  Plant plant_;
+  double stiffness_ = 0.0;  // in force; 0: nothing touched [N/m]
+};
+
+}  // namespace handrail
