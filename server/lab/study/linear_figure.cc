@@ -48,7 +48,8 @@ double value_of(const TrialResult& result, LinearFigure figure) noexcept {
 ByPerson values_of(const StudyResult& study, StudyMode mode, LinearFigure figure) {
   std::map<int, std::vector<double>> by_person;
   for (const StudyTrial& trial : study.trials) {
-    if (trial.mode == mode) by_person[trial.person].push_back(value_of(trial.result, figure));
+    std::vector<double>& values = by_person[trial.person];
+    if (trial.mode == mode) values.push_back(value_of(trial.result, figure));
   }
   ByPerson out;
   for (auto& [person, values] : by_person) out.push_back(std::move(values));

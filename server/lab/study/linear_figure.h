@@ -31,7 +31,7 @@ const LinearFigureInfo& info_of(LinearFigure figure) noexcept;
 // The measure of one trial [SI]; infinity for a failed one.
 double value_of(const TrialResult& result, LinearFigure figure) noexcept;
 
-// All trials of a mode by operator [SI].
+// All trials of a mode by operator [SI]; in either mode entry k is the same person.
 ByPerson values_of(const StudyResult& study, StudyMode mode, LinearFigure figure);
 
 }  // namespace handrail
