@@ -44,6 +44,9 @@ std::vector<std::string> warnings_of(const Scene& scene) {
   if (scene.guidance.stiffness > kPublishedStiffness) {
     out.push_back("guidance.stiffness_n_mm: above 0.8 N/mm an Omni may not render it stably");
   }
+  if (scene.walls) {
+    out.insert(out.end(), scene.walls->warnings.begin(), scene.walls->warnings.end());
+  }
   return out;
 }
 

@@ -1,6 +1,7 @@
 // A scene: what master and slave must agree on, immutable once loaded. SI, without protobuf.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "server/base/spatial.h"
 #include "server/base/tool_call.h"
 #include "server/base/units.h"
+#include "server/scene/walls.h"
 #include "server/task/linear_task.h"
 
 namespace handrail {
@@ -57,11 +59,12 @@ struct Scene {
   double tip_length = 0.301;    // wrist centre to the tip [m]
   std::vector<ToolCall> tools;  // called on loading: at most one position and one orientation tool
   std::optional<LinearTask> task;  // what the person is asked to do
+  std::shared_ptr<const Walls> walls;  // of a two-axis device; null: none
 };
 
 // Hashes of what both sides must hold alike: mapping, limits (with the bumper, which also holds the
 // arm back) and robot, over the SI values. `tools` stays 0: it belongs to the tools active, not to
-// the scene. The task is the operator's business alone.
+// the scene. The task and the walls are the operator's business alone.
 SectionHashes section_hashes(const Scene& scene) noexcept;
 
 // One sentence for each setting that is allowed but likely to surprise.

@@ -9,6 +9,7 @@
 #include "server/scene/scene_limits_io.h"
 #include "server/scene/text_io.h"
 #include "server/scene/tool_io.h"
+#include "server/scene/walls_io.h"
 
 namespace handrail {
 namespace {
@@ -134,7 +135,21 @@ Problem scene_from(const pb::Scene& in, const std::string& path, Scene& out) {
   if (in.has_task()) {
     if (Problem p = task_from(in.task(), out.task.emplace())) return p;
   }
+  if (in.has_walls()) {
+    auto walls = std::make_shared<Walls>();
+    if (Problem p = walls_from(in.walls(), *walls)) return p;
+    out.walls = std::move(walls);
+  }
   return tools_from(in, out.tools);
+}
+
+// The part that takes long, once everything else is known to be right.
+Problem complete(const pb::Scene& in, const std::string& path, Scene& out) {
+  if (!out.walls) return std::nullopt;
+  auto walls = std::make_shared<Walls>(*out.walls);
+  const Problem problem = complete_walls(in.walls(), path, *walls);
+  out.walls = std::move(walls);
+  return problem;
 }
 
 }  // namespace
@@ -154,6 +169,7 @@ Result<Scene> parse_scene(const std::string& path, std::string_view text, pb::Sc
     };
     if (Status status = set_fields(message, overrides, "", check); !status) return status;
   }
+  if (const Problem problem = complete(message, path, scene)) return source.error_at(*problem);
   if (raw != nullptr) *raw = message;
   return scene;
 }

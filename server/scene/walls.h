@@ -74,6 +74,7 @@ struct Walls {
   std::uint8_t outside = 0;               // drawn: the wall region around the shapes
   Vec2 start = Vec2::Zero();              // a point of free space, map frame [m]
   std::vector<WallStage> stages;          // at least one; the first is in force at the start
+  std::vector<std::string> warnings;      // one sentence each: allowed, but likely to surprise
 };
 
 }  // namespace handrail
