@@ -1,0 +1,50 @@
+// From the colours of a painted map to how much of each pixel is free.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "server/base/status.h"
+#include "server/scene/colour.h"
+#include "server/scene/png_io.h"
+#include "server/scene/walls.h"
+
+namespace handrail {
+
+// How the editor mixed the colours of a pixel that an edge crosses, in proportion to area.
+enum class EdgeLaw : std::uint8_t {
+  kSrgb,    // coded values
+  kLinear,  // light
+  kAlpha,   // the alpha channel, over the palette's transparent entry; colours as kSrgb
+};
+
+struct PaletteEntry {
+  Rgb rgb{};
+  bool wall = false;
+  std::string name;
+};
+
+struct CoverageRules {
+  std::vector<PaletteEntry> palette;  // 1 to 64, no colour twice
+  int transparent = -1;               // entry that alpha 0 means; -1: none
+  EdgeLaw law = EdgeLaw::kSrgb;
+};
+
+inline constexpr int kLeastImageSide = 100;  // [pixels]
+
+// What of every pixel is free, its region and the wall near it; `pixel` is left alone. A pixel must
+// be a palette colour, or within 2/255 of a mixture of two that its 5 x 5 neighbourhood holds.
+// Otherwise the error gives colour, position (column, row from 0 at the top left) and count. Warns
+// of colours that are mixtures of two others beside them.
+Result<CoverageMap> coverage_of(const RgbaImage& image, const CoverageRules& rules,
+                                std::vector<std::string>& warnings);
+
+// Which law an image was most likely made with, and what it was told from.
+struct EdgeGuess {
+  EdgeLaw law = EdgeLaw::kSrgb;
+  std::string why;
+};
+EdgeGuess guess_edges(const RgbaImage& image, const CoverageRules& rules);
+
+}  // namespace handrail

@@ -1,0 +1,161 @@
+#include "server/scene/walls_io.h"
+
+#include <gtest/gtest.h>
+
+#include "server/base/units.h"
+#include "server/scene/scene_io.h"
+
+namespace handrail {
+namespace {
+
+const std::string kRegions =
+    "region { name: 'road' kind: FREE viscosity_n_s_m: 3 }\n"
+    "region { name: 'lane' kind: AISLE one_way: [3, 4] progressive: true }\n"
+    "region { name: 'rim' kind: WALL stiffness_n_mm: 8 damping_n_s_mm: 0.002 }\n";
+const std::string kSquare =
+    "shape { rectangle { centre_mm: [0, 0] size_mm: [40, 20] angle_deg: 90 region: 'road' } }\n";
+
+std::string error_of(const std::string& walls) {
+  return parse_scene("/x/a.scene", "name: 'a'\nwalls {\n" + walls + "}\n").message();
+}
+Walls walls_of(const std::string& text) {
+  const Result<Scene> scene = parse_scene("/x/a.scene", "name: 'a'\nwalls {\n" + text + "}\n");
+  EXPECT_TRUE(scene.is_ok()) << scene.message();
+  return scene && scene->walls ? *scene->walls : Walls();
+}
+
+TEST(WallsIo, ASceneWithoutWallsHasNone) {
+  const Result<Scene> scene = parse_scene("/x/a.scene", "name: 'a'");
+  ASSERT_TRUE(scene.is_ok());
+  EXPECT_EQ(scene->walls, nullptr);
+}
+
+TEST(WallsIo, ReadsRegionsInSi) {
+  const Walls walls = walls_of(kRegions + kSquare);
+  ASSERT_EQ(walls.regions.size(), 3U);
+  EXPECT_EQ(walls.regions[0].kind, RegionKind::kFree);
+  EXPECT_DOUBLE_EQ(walls.regions[0].viscosity, 3.0);
+  EXPECT_EQ(walls.regions[1].kind, RegionKind::kAisle);
+  EXPECT_TRUE(walls.regions[1].one_way.isApprox(Vec2(0.6, 0.8)));
+  EXPECT_TRUE(walls.regions[1].progressive);
+  EXPECT_EQ(walls.regions[2].kind, RegionKind::kWall);
+  EXPECT_DOUBLE_EQ(walls.regions[2].stiffness, 8000.0);
+  EXPECT_DOUBLE_EQ(walls.regions[2].damping, 2.0);
+}
+
+TEST(WallsIo, ReadsShapesInSi) {
+  const Walls walls = walls_of(
+      kRegions + kSquare +
+      "shape { disc { centre_mm: [0, 20] radius_mm: 5 region: 'lane' } }\n"
+      "shape { arc { centre_mm: [0, 40] radius_mm: 15 width_mm: 6 from_deg: -90 to_deg: 90\n"
+      "region: 'lane' } }\nfillet_mm: 1.5 start_mm: [2, -3]\n");
+  EXPECT_EQ(walls.method, WallMethod::kExact);
+  ASSERT_EQ(walls.shapes.size(), 3U);
+  EXPECT_EQ(walls.shapes[0].kind, WallShape::Kind::kRectangle);
+  EXPECT_TRUE(walls.shapes[0].half.isApprox(Vec2(0.02, 0.01)));
+  EXPECT_DOUBLE_EQ(walls.shapes[0].angle, 90 * kDeg);
+  EXPECT_EQ(walls.shapes[0].region, 0);
+  EXPECT_EQ(walls.shapes[1].kind, WallShape::Kind::kDisc);
+  EXPECT_DOUBLE_EQ(walls.shapes[1].radius, 0.005);
+  EXPECT_EQ(walls.shapes[2].kind, WallShape::Kind::kArc);
+  EXPECT_DOUBLE_EQ(walls.shapes[2].radius, 0.015);
+  EXPECT_DOUBLE_EQ(walls.shapes[2].width, 0.006);
+  EXPECT_DOUBLE_EQ(walls.shapes[2].to, 90 * kDeg);
+  EXPECT_EQ(walls.shapes[2].region, 1);
+  EXPECT_DOUBLE_EQ(walls.fillet, 0.0015);
+  EXPECT_EQ(walls.outside, 2);
+  EXPECT_TRUE(walls.start.isApprox(Vec2(0.002, -0.003)));
+}
+
+TEST(WallsIo, AlwaysHasAStageToBeginWith) {
+  const Walls walls = walls_of(kRegions + kSquare);
+  ASSERT_EQ(walls.stages.size(), 1U);
+  EXPECT_EQ(walls.stages[0].pose.p, Vec2::Zero());
+  EXPECT_TRUE(walls.stages[0].gone.empty());
+}
+
+TEST(WallsIo, ReadsStages) {
+  const Walls walls =
+      walls_of(kRegions + kSquare +
+               "stage { name: 'one' }\n"
+               "stage { name: 'two' at_mm: [10, -5] turn_deg: 30 without: 'rim' }\n");
+  ASSERT_EQ(walls.stages.size(), 2U);
+  EXPECT_EQ(walls.stages[1].name, "two");
+  EXPECT_TRUE(walls.stages[1].pose.p.isApprox(Vec2(0.01, -0.005)));
+  EXPECT_DOUBLE_EQ(walls.stages[1].pose.angle, 30 * kDeg);
+  EXPECT_EQ(walls.stages[1].gone, std::vector<std::uint8_t>{2});
+}
+
+TEST(WallsIo, SaysWhereAndWhatIsWrongWithRegions) {
+  const std::string wall = "region { name: 'w' kind: WALL }\n";
+  EXPECT_EQ(
+      error_of("region { name: 'w' kind: WALL }\nregion { name: 'w' kind: FREE }\n" + kSquare),
+      "/x/a.scene:4:10: field 'walls.region[1].name': a second region 'w'");
+  EXPECT_EQ(error_of("region { name: 'f' kind: FREE stiffness_n_mm: 2 }\n" + wall + kSquare),
+            "/x/a.scene:3:31: field 'walls.region[0].stiffness_n_mm': has no meaning for FREE");
+  EXPECT_EQ(error_of("region { name: 'f' kind: FREE colour: '#12345g' }\n" + wall + kSquare),
+            "/x/a.scene:3:31: field 'walls.region[0].colour': '#12345g', expected \"#rrggbb\" or "
+            "\"transparent\"");
+  EXPECT_EQ(error_of("region { name: 'road' kind: FREE colour: '#aabbcc' }\n"
+                     "region { name: 'w' kind: WALL colour: '#AABBCC' }\n" +
+                     kSquare),
+            "/x/a.scene:4:31: field 'walls.region[1].colour': '#AABBCC' is the colour of 'road' "
+            "already, expected each colour once");
+  EXPECT_EQ(error_of("region { name: 'lane' kind: AISLE one_way: [0, 0] }\n" + wall + kSquare),
+            "/x/a.scene:3:35: field 'walls.region[0].one_way': has no direction");
+  EXPECT_EQ(error_of("region { name: 'w' kind: WALL stiffness_n_mm: 51 }\n" + kSquare),
+            "/x/a.scene:3:31: field 'walls.region[0].stiffness_n_mm': 51 is outside 0.01 to 50 "
+            "N/mm");
+}
+
+TEST(WallsIo, SaysWhereAndWhatIsWrongWithShapes) {
+  const auto error = [](const std::string& text) { return error_of(kRegions + text); };
+  EXPECT_EQ(error(""),
+            "/x/a.scene:2:1: field 'walls': has neither image nor shape, expected one "
+            "of them");
+  EXPECT_EQ(error("shape { disc { centre_mm: [0, 0] radius_mm: 5 region: 'laen' } }"),
+            "/x/a.scene:6:47: field 'walls.shape[0].disc.region': no region 'laen'; did you mean "
+            "'lane'?");
+  EXPECT_EQ(error("shape { disc { centre_mm: [0, 0] radius_mm: 5 region: 'rim' } }"),
+            "/x/a.scene:6:47: field 'walls.shape[0].disc.region': 'rim' is a WALL, but shapes are "
+            "free space");
+  EXPECT_EQ(error("shape { }"),
+            "/x/a.scene:6:1: field 'walls.shape[0]': expected exactly one of rectangle, disc and "
+            "arc");
+  const std::string arc = "shape { arc { centre_mm: [0, 0] radius_mm: 5 region: 'road' ";
+  EXPECT_EQ(error(arc + "width_mm: 10.5 from_deg: 0 to_deg: 90 } }"),
+            "/x/a.scene:6:61: field 'walls.shape[0].arc.width_mm': 10.5 mm is more than twice the "
+            "radius of 5 mm");
+  EXPECT_EQ(error(arc + "width_mm: 2 from_deg: 90 to_deg: 0 } }"),
+            "/x/a.scene:6:86: field 'walls.shape[0].arc.to_deg': 0 deg is -90 deg from from_deg, "
+            "expected above 0 to 360");
+  EXPECT_EQ(error(kSquare + "method: SUBPIXEL"),
+            "/x/a.scene:7:1: field 'walls.method': SUBPIXEL needs an image; shapes are felt EXACT");
+  EXPECT_EQ(error(kSquare + "search_radius_px: 2"),
+            "/x/a.scene:7:1: field 'walls.search_radius_px': only used with method: PUBLISHED");
+  EXPECT_EQ(error(kSquare + "outside: 'road'"),
+            "/x/a.scene:7:1: field 'walls.outside': 'road' is not a WALL");
+  EXPECT_EQ(error("region { name: 'other' kind: WALL }\n" + kSquare),
+            "/x/a.scene:2:1: field 'walls.outside': missing, but there are several WALL regions");
+}
+
+TEST(WallsIo, SaysWhereAndWhatIsWrongWithStages) {
+  const auto error = [](const std::string& text) { return error_of(kRegions + kSquare + text); };
+  EXPECT_EQ(error("stage { name: 'a' }\nstage { name: 'a' }"),
+            "/x/a.scene:8:9: field 'walls.stage[1].name': a second stage 'a'");
+  EXPECT_EQ(error("stage { name: 'a' without: ['rim', 'road'] }"),
+            "/x/a.scene:7:19: field 'walls.stage[0].without[1]': 'road' is not a WALL");
+}
+
+TEST(WallsIo, RefusesShapesThatTheHandCannotReach) {
+  EXPECT_EQ(error_of(kRegions + kSquare + "start_mm: [0, 21]\n"),
+            "/x/a.scene:7:1: field 'walls.start_mm': the start 0, 21 mm is inside the wall, "
+            "expected it in a shape");
+  EXPECT_EQ(error_of(kRegions + kSquare +
+                     "shape { disc { centre_mm: [20, 0] radius_mm: 9.99 region: 'lane' } }\n"),
+            "/x/a.scene:7:1: field 'walls.shape[1]': cannot be reached from the start, the wall "
+            "seals it off");
+}
+
+}  // namespace
+}  // namespace handrail
