@@ -11,6 +11,7 @@
 #include "server/base/spatial.h"
 #include "server/base/tool_call.h"
 #include "server/base/units.h"
+#include "server/scene/effect_list.h"
 #include "server/scene/walls.h"
 #include "server/task/linear_task.h"
 
@@ -60,6 +61,7 @@ struct Scene {
   std::vector<ToolCall> tools;  // called on loading: at most one position and one orientation tool
   std::optional<LinearTask> task;  // what the person is asked to do
   std::shared_ptr<const Walls> walls;  // of a two-axis device; null: none
+  std::vector<EffectSpec> effects;     // with walls: what is simulated, and nothing else
 };
 
 // Hashes of what both sides must hold alike: mapping, limits (with the bumper, which also holds the

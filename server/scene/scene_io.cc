@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "server/base/units.h"
+#include "server/scene/effect_io.h"
 #include "server/scene/scene_limits_io.h"
 #include "server/scene/text_io.h"
 #include "server/scene/tool_io.h"
@@ -140,6 +141,10 @@ Problem scene_from(const pb::Scene& in, const std::string& path, Scene& out) {
     if (Problem p = walls_from(in.walls(), *walls)) return p;
     out.walls = std::move(walls);
   }
+  if (!in.has_walls() && in.effect_size() > 0) {
+    return FieldProblem{"effect[0]", "effects need walls, which this scene has not"};
+  }
+  if (Problem p = effects_from(in.effect(), out.effects)) return p;
   return tools_from(in, out.tools);
 }
 
