@@ -1,0 +1,24 @@
+// Steps of building an outline. May allocate.
+#pragma once
+
+#include <vector>
+
+#include "server/constraint/outline_piece.h"
+#include "server/scene/walls.h"
+
+namespace handrail {
+
+// Shortest piece kept [m]: ends nearer to each other are one point.
+inline constexpr double kShortestPiece = 4.0 * kBorderTolerance;
+
+// The border of the union, in no order; ends that belong together coincide exactly.
+std::vector<OutlinePiece> border_of_union(const std::vector<WallShape>& shapes);
+
+// For each piece the one that follows it around free space.
+std::vector<int> chain(const std::vector<OutlinePiece>& pieces);
+
+// The chained pieces with every wall corner that protrudes into free space rounded by `radius` or
+// by the largest radius that fits; corners where two borders touch are left.
+std::vector<OutlinePiece> with_fillets(const std::vector<OutlinePiece>& pieces, double radius);
+
+}  // namespace handrail
