@@ -1,0 +1,26 @@
+// The middle of thin painted walls: what makes them stand where their faces cannot be told apart.
+#pragma once
+
+#include <vector>
+
+#include "server/constraint/subpixel_patch.h"
+
+namespace handrail {
+
+// A wall is at least this thick about its core, and a core is looked for this far around [pixels].
+inline constexpr double kCoreRadius = 0.3;
+inline constexpr double kCoreReach = 1.0;
+
+// Two adjacent pixels that are mostly wall, each at the centroid of the wall around it: on the
+// middle line of a wall one pixel thin, well inside a thicker one. Pixels from the map's corner.
+struct CoreSegment {
+  Vec2 a = Vec2::Zero(), b = Vec2::Zero();
+  // From the core's skin, negative inside.
+  double distance(const Vec2& p) const noexcept;
+};
+
+// Appends the cores of walls around the 8 x 8 pixels from (x, y), and a pixel beyond; none where
+// all around is wall.
+void find_cores(const CoverageView& view, int x, int y, std::vector<CoreSegment>& out);
+
+}  // namespace handrail

@@ -1,0 +1,220 @@
+#include "server/constraint/subpixel_patch.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace handrail {
+namespace {
+
+constexpr int kTile = 8;
+constexpr int kMargin = 8;  // of the window around the tile; more than kThin at 45 deg
+constexpr int kWindow = kTile + 2 * kMargin;
+constexpr double kProminence = 0.3;  // coverage must change by this from free to wall
+constexpr double kFull = 0.997;      // a pixel this much wall is all wall
+constexpr int kShort = 3;            // pixels a crossing takes in a column not along it
+constexpr double kMatch = 1.5;       // heights of one surface in adjacent columns
+constexpr double kSteepest = 1.25;   // slopes beyond are for the other axis
+constexpr double kSharpest = 0.5;    // bends beyond are corners
+constexpr double kThin = 5.0;        // walls and gaps below need fine samples
+constexpr double kTight = 0.1;       // so do curves of less than 10 pixels
+
+using Column = std::array<double, kWindow>;
+using Window = std::array<Column, kWindow>;
+
+// Where a column passes from free to wall or back.
+struct Crossing {
+  double at = 0.0;
+  double side = 1.0;  // +1: free above
+  double room = 0.0;  // to the nearer of the crossings before and after
+};
+
+struct Crossings {
+  std::array<Crossing, kWindow> items;
+  std::size_t count = 0;
+};
+
+// Alternating least and greatest coverage along the column, flutter below kProminence left out.
+std::size_t extremes_of(const Column& w, std::array<int, kWindow>& extremes) {
+  std::size_t count = 0;
+  int low = 0, high = 0, direction = 0;
+  for (int k = 1; k < kWindow; ++k) {
+    const auto at = [&](int i) { return w[static_cast<std::size_t>(i)]; };
+    if (direction >= 0 && at(k) > at(high)) high = k;
+    if (direction <= 0 && at(k) < at(low)) low = k;
+    if (direction <= 0 && at(k) - at(low) >= kProminence) {
+      extremes[count++] = low;
+      direction = 1;
+      high = k;
+    } else if (direction >= 0 && at(high) - at(k) >= kProminence) {
+      extremes[count++] = high;
+      direction = -1;
+      low = k;
+    }
+  }
+  if (direction != 0) extremes[count++] = direction > 0 ? high : low;
+  return count;
+}
+
+// The faces of the wall (or, with `gap`, of the free space) between the columns' extremes: half its
+// extent to either side of its centroid.
+std::pair<double, double> faces(const Column& w, int from, int to, bool gap) {
+  double sum = 0.0, moment = 0.0;
+  for (int k = from; k <= to; ++k) {
+    const double share =
+        gap ? 1.0 - w[static_cast<std::size_t>(k)] : w[static_cast<std::size_t>(k)];
+    sum += share;
+    moment += share * (k + 0.5);
+  }
+  const double centre = moment / sum;
+  return {centre - 0.5 * sum, centre + 0.5 * sum};
+}
+
+// Pixels the coverage takes from one extreme to the next.
+int length(const Column& w, int from, int to) {
+  const double a = w[static_cast<std::size_t>(from)], b = w[static_cast<std::size_t>(to)];
+  int between = 0;
+  for (int k = from + 1; k < to; ++k) {
+    const double v = w[static_cast<std::size_t>(k)];
+    between += std::min(std::abs(v - a), std::abs(v - b)) > 1.0 - kFull;
+  }
+  return between + 1;
+}
+
+void find_crossings(const Column& w, Crossings& out) {
+  std::array<int, kWindow> extremes;
+  const std::size_t count = extremes_of(w, extremes);
+  out.count = 0;
+  for (std::size_t i = 0; i + 1 < count; ++i) {
+    const int a = extremes[i], b = extremes[i + 1];
+    const bool rising = w[static_cast<std::size_t>(b)] > w[static_cast<std::size_t>(a)];
+    Crossing c;
+    c.side = rising ? -1.0 : 1.0;
+    // What the extreme pixel at `e` has of the opposite, and how far the crossing beyond it runs.
+    const auto lack = [&](std::size_t e, bool of_wall) {
+      const double v = w[static_cast<std::size_t>(extremes[e])];
+      const double amount = of_wall ? 1.0 - v : v;
+      return amount > 1.0 - kFull ? amount : 0.0;
+    };
+    const double lack_before = i > 0 ? lack(i, !rising) : 0.0;
+    const double lack_after = i + 2 < count ? lack(i + 1, rising) : 0.0;
+    const int own = length(w, a, b);
+    const int before = lack_before > 0.0 ? length(w, extremes[i - 1], a) : 0;
+    const int after = lack_after > 0.0 ? length(w, b, extremes[i + 2]) : 0;
+    if (lack_after > 0.0 && own <= kShort && after <= kShort) {
+      c.at = faces(w, a, extremes[i + 2], !rising).first;
+    } else if (lack_before > 0.0 && own <= kShort && before <= kShort) {
+      c.at = faces(w, extremes[i - 1], b, rising).second;
+    } else {
+      // Where one crossing is short and the other a slanting edge, the lack is the edge's.
+      double sum = 0.0;
+      for (int k = a; k <= b; ++k) sum += w[static_cast<std::size_t>(k)];
+      if (own < before) sum -= rising ? lack_before : -lack_before;
+      if (own < after) sum += rising ? lack_after : -lack_after;
+      c.at = rising ? b + 1.0 - sum : a + sum;
+    }
+    out.items[out.count++] = c;
+  }
+  for (std::size_t i = 0; i < out.count; ++i) {
+    const double before = i > 0 ? out.items[i].at - out.items[i - 1].at : kWindow;
+    const double after = i + 1 < out.count ? out.items[i + 1].at - out.items[i].at : kWindow;
+    out.items[i].room = std::min(before, after);
+  }
+}
+
+// The crossing of the same surface in the next column, or nothing.
+const Crossing* match(const Crossings& column, const Crossing& c) {
+  const Crossing* best = nullptr;
+  for (std::size_t i = 0; i < column.count; ++i) {
+    const Crossing& other = column.items[i];
+    if (other.side != c.side || std::abs(other.at - c.at) > kMatch) continue;
+    if (best == nullptr || std::abs(other.at - c.at) < std::abs(best->at - c.at)) best = &other;
+  }
+  return best;
+}
+
+// Whether coverage changes along the columns rather than across them there.
+bool along(const Window& w, std::size_t u, std::size_t v) {
+  double du = 0.0, dv = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double weight = k == 1 ? 2.0 : 1.0;
+    du += weight * (w[u + 1][v + k - 1] - w[u - 1][v + k - 1]);
+    dv += weight * (w[u + k - 1][v + 1] - w[u + k - 1][v - 1]);
+  }
+  return std::abs(dv) >= 0.7 * std::abs(du);
+}
+
+SurfacePatch patch_of(const Crossing& c, const Crossing* before, const Crossing* after) {
+  SurfacePatch p;
+  if (before != nullptr && after != nullptr) {
+    p.slope = 0.5 * (after->at - before->at);
+    p.bend = std::clamp(0.5 * (after->at + before->at) - c.at, -kSharpest, kSharpest);
+  } else if (after != nullptr) {
+    p.slope = after->at - c.at;
+  } else if (before != nullptr) {
+    p.slope = c.at - before->at;
+  }
+  p.height = c.at - p.bend / 12.0;  // the column's mean is not its middle's
+  p.side = c.side;
+  const double stretch = 1.0 / std::sqrt(1.0 + p.slope * p.slope);
+  p.delicate = before == nullptr || after == nullptr || c.room * stretch < kThin ||
+               2.0 * std::abs(p.bend) * stretch * stretch * stretch > kTight;
+  return p;
+}
+
+void find_along(const Window& w, int x, int y, bool across, std::vector<SurfacePatch>& out) {
+  std::array<Crossings, kTile + 2> columns;
+  for (std::size_t u = 0; u < kTile + 2; ++u) find_crossings(w[u + kMargin - 1], columns[u]);
+  for (std::size_t u = 1; u <= kTile; ++u) {
+    for (std::size_t i = 0; i < columns[u].count; ++i) {
+      const Crossing& c = columns[u].items[i];
+      if (c.at < kMargin || c.at >= kMargin + kTile) continue;
+      if (!along(w, u + kMargin - 1, static_cast<std::size_t>(c.at))) continue;
+      SurfacePatch p = patch_of(c, match(columns[u - 1], c), match(columns[u + 1], c));
+      if (std::abs(p.slope) > kSteepest) continue;
+      p.across = across;
+      p.middle = (across ? y : x) + static_cast<double>(u) - 0.5;
+      p.height += (across ? x : y) - kMargin;
+      out.push_back(p);
+    }
+  }
+}
+
+}  // namespace
+
+SurfacePatch::Distance SurfacePatch::distance(double x, double y) const noexcept {
+  const double u = (across ? y : x) - middle, v = (across ? x : y) - height;
+  // The foot on the parabola, by two of Newton's steps from the foot on its tangent.
+  double f = std::clamp((u + slope * v) / (1.0 + slope * slope), -0.5, 0.5);
+  for (int i = 0; i < 2; ++i) {
+    const double rise = slope + 2.0 * bend * f;
+    const double off = v - (slope + bend * f) * f;
+    const double grown = std::max(1.0 + rise * rise - 2.0 * bend * off, 0.25);
+    f = std::clamp(f - ((f - u) - off * rise) / grown, -0.5, 0.5);
+  }
+  const double rise = slope + 2.0 * bend * f;
+  const double off = v - (slope + bend * f) * f;
+  const double stretch = 1.0 / std::sqrt(1.0 + rise * rise);
+  const double aside = u - f;
+  const double d = std::sqrt(aside * aside + off * off);
+  const double straight = (off - rise * aside) * stretch;
+  const double value = side * std::copysign(d, straight);
+  const double curve = std::clamp(-2.0 * side * bend * stretch * stretch * stretch, -0.3, 0.3);
+  return {value, d + 0.1 * (d - std::abs(straight)), curve / std::max(1.0 + curve * value, 0.3)};
+}
+
+void find_patches(const CoverageView& view, int x, int y, std::vector<SurfacePatch>& out) {
+  Window columns, rows;  // [u][v]
+  for (std::size_t v = 0; v < kWindow; ++v) {
+    for (std::size_t u = 0; u < kWindow; ++u) {
+      const double w =
+          view.wall(x - kMargin + static_cast<int>(u), y - kMargin + static_cast<int>(v));
+      columns[u][v] = w;
+      rows[v][u] = w;
+    }
+  }
+  find_along(columns, x, y, false, out);
+  find_along(rows, x, y, true, out);
+}
+
+}  // namespace handrail
