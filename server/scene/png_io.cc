@@ -2,20 +2,65 @@
 
 #include <png.h>
 
+#include <array>
+#include <cmath>
+#include <csetjmp>
+#include <cstring>
+#include <memory>
+#include <utility>
+
+#include "server/scene/colour.h"
+#include "server/scene/png_profile.h"
 #include "server/scene/text_io.h"
 
 namespace handrail {
 namespace {
 
-// libpng's own state of one decoding, freed whatever happens.
+// Values of the file, as 16 bits, to coded sRGB as 8.
+using Encoding = std::array<std::uint8_t, 65536>;
+
+// The state of one decoding; libpng's is freed whatever happens.
 struct Decoder {
-  png_image image{};
-  Decoder() { image.version = PNG_IMAGE_VERSION; }
-  ~Decoder() { png_image_free(&image); }
+  explicit Decoder(std::string_view file) : bytes(file) {}
+  ~Decoder() { png_destroy_read_struct(&png, &info, nullptr); }
   Decoder(const Decoder&) = delete;
   Decoder& operator=(const Decoder&) = delete;
-  Status error() const { return Status::error(std::string("bad PNG: ") + image.message); }
+
+  std::string_view bytes;
+  std::size_t at = 0;
+  png_structp png = nullptr;
+  png_infop info = nullptr;
+  std::string why;
+  RgbaImage image;
+  std::vector<png_bytep> rows;
+  std::unique_ptr<Encoding> encoding;  // null: 8 bits, as they are
 };
+
+Decoder& decoder_of(void* pointer) { return *static_cast<Decoder*>(pointer); }
+
+[[noreturn]] void on_error(png_structp png, png_const_charp message) {
+  decoder_of(png_get_error_ptr(png)).why = message;
+  png_longjmp(png, 1);
+}
+
+void on_warning(png_structp, png_const_charp) {}
+
+void on_read(png_structp png, png_bytep out, std::size_t size) {
+  Decoder& d = decoder_of(png_get_io_ptr(png));
+  if (size > d.bytes.size() - d.at) png_error(png, "ends early");
+  std::memcpy(out, d.bytes.data() + d.at, size);
+  d.at += size;
+}
+
+// One row of RGBA, 8 or 16 bits, to 8 bits coded.
+void on_row(png_structp png, png_row_infop row, png_bytep data) {
+  const Encoding& encoding = *decoder_of(png_get_user_transform_ptr(png)).encoding;
+  const bool wide = row->bit_depth == 16;
+  for (std::size_t i = 0; i < std::size_t{4} * row->width; ++i) {
+    const unsigned value = wide ? data[2 * i] * 256u + data[2 * i + 1] : data[i] * 257u;
+    data[i] = i % 4 == 3 ? static_cast<std::uint8_t>((value + 128) / 257) : encoding[value];
+  }
+}
 
 constexpr std::string_view kSignature("\x89PNG\r\n\x1a\n", 8);
 constexpr std::size_t kHeaderEnd = 33;  // signature and the IHDR chunk
@@ -42,26 +87,68 @@ Status check_size(std::string_view bytes) {
   return Status::error(size + ", expected at most " + most + " x " + most);
 }
 
+// The power by which values make light: 0 for sRGB's own curve.
+double power_of(const Decoder& d) {
+  if (has_linear_profile(d.bytes)) return 1.0;
+  constexpr unsigned kCurve = PNG_INFO_sRGB | PNG_INFO_iCCP;
+  double gamma = 0.0;
+  if (png_get_valid(d.png, d.info, kCurve) != 0) return 0.0;
+  if (png_get_gAMA(d.png, d.info, &gamma) == 0 || !(gamma > 0.01 && gamma < 100.0)) return 0.0;
+  constexpr double kSame = 0.05;  // share, as in libpng
+  return std::abs(2.2 * gamma - 1.0) < kSame ? 0.0 : 1.0 / gamma;
+}
+
+std::unique_ptr<Encoding> encoding_of(double power) {
+  auto out = std::make_unique<Encoding>();
+  for (std::size_t i = 0; i < out->size(); ++i) {
+    const double value = static_cast<double>(i) / 65535.0;
+    const double coded =
+        power == 0.0 ? value : coded_of(static_cast<float>(std::pow(value, power)));
+    (*out)[i] = static_cast<std::uint8_t>(std::lround(255.0 * coded));
+  }
+  return out;
+}
+
+// Everything of libpng's that may fail, and then jumps out of here: nothing in it needs destroying.
+bool run(Decoder& d) {
+  if (setjmp(png_jmpbuf(d.png)) != 0) return false;
+  png_set_read_fn(d.png, &d, on_read);
+  png_set_user_limits(d.png, kMostImageSide, kMostImageSide);
+  png_read_info(d.png, d.info);
+  png_set_expand(d.png);
+  png_set_gray_to_rgb(d.png);
+  const bool wide = png_get_bit_depth(d.png, d.info) == 16;
+  png_set_add_alpha(d.png, wide ? 0xFFFF : 0xFF, PNG_FILLER_AFTER);
+  const double power = power_of(d);
+  if (wide || power != 0.0) {
+    d.encoding = encoding_of(power);
+    png_set_read_user_transform_fn(d.png, on_row);
+    png_set_user_transform_info(d.png, &d, 8, 4);
+  }
+  png_set_interlace_handling(d.png);
+  png_read_update_info(d.png, d.info);
+  d.image.width = static_cast<int>(png_get_image_width(d.png, d.info));
+  d.image.height = static_cast<int>(png_get_image_height(d.png, d.info));
+  const std::size_t row = png_get_rowbytes(d.png, d.info);
+  if (row != std::size_t{4} * png_get_image_width(d.png, d.info)) png_error(d.png, "odd rows");
+  d.image.rgba.resize(row * static_cast<std::size_t>(d.image.height));
+  d.rows.resize(static_cast<std::size_t>(d.image.height));
+  for (std::size_t y = 0; y < d.rows.size(); ++y) d.rows[y] = d.image.rgba.data() + y * row;
+  png_read_image(d.png, d.rows.data());
+  png_read_end(d.png, nullptr);
+  return true;
+}
+
 }  // namespace
 
 Result<RgbaImage> decode_png(std::string_view bytes) {
   if (Status status = check_size(bytes); !status) return status;
-  Decoder decoder;
-  png_image& image = decoder.image;
-  if (png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()) == 0) {
-    return decoder.error();
-  }
-  // Else 16 bits a channel would count as linear light.
-  image.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;
-  image.format = PNG_FORMAT_RGBA;
-  RgbaImage out;
-  out.width = static_cast<int>(image.width);
-  out.height = static_cast<int>(image.height);
-  out.rgba.resize(std::size_t{4} * image.width * image.height);
-  if (png_image_finish_read(&image, nullptr, out.rgba.data(), 0, nullptr) == 0) {
-    return decoder.error();
-  }
-  return out;
+  Decoder d(bytes);
+  d.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &d, on_error, on_warning);
+  d.info = d.png == nullptr ? nullptr : png_create_info_struct(d.png);
+  if (d.info == nullptr) return Status::error("no memory to read the PNG");
+  if (!run(d)) return Status::error("bad PNG: " + d.why);
+  return std::move(d.image);
 }
 
 Result<RgbaImage> read_png(const std::string& path) {

@@ -22,9 +22,9 @@ inline constexpr int kMostImageSide = 8000;             // [pixels]
 inline constexpr std::size_t kMostPngBytes = 1u << 28;  // above 8000 x 8000 uncompressed
 
 // Decodes a PNG of any colour type, bit depth and interlace. 16 bits a channel are rounded to 8. A
-// file whose gamma chunk says other than sRGB is converted; without one its values are sRGB. Errors
-// say what is wrong with the file, without its name. Nothing of the image's size is allocated
-// before the size is known to be at most `kMostImageSide` squared.
+// file whose gamma chunk says other than sRGB, or whose profile says light, is converted; any other
+// file's values are taken for sRGB. Errors say what is wrong with the file, without its name.
+// Nothing of the image's size is allocated before the size is known to be allowed.
 Result<RgbaImage> decode_png(std::string_view bytes);
 
 // The same for a file; errors begin with its path.

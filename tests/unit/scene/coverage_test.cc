@@ -1,0 +1,240 @@
+#include "server/scene/coverage.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+namespace handrail {
+namespace {
+
+using Paint = std::function<std::array<double, 4>(int x, int y)>;  // coded, 0 to 255
+
+RgbaImage image_of(const Paint& paint, int size = 100) {
+  RgbaImage image;
+  image.width = image.height = size;
+  for (int y = 0; y < size; ++y) {
+    for (int x = 0; x < size; ++x) {
+      for (const double v : paint(x, y)) {
+        image.rgba.push_back(static_cast<std::uint8_t>(std::lround(v)));
+      }
+    }
+  }
+  return image;
+}
+
+using Colour = std::array<double, 4>;
+const Colour kInk = {32, 48, 64, 255}, kPaper = {240, 224, 192, 255}, kLane = {200, 40, 120, 255};
+
+CoverageRules rules(EdgeLaw law = EdgeLaw::kSrgb) {
+  CoverageRules out;
+  out.palette = {{{240, 224, 192}, false, "paper"},
+                 {{32, 48, 64}, true, "ink"},
+                 {{200, 40, 120}, false, "lane"}};
+  out.law = law;
+  return out;
+}
+
+double coded(double light) {
+  return light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - 0.055;
+}
+double light(double value) {
+  return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
+}
+
+// Share t of `a`, the rest `b`, blended as the law says.
+Colour blend(const Colour& a, const Colour& b, double t, EdgeLaw law) {
+  Colour out{};
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (law == EdgeLaw::kLinear && k < 3) {
+      out[k] = 255 * coded(t * light(a[k] / 255) + (1 - t) * light(b[k] / 255));
+    } else {
+      out[k] = t * a[k] + (1 - t) * b[k];
+    }
+  }
+  return out;
+}
+
+// Wall below row 50; row 50 itself is wall to the share (x + 0.5) / 100.
+RgbaImage ramp(EdgeLaw law, const Colour& wall = kInk, const Colour& open = kPaper) {
+  return image_of([=](int x, int y) {
+    return y < 50 ? open : y > 50 ? wall : blend(wall, open, (x + 0.5) / 100, law);
+  });
+}
+
+CoverageMap map_of(const RgbaImage& image, const CoverageRules& r) {
+  std::vector<std::string> warnings;
+  const Result<CoverageMap> map = coverage_of(image, r, warnings);
+  EXPECT_TRUE(map.is_ok()) << map.message();
+  EXPECT_TRUE(warnings.empty());
+  return map ? *map : CoverageMap();
+}
+std::string error_of(const RgbaImage& image, const CoverageRules& r) {
+  std::vector<std::string> warnings;
+  return coverage_of(image, r, warnings).message();
+}
+
+TEST(Coverage, IsTheShareOfThePixelThatIsNotWallUnderEitherLaw) {
+  for (const EdgeLaw law : {EdgeLaw::kSrgb, EdgeLaw::kLinear}) {
+    const CoverageMap map = map_of(ramp(law), rules(law));
+    for (std::size_t x = 0; x < 100; ++x) {
+      EXPECT_EQ(map.open[49 * 100 + x], 65535);
+      EXPECT_EQ(map.open[51 * 100 + x], 0);
+      // Half a step of 255 in the channel that differs most; light is steeper in the dark.
+      EXPECT_NEAR(map.open[50 * 100 + x] / 65535.0, 1 - (static_cast<double>(x) + 0.5) / 100,
+                  law == EdgeLaw::kSrgb ? 0.003 : 0.006);
+      EXPECT_EQ(map.region[50 * 100 + x], x < 50 ? 0 : 1);
+    }
+  }
+}
+
+TEST(Coverage, ComesFromTheAlphaChannelOverTheTransparentColour) {
+  CoverageRules r = rules(EdgeLaw::kAlpha);
+  r.palette[0].name = "page";
+  r.transparent = 0;
+  const CoverageMap map = map_of(image_of([](int x, int y) {
+                                   Colour c = y < 50 ? Colour{255, 255, 255, 0} : kInk;
+                                   if (y == 50) c[3] = 2.55 * x;
+                                   return c;
+                                 }),
+                                 r);
+  for (std::size_t x = 0; x < 100; ++x) {
+    EXPECT_EQ(map.open[49 * 100 + x], 65535);
+    EXPECT_NEAR(map.open[50 * 100 + x] / 65535.0, 1 - static_cast<double>(x) / 100, 0.0021);
+    EXPECT_EQ(map.region[50 * 100 + x], x <= 50 ? 0 : 1);
+  }
+}
+
+TEST(Coverage, ForgivesRoundedColoursWhereAlphaIsLow) {
+  CoverageRules r = rules(EdgeLaw::kAlpha);
+  r.transparent = 0;
+  // 1/255 of ink in an editor that keeps colours multiplied by alpha: nothing left of the colour.
+  const auto image = image_of([](int x, int y) {
+    if (x == 3 && y == 50) return Colour{0, 0, 0, 1};
+    return y <= 50 ? Colour{255, 255, 255, 0} : kInk;
+  });
+  EXPECT_NEAR(map_of(image, r).open[50 * 100 + 3] / 65535.0, 254.0 / 255, 1e-3);
+}
+
+TEST(Coverage, WallsMixedWithWallsAreNoFreeSpace) {
+  CoverageRules r = rules();
+  r.palette[2].wall = true;
+  const CoverageMap map = map_of(ramp(EdgeLaw::kSrgb, kInk, kLane), r);
+  for (const std::uint16_t open : map.open) ASSERT_EQ(open, 0);
+}
+
+TEST(Coverage, AllowsWhatIsWithinTwoOf255OfAMixtureAndNothingFurther) {
+  // Off the line from ink to paper in the channel that the line crosses least.
+  const auto with_offset = [](double off) {
+    return image_of([=](int x, int y) {
+      Colour c = y < 50 ? kPaper : y > 50 ? kInk : blend(kInk, kPaper, 0.5, EdgeLaw::kSrgb);
+      if (y == 50 && x == 20) c[2] += off;
+      return c;
+    });
+  };
+  EXPECT_EQ(error_of(with_offset(2), rules()), "");
+  EXPECT_EQ(error_of(with_offset(-2), rules()), "");
+  EXPECT_EQ(error_of(with_offset(6), rules()),
+            "pixel (20, 50) of colour #888886 is neither in the palette nor a mixture of two of "
+            "its colours around it ('paper', 'ink')");
+  EXPECT_NE(error_of(with_offset(-6), rules()), "");
+}
+
+TEST(Coverage, CountsWhatIsNotInThePalette) {
+  const auto image = image_of([](int x, int y) {
+    return x >= 10 && x < 14 && y == 7 ? Colour{255, 0, 0, 255} : kPaper;
+  });
+  EXPECT_EQ(error_of(image, rules()),
+            "pixel (10, 7) of colour #ff0000 and more, 4 pixels in all, is neither in the palette "
+            "nor a mixture of two of its colours around it ('paper')");
+}
+
+TEST(Coverage, RefusesAMixtureFarFromItsColours) {
+  // Half ink, half paper, with ink three pixels away.
+  const auto at_distance = [](int rows) {
+    return image_of([=](int, int y) {
+      return y < 50 ? kPaper : y < 50 + rows ? blend(kInk, kPaper, 0.5, EdgeLaw::kSrgb) : kInk;
+    });
+  };
+  EXPECT_EQ(error_of(at_distance(2), rules()), "");
+  EXPECT_TRUE(error_of(at_distance(3), rules())
+                  .starts_with("pixel (0, 50) of colour #888880 and "
+                               "more, 200 pixels in all"))
+      << error_of(at_distance(3), rules());
+}
+
+TEST(Coverage, RefusesTransparencyThatThePaletteDoesNotName) {
+  const auto image = image_of([](int x, int) {
+    return x == 5 ? Colour{32, 48, 64, 128} : x == 6 ? Colour{0, 0, 0, 0} : kInk;
+  });
+  EXPECT_TRUE(error_of(image, rules())
+                  .starts_with("pixel (5, 0) of colour #203040 at alpha 128/255 and more, 200 "));
+}
+
+TEST(Coverage, WarnsOfAColourThatMayBeAnEdgeBetweenTwoOthers) {
+  CoverageRules r;
+  r.palette = {{{255, 255, 255}, false, "white"},
+               {{0, 0, 0}, true, "black"},
+               {{128, 128, 128}, false, "grey"}};
+  const auto image = image_of([](int x, int y) {
+    const double v = y < 50 ? 255 : y > 50 ? 0 : x < 3 ? 128 : 100;
+    return Colour{v, v, v, 255};
+  });
+  std::vector<std::string> warnings;
+  EXPECT_TRUE(coverage_of(image, r, warnings).is_ok());
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_EQ(warnings[0],
+            "pixel (0, 50) is 'grey', but its colour is also a mixture of 'white' and 'black' "
+            "beside it (3 such pixels): an edge between those may be felt as 'grey'");
+  const auto apart = image_of([](int, int y) {
+    const double v = y < 40 ? 255 : y > 50 ? 0 : 128;
+    return Colour{v, v, v, 255};
+  });
+  warnings.clear();
+  EXPECT_TRUE(coverage_of(apart, r, warnings).is_ok());
+  EXPECT_TRUE(warnings.empty());
+}
+
+TEST(Coverage, KnowsTheNearestOfSeveralWalls) {
+  CoverageRules r = rules();
+  r.palette[2].wall = true;
+  // Ink to the left of column 40, lane from 60 on, paper between.
+  const CoverageMap map =
+      map_of(image_of([](int x, int) { return x < 40   ? kInk
+                                              : x < 60 ? kPaper
+                                                       : kLane; }), r);
+  for (const int x : {0, 39, 40, 41, 42}) EXPECT_EQ(map.wall[static_cast<std::size_t>(x)], 1) << x;
+  for (const int x : {57, 58, 59, 60}) EXPECT_EQ(map.wall[static_cast<std::size_t>(x)], 2) << x;
+}
+
+TEST(Coverage, RefusesMapsBelowAHundredPixels) {
+  EXPECT_EQ(error_of(image_of([](int, int) { return kPaper; }, 99), rules()),
+            "99 x 99 pixels, expected at least 100 x 100");
+}
+
+TEST(GuessEdges, TellsTheLawsApartByTheSpreadOfCoverages) {
+  EXPECT_EQ(guess_edges(ramp(EdgeLaw::kSrgb), rules()).law, EdgeLaw::kSrgb);
+  EXPECT_EQ(guess_edges(ramp(EdgeLaw::kLinear), rules()).law, EdgeLaw::kLinear);
+}
+
+TEST(GuessEdges, TellsTheLawsApartByColoursThatOnlyOneCanMix) {
+  // From red to green light is brighter than coded values half way.
+  const Colour red = {220, 30, 40, 255}, green = {20, 200, 60, 255};
+  CoverageRules r;
+  r.palette = {{{220, 30, 40}, true, "red"}, {{20, 200, 60}, false, "green"}};
+  EXPECT_EQ(guess_edges(ramp(EdgeLaw::kSrgb, red, green), r).law, EdgeLaw::kSrgb);
+  EXPECT_EQ(guess_edges(ramp(EdgeLaw::kLinear, red, green), r).law, EdgeLaw::kLinear);
+}
+
+TEST(GuessEdges, FallsBackOnTheUsual) {
+  const EdgeGuess crisp =
+      guess_edges(image_of([](int, int y) { return y < 50 ? kInk : kPaper; }), rules());
+  EXPECT_EQ(crisp.law, EdgeLaw::kSrgb);
+  EXPECT_EQ(crisp.why, "as no pixel lies on an edge");
+  CoverageRules r = rules();
+  r.transparent = 0;
+  EXPECT_EQ(guess_edges(ramp(EdgeLaw::kSrgb), r).law, EdgeLaw::kAlpha);
+}
+
+}  // namespace
+}  // namespace handrail
