@@ -24,6 +24,8 @@ struct HapticCapabilities {
   double position_resolution = 0.0;   // [m]
   Vec3 workspace_half = Vec3::Zero(); // half extents of the nominal work space about M's origin [m]
   int buttons = 0;
+  double velocity_lag = 0.0;          // mean delay of the velocity it reports, >= 0 [s]
+  double least_mass = 0.05;           // that moves, of device and a light hand together [kg]
 };
 
 // One reading. Frame M.

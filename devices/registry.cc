@@ -75,6 +75,13 @@ constexpr Entry kDevices[] = {
 
 }  // namespace
 
+HandOptions usual_hand(HapticDeviceKind kind, std::uint64_t seed) {
+  if (kind == HapticDeviceKind::kSimJoystick) return joystick_grip(0.5, seed);
+  HandOptions hand;
+  hand.seed = seed;
+  return hand;
+}
+
 Made make_haptic_device(const HapticDeviceOptions& options) {
   for (const Entry& entry : kDevices) {
     if (entry.kind == options.kind) return entry.make(options);

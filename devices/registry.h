@@ -28,6 +28,9 @@ struct HapticDeviceOptions {
   DeviceEffects effects;  // kSimJoystick
 };
 
+// The hand that usually holds such a device: around a handle, or a stylus.
+HandOptions usual_hand(HapticDeviceKind kind, std::uint64_t seed);
+
 // The device `options` ask for, not yet open. The error names the option or the file's line, the
 // value and what was expected. May block and allocate.
 Result<std::unique_ptr<HapticDevice>> make_haptic_device(const HapticDeviceOptions& options);

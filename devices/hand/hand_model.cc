@@ -27,6 +27,12 @@ HandModel::HandModel(const HandOptions& options, const HeldBody& held) noexcept
       motion_(options.reaction),
       wander_(options.seed, options.tremor_rms, options.drift_rms, options.drift_rotation_rms) {}
 
+void HandModel::place(const Vec3& p) noexcept {
+  motion_.lead({p, Vec3::Zero(), Vec3::Zero()});
+  x_ = p;
+  v_ = meant_rate_ = deviation_ = deviation_rate_ = Vec3::Zero();
+}
+
 void HandModel::hold(const HeldBody& held) noexcept {
   held_ = held;
   mass_ = hand_mass_ + held.mass;
@@ -64,8 +70,6 @@ void HandModel::translate(double h, const Vec3& force) noexcept {
   const Vec3 expected_friction = held_.friction / std::max(r_rate.norm(), kSlow) * r_rate;
   const double resistance = mass_ + h * (damping_ + h * stiffness_);
   const Vec3 push = force + stop_force() + expected_friction - stiffness_ * deviation_;
-  effort_ += h * (expected_friction + held_.viscosity * r_rate - stiffness_ * deviation_ -
-                  hand_damping_ * deviation_rate_);
   const Vec3 free_rate = (mass_ * deviation_rate_ + h * push) / resistance;
 
   const Vec3 v_free = r_rate + free_rate;
@@ -75,12 +79,14 @@ void HandModel::translate(double h, const Vec3& force) noexcept {
     v_ = Vec3::Zero();
     deviation_rate_ = -r_rate;
     deviation_ = x_ - r;
-    return;
+  } else {
+    v_ = (1.0 - lost / speed) * v_free;
+    deviation_rate_ = v_ - r_rate;
+    deviation_ += h * deviation_rate_;
+    x_ = r + deviation_;
   }
-  v_ = (1.0 - lost / speed) * v_free;
-  deviation_rate_ = v_ - r_rate;
-  deviation_ += h * deviation_rate_;
-  x_ = r + deviation_;
+  effort_ += h * (expected_friction + held_.viscosity * r_rate - stiffness_ * deviation_ -
+                  hand_damping_ * deviation_rate_);
 }
 
 void HandModel::rotate(double h, const Vec3& torque) noexcept {

@@ -70,6 +70,8 @@ class HandModel final : public SteerableHand {
   // The intent is given from outside, until the next order; see HandMotion::lead.
   void lead(const VectorMotion& intent) noexcept { motion_.lead(intent); }
 
+  // At rest at `p`, meaning to be there; finite [m].
+  void place(const Vec3& p) noexcept;
   // Holds another body from now on, where the hand is.
   void hold(const HeldBody& held) noexcept;
 

@@ -37,6 +37,8 @@ inline HapticCapabilities joystick_capabilities() {
   c.position_resolution = kJoystickResolution;
   c.workspace_half = Vec3(kJoystickHalf, kJoystickHalf, 1e-3);
   c.buttons = 2;
+  c.velocity_lag = 1.0 / (2.0 * std::numbers::pi * kJoystickVelocityCutoff);
+  c.least_mass = 0.5 + kJoystickMass;
   return c;
 }
 

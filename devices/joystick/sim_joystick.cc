@@ -48,8 +48,7 @@ Status SimJoystick::open() {
   if (recording_) {
     // The hand waits where the recording begins.
     played_ = 0.0;
-    hand_.lead({flat(recording_->motion_at(0.0)).p, Vec3::Zero(), Vec3::Zero()});
-    hand_.step(1e-3, Wrench{});
+    hand_.place(flat(recording_->motion_at(0.0)).p);
   }
   return Status::ok();
 }

@@ -32,7 +32,7 @@ class SimJoystick final : public HapticDevice, public SteerableHand {
   // A force that is not finite counts as none; torque and Z are ignored.
   void write(const Wrench& f_H_M) noexcept override;
   void close() noexcept override;
-  SteerableHand* hand() noexcept override { return this; }
+  SteerableHand* hand() noexcept override { return recording_ ? nullptr : this; }
   void simulate(const DeviceEffects& effects) noexcept override;
 
   // Moves in the plane only. Ends following.

@@ -52,6 +52,8 @@ const char* describe(Reason reason) noexcept {
     case Reason::kNotStopped: return "nothing to reset";
     case Reason::kNotSimulated: return "only possible with a simulated device";
     case Reason::kSceneNotLoaded: return "the slave cannot load the master's scene: its log says why";
+    case Reason::kNoArmInScene: return "the scene has walls for the hand alone: no robot takes part";
+    case Reason::kNoSuchStage: return "the scene's walls have no such stage";
     case Reason::kCount: break;
   }
   return "unknown reason";

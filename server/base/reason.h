@@ -59,6 +59,8 @@ enum class Reason : std::uint8_t {
   kNotStopped,          // nothing to reset
   kNotSimulated,        // only possible with a simulated device
   kSceneNotLoaded,      // the slave cannot load the master's scene
+  kNoArmInScene,        // the scene has walls for the hand, no robot takes part
+  kNoSuchStage,         // the scene's walls have no such stage
   kCount
 };
 

@@ -73,6 +73,7 @@ Reason carry_out(const HapticSettings& settings, const HapticInput& in, HapticSt
     case OrderKind::kNone:
       return Reason::kNone;
     case OrderKind::kEngage: {
+      if (settings.walls != nullptr) return Reason::kNoArmInScene;
       if (stop_latched(s)) return Reason::kStopRequested;
       if (s.session == SessionState::kFault) return s.session_reason;
       const Reason obstacle = obstacle_to_engaging(settings, in, s);
@@ -93,6 +94,9 @@ Reason carry_out(const HapticSettings& settings, const HapticInput& in, HapticSt
       return Reason::kNone;
     case OrderKind::kReset:
       return reset(s, in);
+    case OrderKind::kStage:
+      // One that exists is set by whoever runs the walls.
+      return Reason::kNoSuchStage;
     case OrderKind::kTool:
       // Without an engagement there is no place to anchor at or to start from.
       if (!may_drive(s.session) && s.session != SessionState::kClutched) {

@@ -9,6 +9,8 @@
 
 namespace handrail {
 
+struct WallRun;
+
 // Everything a step needs to know beforehand. Constant while a scene is loaded.
 struct HapticSettings {
   MappingSettings mapping;
@@ -20,6 +22,9 @@ struct HapticSettings {
   double max_torque = 0.0;  // [N m]
   SectionHashes hashes;     // of mapping, limits and robot; tools are hashed as they change
   SceneName scene{};
+  // A scene of walls runs in the haptic loop beside this step, and nothing engages; null: none. Not
+  // owned.
+  WallRun* walls = nullptr;
 };
 
 enum class OrderKind : std::uint8_t {
@@ -31,7 +36,8 @@ enum class OrderKind : std::uint8_t {
   kStop,
   kReset,
   kTool,
-  kToolOff
+  kToolOff,
+  kStage
 };
 
 // An operator's order, applied at the start of a tick.
@@ -40,6 +46,7 @@ struct HapticOrder {
   ToolCall tool;              // kTool
   bool drop_position = true;  // kToolOff
   bool drop_orientation = true;
+  int stage = 0;  // kStage: of the scene's walls
 };
 
 // The device's newest reading, frame M.
@@ -63,6 +70,7 @@ struct HapticInput {
 class ReasonSet {
  public:
   void add(Reason reason) noexcept { bits_ |= bit(reason); }
+  void add(const ReasonSet& others) noexcept { bits_ |= others.bits_; }
   bool has(Reason reason) const noexcept { return (bits_ & bit(reason)) != 0; }
   std::uint64_t bits() const noexcept { return bits_; }
 

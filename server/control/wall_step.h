@@ -15,6 +15,7 @@ namespace handrail {
 struct WallSettings {
   std::shared_ptr<const Walls> walls;  // never null in a step
   ForceLimits force;                   // of the device; `step` bounds what no motion explains
+  DeviceEffects device;                // what a simulated device shows meanwhile
 };
 
 struct WallInput {
@@ -48,7 +49,7 @@ struct WallState {
   double hand_gap = 0.0;  // since the last valid reading, at most 1 [s]
 };
 
-// Everything a running scene of walls is. Made by `make_wall_run`; may be large.
+// Everything a running scene of walls is. May be large.
 struct WallRun {
   WallSettings settings;
   WallState state;

@@ -28,7 +28,9 @@ HapticLoop::HapticLoop(HapticDevice& device, const HapticSettings& settings, Mas
       settings_(settings),
       boxes_(boxes),
       pacer_(kPeriod, start),
-      last_tick_(start) {}
+      last_tick_(start) {
+  if (settings_.walls != nullptr) device_.simulate(settings_.walls->settings.device);
+}
 
 void HapticLoop::tick(Nanos now) noexcept {
   pacer_.woke(now);
@@ -45,7 +47,16 @@ void HapticLoop::tick(Nanos now) noexcept {
     if (stop_since_ < 0) stop_since_ = now;
     if (now - stop_since_ > kFarewell) finished_.store(true, std::memory_order_release);
   }
+  if (input_.order.kind == OrderKind::kStage && settings_.walls != nullptr &&
+      input_.order.stage >= 0 &&
+      static_cast<std::size_t>(input_.order.stage) <
+          settings_.walls->settings.walls->stages.size()) {
+    wall_in_.stage = input_.order.stage;
+    input_.order = HapticOrder();
+  }
   haptic_step(settings_, input_, dt, state_, report_.out);
+  report_.walls = WallReport();
+  if (settings_.walls != nullptr) feel_walls(dt);
   device_.write(report_.out.f_H_M);
   publish();
   // After the report: whoever has the answer finds a report that shows what the order did.
@@ -55,7 +66,12 @@ void HapticLoop::tick(Nanos now) noexcept {
 void HapticLoop::take_settings() noexcept {
   if (boxes_.settings.take(next_settings_)) report_.settings_pending = true;
   if (!report_.settings_pending || !idle(state_.session)) return;
+  // The force that is there goes on from one scene to the other, within their step limits.
+  if (settings_.walls != nullptr) state_.arbiter = settings_.walls->state.arbiter;
   settings_ = next_settings_;
+  if (settings_.walls != nullptr) settings_.walls->state.arbiter = state_.arbiter;
+  device_.simulate(settings_.walls != nullptr ? settings_.walls->settings.device : DeviceEffects());
+  wall_in_.stage = 0;
   report_.settings_pending = false;
   ++report_.scene_epoch;
 }
@@ -69,6 +85,23 @@ void HapticLoop::take_slave(Nanos now) noexcept {
   // Another slave counts its faults from the start: what was reset on the last one means nothing.
   if (news_.link.peer_epoch != peer_epoch_) state_.fault_reset = 0;
   peer_epoch_ = news_.link.peer_epoch;
+}
+
+void HapticLoop::feel_walls(double dt) noexcept {
+  WallRun& run = *settings_.walls;
+  wall_in_.hand = input_.hand;
+  wall_in_.release =
+      state_.stop_epoch != state_.released_epoch || stop_requested_.load(std::memory_order_relaxed);
+  wall_step(run.settings, wall_in_, dt, run.state, wall_out_);
+  HapticOutput& out = report_.out;
+  out.f_H_M = wall_out_.f_H_M;
+  out.shares = wall_out_.shares;
+  out.reasons.add(wall_out_.reasons);
+  report_.walls.present = true;
+  report_.walls.stage = wall_out_.stage;
+  report_.walls.contact = wall_out_.contact;
+  report_.walls.penetration = (wall_out_.contact.proxy - wall_out_.hand).norm();
+  report_.walls.locked = wall_out_.effects.locked;
 }
 
 OrderTicket HapticLoop::next_order() noexcept {

@@ -6,6 +6,7 @@
 #include "devices/haptic_device.h"
 #include "server/base/pacer.h"
 #include "server/control/haptic_step.h"
+#include "server/control/wall_step.h"
 #include "server/master/mailboxes.h"
 
 namespace handrail {
@@ -32,6 +33,8 @@ class HapticLoop {
  private:
   void take_settings() noexcept;
   void take_slave(Nanos now) noexcept;
+  // The force of the scene's walls in place of an arm's.
+  void feel_walls(double dt) noexcept;
   // The next order of the queue, after those for the hand were carried out.
   OrderTicket next_order() noexcept;
   void publish() noexcept;
@@ -43,6 +46,8 @@ class HapticLoop {
   HapticInput input_;
   HapticState state_;
   HapticReport report_;
+  WallInput wall_in_;
+  WallOutput wall_out_;
   SlaveNews news_;
   HapticSettings next_settings_;
   std::uint32_t peer_epoch_ = 0;

@@ -4,6 +4,7 @@
 #include "devices/haptic_device.h"
 #include "server/base/mailbox.h"
 #include "server/base/ring.h"
+#include "server/constraint/wall_proxy.h"
 #include "server/control/haptic_step.h"
 #include "server/link/peer.h"
 
@@ -28,10 +29,20 @@ struct OrderAnswer {
   Reason result = Reason::kNone;
 };
 
+// The hand among the walls of the scene, frame of the walls.
+struct WallReport {
+  bool present = false;  // the scene has walls
+  int stage = 0;
+  WallContact contact;
+  double penetration = 0.0;  // of the hand beyond the proxy [m]
+  bool locked = false;       // a detent holds the hand
+};
+
 // What the haptic loop tells about itself after every tick.
 struct HapticReport {
   HapticOutput out;
   Pose X_MH;
+  WallReport walls;
   bool hand_moving = false;
   bool settings_pending = false;  // a scene waits for the session to be off
   std::uint64_t scene_epoch = 0;  // scenes taken over so far

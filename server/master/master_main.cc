@@ -18,6 +18,7 @@
 #include "server/master/haptic_loop.h"
 #include "server/master/haptic_settings.h"
 #include "server/master/master_server.h"
+#include "server/master/wall_runs.h"
 #include "server/scene/config_io.h"
 #include "server/scene/scene_library.h"
 
@@ -51,8 +52,23 @@ HapticDeviceOptions device_options(const pb::DeviceConfig& config) {
     case pb::DeviceConfig::RECORDED:
       out.kind = HapticDeviceKind::kRecorded;
       break;
+    case pb::DeviceConfig::SIM_JOYSTICK:
+      out.kind = HapticDeviceKind::kSimJoystick;
+      break;
   }
   const pb::HandModel& hand = config.hand();
+  out.recording_path = config.recording();
+  if (out.kind == HapticDeviceKind::kSimJoystick) {
+    // The defaults of a hand are those of a stylus; around a handle it is another.
+    out.hand = usual_hand(out.kind, hand.seed());
+    if (hand.has_mass_kg()) out.hand.mass = hand.mass_kg();
+    if (hand.has_stiffness_n_mm()) out.hand.stiffness = hand.stiffness_n_mm() * kNewtonPerMm;
+    if (hand.has_damping_ratio()) out.hand.damping_ratio = hand.damping_ratio();
+    out.hand.tremor_rms = hand.tremor_rms_mm() * kMm;
+    out.hand.drift_rms = hand.drift_rms_mm() * kMm;
+    out.hand.reaction = hand.reaction_ms() * 1e-3;
+    return out;
+  }
   out.hand.seed = hand.seed();
   out.hand.mass = hand.mass_kg();
   out.hand.stiffness = hand.stiffness_n_mm() * kNewtonPerMm;
@@ -61,7 +77,6 @@ HapticDeviceOptions device_options(const pb::DeviceConfig& config) {
   out.hand.drift_rms = hand.drift_rms_mm() * kMm;
   out.hand.drift_rotation_rms = hand.drift_rms_deg() * kDeg;
   out.hand.reaction = hand.reaction_ms() * 1e-3;
-  out.recording_path = config.recording();
   return out;
 }
 
@@ -108,7 +123,13 @@ int run(const pb::MasterConfig& config, bool check_only) {
   const SceneLibrary library({config.scene_path().begin(), config.scene_path().end()});
   auto scene = library.load(config.scene());
   if (!scene) return fail(scene.message());
-  const auto settings_of = [&](const Scene& s) { return haptic_settings(s, capabilities); };
+  WallRuns wall_runs;
+  const auto settings_of = [&](const Scene& s) {
+    HapticSettings out = haptic_settings(s, capabilities);
+    out.walls = wall_runs.make(s, capabilities);
+    for (const std::string& text : wall_warnings(s, capabilities)) spdlog::warn("{}", text);
+    return out;
+  };
   const HapticSettings settings = settings_of(*scene);
   if (check_only) {
     std::puts("configuration ok");

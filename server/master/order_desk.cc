@@ -75,6 +75,11 @@ void OrderDesk::handle(const pb::Request& request, ReplyTo reply) {
     }
     case pb::Request::kSceneLoad:
       return load(request.scene_load(), std::move(reply));
+    case pb::Request::kStage: {
+      HapticOrder stage = plain(OrderKind::kStage);
+      stage.stage = static_cast<int>(std::min(request.stage(), 1'000'000u));
+      return order(stage, std::move(reply));
+    }
     case pb::Request::kHand:
       return hand(request.hand(), std::move(reply));
     case pb::Request::ORDER_NOT_SET:

@@ -125,6 +125,16 @@ pb::Status status_report(const MasterIdentity& identity, const HapticReport& rep
   if (known && slave.has_wrench) {
     set_vector(s.mutable_contact_force_n(), slave.f_E_S.force, 1.0);
   }
+  if (report.walls.present) {
+    pb::WallStatus* walls = s.mutable_walls();
+    walls->set_stage(static_cast<std::uint32_t>(report.walls.stage));
+    walls->set_touching(report.walls.contact.touching);
+    walls->set_penetration_mm(report.walls.penetration / kMm);
+    walls->add_proxy_mm(report.walls.contact.proxy.x() / kMm);
+    walls->add_proxy_mm(report.walls.contact.proxy.y() / kMm);
+    walls->set_region(report.walls.contact.region);
+    walls->set_locked(report.walls.locked);
+  }
   for (int i = 1; i < static_cast<int>(Reason::kCount); ++i) {
     const auto reason = static_cast<Reason>(i);
     if (out.reasons.has(reason)) s.add_interventions(describe(reason));

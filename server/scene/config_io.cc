@@ -72,8 +72,9 @@ Problem check(const pb::MasterConfig& c) {
   const bool recorded = c.device().kind() == pb::DeviceConfig::RECORDED;
   if (recorded && c.device().recording().empty()) {
     recording = FieldProblem{"device.recording", "missing, but kind RECORDED plays a file"};
-  } else if (!recorded && c.device().has_recording()) {
-    recording = FieldProblem{"device.recording", "only used with kind: RECORDED"};
+  } else if (!recorded && c.device().has_recording() &&
+             c.device().kind() != pb::DeviceConfig::SIM_JOYSTICK) {
+    recording = FieldProblem{"device.recording", "only used with kind: RECORDED or SIM_JOYSTICK"};
   }
   return first({check_loopback("link_address", c.link_address()),
                 check_loopback("slave_address", c.slave_address()),

@@ -24,7 +24,7 @@ class HapticDeviceConformance : public ::testing::TestWithParam<HapticDeviceKind
     HapticDeviceOptions options;
     options.kind = GetParam();
     options.hand.seed = 42;
-    options.recording_path = path();
+    if (options.kind == HapticDeviceKind::kRecorded) options.recording_path = path();
     std::ofstream(path()) << "t_s,x_mm,y_mm,z_mm\n0,0,0,0\n0.1,5,1,0\n0.9,20,-9,4\n1.0,21,-9,4\n";
     auto device = make_haptic_device(options);
     std::remove(path().c_str());
@@ -200,6 +200,8 @@ std::string name_of(const ::testing::TestParamInfo<HapticDeviceKind>& info) {
       return "SimOmniTorque";
     case HapticDeviceKind::kRecorded:
       return "Recorded";
+    case HapticDeviceKind::kSimJoystick:
+      return "SimJoystick";
     case HapticDeviceKind::kCount:
       break;
   }

@@ -89,7 +89,7 @@ TEST(Config, WantsARecordingForARecordedHandOnly) {
   EXPECT_EQ(master_error("device { kind: RECORDED }"),
             "c.conf:1:1: field 'device.recording': missing, but kind RECORDED plays a file");
   EXPECT_EQ(master_error("device { recording: 'a.csv' }"),
-            "c.conf:1:10: field 'device.recording': only used with kind: RECORDED");
+            "c.conf:1:10: field 'device.recording': only used with kind: RECORDED or SIM_JOYSTICK");
 }
 
 TEST(Config, TakesRelativePathsFromTheFilesFolder) {

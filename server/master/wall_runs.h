@@ -1,0 +1,33 @@
+// Scenes of walls, made ready for the haptic loop.
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "devices/haptic_device.h"
+#include "server/control/wall_step.h"
+#include "server/scene/scene.h"
+
+namespace handrail {
+
+// The walls of `scene`, which has some, with their proxy and the scene's effects, for a device. May
+// block and allocate.
+std::unique_ptr<WallRun> make_wall_run(const Scene& scene, const HapticCapabilities& device);
+
+// One sentence for each wall this device cannot hold, and what follows.
+std::vector<std::string> wall_warnings(const Scene& scene, const HapticCapabilities& device);
+
+// Keeps what the haptic loop may still use, so that it never has to free anything: the loop takes a
+// scene within a tick, and the desk has at most one under way.
+class WallRuns {
+ public:
+  // Null for a scene without walls. Valid until three more were made.
+  WallRun* make(const Scene& scene, const HapticCapabilities& device);
+
+ private:
+  std::deque<std::unique_ptr<WallRun>> runs_;
+};
+
+}  // namespace handrail
