@@ -60,7 +60,7 @@ double enters_again(const OutlinePiece& piece, const Vec2& p, const Vec2& d) noe
 }  // namespace
 
 Outline::Outline(const std::vector<WallShape>& shapes, double fillet)
-    : pieces_(with_fillets(border_of_union(shapes), fillet)) {
+    : pieces_(with_fillets(merged(border_of_union(shapes)), fillet)) {
   join();
   for (const OutlinePiece& piece : pieces_) {
     // A chord's box and the arc's greatest height over the chord hold all of the arc.

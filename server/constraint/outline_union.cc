@@ -82,6 +82,28 @@ void merge_ends(Border& pieces) {
   for (OutlinePiece& piece : pieces) piece = piece.part(piece.a, piece.b);
 }
 
+bool on_one_carrier(const OutlinePiece& u, const OutlinePiece& v) {
+  if (u.turn != v.turn) return false;
+  if (u.turn == 0) return (u.along - v.along).norm() < 1e-9;
+  return (u.centre - v.centre).norm() < 1e-12 && std::abs(u.radius - v.radius) < 1e-12;
+}
+
+// Adds the run of `size` [m] on the first piece's carrier that ends at `end`.
+void append_run(Border& border, const OutlinePiece& first, const Vec2& end, double size) {
+  if (first.turn == 0) {
+    border.push_back(first.part(first.a, end));
+    return;
+  }
+  const double most = first.radius * std::numbers::pi / 1.5;
+  const int parts = std::max(1, static_cast<int>(std::ceil(size / most)));
+  Vec2 from = first.a;
+  for (int i = 1; i <= parts; ++i) {
+    const Vec2 to = i == parts ? end : first.at(size * i / parts);
+    border.push_back(first.part(from, to));
+    from = to;
+  }
+}
+
 // How far to turn clockwise from looking back along `in` to looking along `out`, 0 .. 2 pi; the
 // free space beside `in`'s end is what is swept.
 double swept(const OutlinePiece& in, const OutlinePiece& out) {
@@ -131,6 +153,36 @@ std::vector<int> chain(const std::vector<OutlinePiece>& pieces) {
     }
   }
   return next;
+}
+
+std::vector<OutlinePiece> merged(const std::vector<OutlinePiece>& pieces) {
+  const std::vector<int> next = chain(pieces);
+  const auto follows_smoothly = [&](std::size_t i) {
+    const OutlinePiece &u = pieces[i], &v = pieces[static_cast<std::size_t>(next[i])];
+    return on_one_carrier(u, v) && std::count_if(pieces.begin(), pieces.end(),
+                                                 [&](const auto& w) { return w.a == u.b; }) == 1;
+  };
+  std::vector<bool> is_first(pieces.size(), true), used(pieces.size(), false);
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    if (follows_smoothly(i)) is_first[static_cast<std::size_t>(next[i])] = false;
+  }
+  Border result;
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    if (!is_first[i]) continue;
+    std::size_t last = i;
+    double size = pieces[i].size();
+    used[i] = true;
+    while (follows_smoothly(last)) {
+      last = static_cast<std::size_t>(next[last]);
+      size += pieces[last].size();
+      used[last] = true;
+    }
+    append_run(result, pieces[i], pieces[last].b, size);
+  }
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    if (!used[i]) result.push_back(pieces[i]);
+  }
+  return result;
 }
 
 }  // namespace handrail
