@@ -181,7 +181,8 @@ class Reader {
     const std::string among = count == 1 ? "" : " and more, " + counted(count) + " pixels in all,";
     return "pixel " + place_text(i, image_.width) + " of colour " + colour_text(pixel(i)) + among +
            " is neither in the palette nor a mixture of two of its colours around it (" +
-           (around_it.empty() ? "none" : around_it.substr(1)) + ")";
+           (around_it.empty() ? "none" : around_it.substr(1)) + ")" +
+           (near.count < 3 ? "" : "; where three meet, let two of them meet along whole pixels");
   }
   static std::string counted(std::size_t n) {
     return (n >= kMostCounted ? "at least " : "") + std::to_string(n);

@@ -63,7 +63,8 @@ void on_row(png_structp png, png_row_infop row, png_bytep data) {
 }
 
 constexpr std::string_view kSignature("\x89PNG\r\n\x1a\n", 8);
-constexpr std::size_t kHeaderEnd = 33;  // signature and the IHDR chunk
+constexpr std::size_t kMostPacking = 1032;  // of deflate, output to input
+constexpr std::size_t kHeaderEnd = 33;      // signature and the IHDR chunk
 
 std::uint32_t big_endian(std::string_view bytes, std::size_t at) {
   std::uint32_t value = 0;
@@ -115,6 +116,9 @@ bool run(Decoder& d) {
   png_set_read_fn(d.png, &d, on_read);
   png_set_user_limits(d.png, kMostImageSide, kMostImageSide);
   png_read_info(d.png, d.info);
+  // Before anything is allocated: deflate cannot have packed that much into so little.
+  const std::size_t packed = png_get_rowbytes(d.png, d.info) * png_get_image_height(d.png, d.info);
+  if (packed / kMostPacking > d.bytes.size()) png_error(d.png, "ends early");
   png_set_expand(d.png);
   png_set_gray_to_rgb(d.png);
   const bool wide = png_get_bit_depth(d.png, d.info) == 16;

@@ -149,6 +149,17 @@ TEST(Coverage, CountsWhatIsNotInThePalette) {
             "nor a mixture of two of its colours around it ('paper')");
 }
 
+TEST(Coverage, SaysWhatToDoWhereThreeColoursMeet) {
+  const auto image = image_of([](int x, int y) {
+    if (x == 50 && y == 50) return Colour{144, 112, 112, 255};
+    return y > 50 ? kInk : x <= 50 ? kPaper : kLane;
+  });
+  EXPECT_EQ(error_of(image, rules()),
+            "pixel (50, 50) of colour #907070 is neither in the palette nor a mixture of two of "
+            "its colours around it ('paper', 'ink', 'lane'); where three meet, let two of them "
+            "meet along whole pixels");
+}
+
 TEST(Coverage, RefusesAMixtureFarFromItsColours) {
   // Half ink, half paper, with ink three pixels away.
   const auto at_distance = [](int rows) {

@@ -150,6 +150,10 @@ TEST(PngIo, SaysWhatIsWrongWithAFile) {
   std::string corrupt = good;
   corrupt[good.size() / 2] ^= 0x10;
   EXPECT_TRUE(error(corrupt).starts_with("bad PNG: ")) << error(corrupt);
+  std::string hardly = good;
+  const std::string size = test::big_endian(8000) + test::big_endian(8000);
+  hardly.replace(8, 25, test::chunk_of("IHDR", size + good.substr(24, 5)));
+  EXPECT_EQ(error(hardly), "bad PNG: ends early");
   s.width = 0;
   EXPECT_EQ(error(test::png_of(s)), "bad PNG: 0 x 13 pixels");
 }

@@ -1,0 +1,32 @@
+; Draws what shapes.svg draws, in GIMP. One image of 200 x 200: `precision` of the image, on a
+; transparent page if `alpha`.
+(define (draw file precision alpha)
+  (let* ((image (car (gimp-image-new-with-precision 200 200 RGB precision)))
+         (layer (car (gimp-layer-new image 200 200 (if alpha RGBA-IMAGE RGB-IMAGE) "map" 100
+                                     LAYER-MODE-NORMAL))))
+    (gimp-image-insert-layer image layer 0 0)
+    (gimp-context-set-antialias TRUE)
+    (gimp-context-set-feather FALSE)
+    (gimp-context-set-foreground '(32 48 64))
+    (gimp-context-set-background '(240 224 192))
+    (gimp-selection-all image)
+    (gimp-drawable-edit-fill layer FILL-FOREGROUND)
+    (gimp-image-select-ellipse image CHANNEL-OP-REPLACE 20 19 160 160)
+    (if alpha
+        (gimp-drawable-edit-clear layer)
+        (gimp-drawable-edit-fill layer FILL-BACKGROUND))
+    (gimp-image-select-polygon image CHANNEL-OP-REPLACE 8
+                               (let* ((c (cos (/ (* 17 3.14159265358979) 180)))
+                                      (s (sin (/ (* 17 3.14159265358979) 180)))
+                                      (x (lambda (u v) (+ 105.2 (- (* c u) (* s v)))))
+                                      (y (lambda (u v) (+ 95.7 (+ (* s u) (* c v))))))
+                                 (vector (x -30 -15) (y -30 -15) (x 30 -15) (y 30 -15)
+                                         (x 30 15) (y 30 15) (x -30 15) (y -30 15))))
+    (gimp-drawable-edit-fill layer FILL-FOREGROUND)
+    (gimp-selection-none image)
+    (file-png-save2 RUN-NONINTERACTIVE image layer file file 0 9 0 0 0 0 0 0 0)
+    (gimp-image-delete image)))
+(draw "gimp.png" PRECISION-U8-GAMMA #f)
+(draw "gimp-alpha.png" PRECISION-U8-GAMMA #t)
+(draw "gimp-linear.png" PRECISION-U16-LINEAR #f)
+(gimp-quit 0)
