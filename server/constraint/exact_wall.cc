@@ -10,7 +10,7 @@
 namespace handrail {
 namespace {
 
-constexpr int kMaxWork = 8192;            // pieces looked at in a tick, after the first leg
+constexpr int kMaxWork = 2048;            // pieces looked at in a tick, after the first leg
 constexpr double kNoGain = 1e-12;         // less than this is no way nearer to the hand [m]
 constexpr double kClearDirection = 1e-9;  // farther than this a direction is well defined [m]
 constexpr double kInShape = 1e-9;         // a point of a shape's border is in the shape [m]

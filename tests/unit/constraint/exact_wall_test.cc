@@ -57,6 +57,27 @@ TEST(ExactWall, BehindARoundWallTheProxyIsTheFootInsideAndOutside) {
   }
 }
 
+TEST(ExactWall, AHandThatWasOnTheBorderToTheLastBitIsHeldWhenItGoesIn) {
+  for (int degrees = 0; degrees < 360; ++degrees) {
+    const double angle = degrees * kQuarter / 90.0;
+    const Pose2 pose{{0.0123, -0.0234}, angle};
+    const Walls lane = drawn({box(pose.p, {0.05, 0.005}, angle)});
+    const auto straight = make_exact_proxy(lane);
+    straight->start(pose.to_world({0.01, 0}));
+    straight->advance(pose.to_world({0.0101, 0.005}));
+    expect_at(straight->advance(pose.to_world({0.0102, 0.006})), pose.to_world({0.0102, 0.005}),
+              Pose2::turned({0, -1}, angle));
+    const Walls loop = drawn({ring(pose.p, 0.02, 0.004)});
+    for (const double side : {1.0, -1.0}) {
+      const auto round = make_exact_proxy(loop);
+      round->start(pose.to_world({0.02, 0}));
+      round->advance(pose.to_world({0.02 + 0.002 * side, 0}));
+      expect_at(round->advance(pose.to_world({0.02 + 0.003 * side, 0})),
+                pose.to_world({0.02 + 0.002 * side, 0}), Pose2::turned({-side, 0}, angle));
+    }
+  }
+}
+
 TEST(ExactWall, AlongARoundWallTheProxyFollowsTheHandsAngle) {
   const Walls walls = drawn({ring({0, 0}, 0.02, 0.004)});
   const auto proxy = make_exact_proxy(walls);
@@ -214,14 +235,14 @@ TEST(ExactWall, MorePiecesThanATickAllowsAreFinishedInTheNext) {
   EXPECT_TRUE(contact.unfinished);
   double last = 0.0;
   int ticks = 1;
-  for (; contact.unfinished && ticks < 100; ++ticks) {
+  for (; contact.unfinished && ticks < 300; ++ticks) {
     EXPECT_GT(contact.proxy.x(), last);
-    EXPECT_LE(contact.work, 8192 + 1000);
+    EXPECT_LE(contact.work, 2048 + 1000);
     last = contact.proxy.x();
     contact = proxy->advance(hand);
   }
   EXPECT_GT(ticks, 2);
-  EXPECT_LT(ticks, 100);
+  EXPECT_LT(ticks, 300);
   expect_at(contact, {0.1995, 0.00399}, {0, -1});
 }
 
