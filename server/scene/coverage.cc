@@ -182,7 +182,9 @@ class Reader {
     return "pixel " + place_text(i, image_.width) + " of colour " + colour_text(pixel(i)) + among +
            " is neither in the palette nor a mixture of two of its colours around it (" +
            (around_it.empty() ? "none" : around_it.substr(1)) + ")" +
-           (near.count < 3 ? "" : "; where three meet, let two of them meet along whole pixels");
+           (near.count < 2   ? "; is it blurred, or thinner than a pixel?"
+            : near.count > 2 ? "; where three meet, let two of them meet along whole pixels"
+                             : "");
   }
   static std::string counted(std::size_t n) {
     return (n >= kMostCounted ? "at least " : "") + std::to_string(n);

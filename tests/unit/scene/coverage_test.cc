@@ -144,9 +144,11 @@ TEST(Coverage, CountsWhatIsNotInThePalette) {
   const auto image = image_of([](int x, int y) {
     return x >= 10 && x < 14 && y == 7 ? Colour{255, 0, 0, 255} : kPaper;
   });
-  EXPECT_EQ(error_of(image, rules()),
-            "pixel (10, 7) of colour #ff0000 and more, 4 pixels in all, is neither in the palette "
-            "nor a mixture of two of its colours around it ('paper')");
+  EXPECT_EQ(
+      error_of(image, rules()),
+      "pixel (10, 7) of colour #ff0000 and more, 4 pixels in all, is neither in the palette "
+      "nor a mixture of two of its colours around it ('paper'); is it blurred, or thinner than "
+      "a pixel?");
 }
 
 TEST(Coverage, SaysWhatToDoWhereThreeColoursMeet) {

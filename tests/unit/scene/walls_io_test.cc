@@ -4,6 +4,8 @@
 
 #include "server/base/units.h"
 #include "server/scene/scene_io.h"
+#include "tests/support/png_sample.h"
+#include "tests/support/temp_folder.h"
 
 namespace handrail {
 namespace {
@@ -155,6 +157,111 @@ TEST(WallsIo, RefusesShapesThatTheHandCannotReach) {
                      "shape { disc { centre_mm: [20, 0] radius_mm: 9.99 region: 'lane' } }\n"),
             "/x/a.scene:7:1: field 'walls.shape[1]': cannot be reached from the start, the wall "
             "seals it off");
+}
+
+// A scene in a folder of its own, with a map of 120 x 100 pixels: paper, and ink from row 60 down.
+class PaintedScene : public testing::Test {
+ protected:
+  PaintedScene() {
+    png_.width = 120;
+    png_.height = 100;
+    png_.pixel = [](int, int y) {
+      return y < 60 ? test::Pixel{240, 224, 192, 255} : test::Pixel{32, 48, 64, 255};
+    };
+  }
+  Result<Scene> load(const std::string& more = "", const std::string& image = kImage,
+                     const std::vector<Override>& overrides = {}) {
+    folder_.write("maps/a.png", test::png_of(png_));
+    const std::string text = "name: 'a'\nwalls {\n" + image + kPalette + more + "}\n";
+    return load_scene_file(folder_.write("a.scene", text), nullptr, overrides);
+  }
+  // What is wrong, without the folder.
+  std::string error_of(const std::string& more = "", const std::string& image = kImage) {
+    std::string text = load(more, image).message();
+    const std::string folder = folder_.path() + "/";
+    for (std::size_t at; (at = text.find(folder)) != std::string::npos;) {
+      text.erase(at, folder.size());
+    }
+    return text;
+  }
+  static inline const std::string kImage =
+      "image { file: 'maps/a.png' size_mm: [24, 20] edges: SRGB }\n";
+  static inline const std::string kPalette =
+      "region { name: 'paper' kind: FREE colour: '#f0e0c0' }\n"
+      "region { name: 'ink' kind: WALL colour: '#203040' }\n";
+  TempFolder folder_;
+  test::PngSample png_;
+};
+
+TEST_F(PaintedScene, IsReadFromTheFolderOfTheScene) {
+  const Result<Scene> scene = load();
+  ASSERT_TRUE(scene.is_ok()) << scene.message();
+  const Walls& walls = *scene->walls;
+  EXPECT_EQ(walls.method, WallMethod::kSubpixel);
+  EXPECT_EQ(walls.image, folder_.path() + "/maps/a.png");
+  ASSERT_NE(walls.map, nullptr);
+  EXPECT_EQ(walls.map->width, 120);
+  EXPECT_EQ(walls.map->height, 100);
+  EXPECT_DOUBLE_EQ(walls.map->pixel, 2e-4);
+  EXPECT_EQ(walls.map->open[59 * 120], 65535);
+  EXPECT_EQ(walls.map->open[60 * 120], 0);
+  EXPECT_EQ(walls.map->region[60 * 120], 1);
+  EXPECT_EQ(walls.map->wall[59 * 120], 1);
+  EXPECT_TRUE(warnings_of(*scene).empty());
+}
+
+TEST_F(PaintedScene, WarnsOfAGuessWhereEdgesAreNotGiven) {
+  const Result<Scene> scene = load("", "image { file: 'maps/a.png' size_mm: [24, 20] }\n");
+  ASSERT_TRUE(scene.is_ok()) << scene.message();
+  EXPECT_EQ(warnings_of(*scene),
+            std::vector<std::string>{
+                "walls.image.edges: not given, guessed SRGB, as no pixel lies on an edge"});
+}
+
+TEST_F(PaintedScene, SaysWhatIsWrongWithTheImage) {
+  const std::string at = "a.scene:3:9: field 'walls.image.file': maps/a.png: ";
+  png_.pixel = [](int x, int) {
+    return x == 7 ? test::Pixel{255, 0, 0, 255} : test::Pixel{240, 224, 192, 255};
+  };
+  EXPECT_EQ(error_of(), at + "pixel (7, 0) of colour #ff0000 and more, 100 pixels in all, is "
+                             "neither in the palette nor a mixture of two of its colours around it "
+                             "('paper'); is it blurred, or thinner than a pixel?");
+  png_.width = 8001;
+  EXPECT_EQ(error_of(), at + "8001 x 100 pixels, expected at most 8000 x 8000");
+  EXPECT_EQ(error_of("", "image { file: 'b.png' size_mm: [24, 20] edges: SRGB }\n"),
+            "a.scene:3:9: field 'walls.image.file': b.png: cannot open: No such file or directory");
+}
+
+TEST_F(PaintedScene, SaysWhatIsWrongWithTheSceneAboutTheImage) {
+  const auto image = [](const std::string& rest) {
+    return "image { file: 'maps/a.png' " + rest + " }\n";
+  };
+  EXPECT_EQ(error_of("", image("size_mm: [24, 24] edges: SRGB")),
+            "a.scene:3:28: field 'walls.image.size_mm': 24 x 24 mm on 120 x 100 pixels, expected "
+            "square pixels");
+  EXPECT_EQ(error_of("", image("size_mm: [24, 20] edges: ALPHA")),
+            "a.scene:3:46: field 'walls.image.edges': ALPHA needs a region with colour "
+            "\"transparent\"");
+  EXPECT_EQ(error_of("region { name: 'lane' kind: AISLE }\n"),
+            "a.scene:6:1: field 'walls.region[2].colour': missing, but a painted map needs a "
+            "colour for every region");
+  EXPECT_EQ(error_of(kSquare),
+            "a.scene:2:1: field 'walls': has both image and shapes, expected "
+            "one of them");
+  EXPECT_EQ(error_of("method: EXACT\n"),
+            "a.scene:6:1: field 'walls.method': EXACT needs shapes, not an image");
+  EXPECT_EQ(error_of("fillet_mm: 1\n"),
+            "a.scene:6:1: field 'walls.fillet_mm': only used with shapes");
+  EXPECT_EQ(error_of("start_mm: [0, -5]\n"),
+            "a.scene:6:1: field 'walls.start_mm': the start 0, -5 mm is inside the wall 'ink', "
+            "pixel (60, 75)");
+}
+
+TEST_F(PaintedScene, OverridesReachTheWalls) {
+  const Result<Scene> scene = load("", kImage, {{"walls.method", "PUBLISHED"}});
+  ASSERT_TRUE(scene.is_ok()) << scene.message();
+  EXPECT_EQ(scene->walls->method, WallMethod::kPublished);
+  ASSERT_NE(scene->walls->map, nullptr);
 }
 
 }  // namespace
