@@ -217,6 +217,18 @@ TEST(OperatorModel, BringsATipPushedOffThePathBack) {
   EXPECT_LT(last, p.threshold);
 }
 
+TEST(OperatorModel, ComesBackToAnEndItWasPushedFarPast) {
+  const OperatorParameters p = steady();
+  Desk desk(p);
+  OperatorAim aim;
+  aim.X_SG.p = Vec3(0.05, 0.0, 0.0);
+  aim.path = true;
+  desk.pushed_ = Vec3(0.12, 0.0, 0.0);
+  desk.aim(aim);
+  EXPECT_LT(desk.until_arrived(20.0), 20.0);
+  EXPECT_LT((desk.tip_.p - aim.X_SG.p).norm(), p.tolerance);
+}
+
 TEST(OperatorModel, TurnsAtItsSpeedAndCallsItDoneOnlyNearTheAim) {
   OperatorParameters p = steady();
   p.turn_speed = 0.6;
@@ -253,7 +265,7 @@ TEST(OperatorModel, PushesOnToAStopUntilItIsFeltAndThenLetsGo) {
     desk.tick();
     desk.force_.x() = -kStiffness * std::max(0.0, desk.hand_.position().p.x() - 0.05);
   }
-  EXPECT_LT(-desk.force_.x(), most) << "what was pushed into the stop is let go";
+  EXPECT_LT(-desk.force_.x(), 0.3 * most) << "what was pushed into the stop is let go";
   EXPECT_TRUE(desk.mind_->arrived());
 }
 

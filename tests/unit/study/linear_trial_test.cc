@@ -112,6 +112,25 @@ TEST(LinearTrial, ThePauseFallsWithPractice) {
   EXPECT_NEAR(novice - run(m, nv).execution_time, 2 * 1.0, 0.05);
 }
 
+// A hand that drifts while its owner thinks makes no error of a phase: the longest pauses must not
+// raise the errors found in the two short moves.
+TEST(LinearTrial, ErrorsBelongToPhasesNotToThePausesBetween) {
+  const StudyMachine m = machine();
+  double with_pauses = 0.0, without = 0.0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    TrialOptions nv = trial(StudyMode::kFree, seed);
+    nv.person.vision_noise_lateral = nv.person.vision_noise_depth = 0.0;
+    nv.person.threshold = nv.person.tolerance = 6e-3;
+    nv.person.drift = 1.5e-3;
+    nv.person.practice = 0.0;
+    nv.person.pause = 0.01;
+    without += run(m, nv).position_error_on_lines;
+    nv.person.pause = 20.0;
+    with_pauses += run(m, nv).position_error_on_lines;
+  }
+  EXPECT_LT(with_pauses, 1.2 * without);
+}
+
 TEST(LinearTrial, ToolsHoldTheTipOnTheSegmentsAndTheOrientationStill) {
   const StudyMachine m = machine();
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
@@ -129,6 +148,30 @@ TEST(LinearTrial, NobodyWhoCannotSeeTheTipSucceeds) {
   const TrialResult result = run(m, blind);
   EXPECT_TRUE(result.end == TrialEnd::kTimeOut || result.end == TrialEnd::kOffTarget);
   EXPECT_LE(result.execution_time, kTrialLimit + 0.01);
+}
+
+TEST(LinearTrial, WhoCallsATargetReachedFromAfarHasFailed) {
+  const StudyMachine m = machine();
+  int off = 0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    TrialOptions careless = trial(StudyMode::kFree, seed);
+    careless.person.tolerance = 0.03;
+    careless.person.speed = 0.1;
+    const TrialResult result = run(m, careless);
+    off += result.end == TrialEnd::kOffTarget;
+    if (result.end == TrialEnd::kDone) {
+      EXPECT_LE((result.trace.back().p_ST - m.scene.task->p_SC).norm(), 10.0 * kMm);
+    }
+  }
+  EXPECT_GT(off, 2);
+}
+
+TEST(LinearTrial, TheArmsLagsAreTheOnesOfItsOwnSeed) {
+  const StudyMachine m = machine();
+  TrialOptions first = trial(StudyMode::kTools);
+  TrialOptions second = first;
+  second.arm_seed = first.arm_seed + 1;
+  EXPECT_NE(run(m, first).position_error, run(m, second).position_error);
 }
 
 TEST(LinearTrial, SaysWhenTheSceneHasNoTaskOrThePlaceIsOutOfReach) {
