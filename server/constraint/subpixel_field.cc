@@ -15,7 +15,10 @@ constexpr std::uint32_t kTiles = 256;
 
 constexpr double kReach = 3.0;           // distances are kept to here
 constexpr double kFineReach = 1.5;       // ... in fine tiles
-constexpr double kDelicate = 2.3;        // tiles this near a delicate piece are fine
+constexpr double kDelicate = 3.3;        // tiles this near a delicate piece are fine
+constexpr double kMeeting = 2.2;         // pieces this near meet at a corner
+constexpr double kStraight = 0.95;       // ... unless they face the same way (cosine)
+constexpr double kCorner = 1.75;         // what a corner reaches around the middle of two pieces
 constexpr double kUnit = 1.0 / 8192;     // of a sample [pixels]
 constexpr double kFull = 0.997;          // a pixel this much wall is all wall
 constexpr int kCoarse = 10, kFine = 34;  // samples along a tile, one beyond each edge
@@ -156,6 +159,7 @@ void SubpixelField::fill(const Build& build, int cx, int cy, bool fine,
       }
     }
   }
+  if (fine) sharpen(build, cx, cy, value, rank);
   // Whatever the pieces say near corners, no surface runs through a pixel all wall or all free.
   for (int j = 0; j < n; ++j) {
     for (int i = 0; i < n; ++i) {
@@ -172,6 +176,47 @@ void SubpixelField::fill(const Build& build, int cx, int cy, bool fine,
   for (int i = 0; i < n * n; ++i) {
     samples[i] =
         static_cast<std::int16_t>(std::lround(std::clamp(value[i], -reach, reach) / kUnit));
+  }
+}
+
+// Where two straight pieces meet at a corner, both go on up to it: free space is where both say so
+// at a corner of free space, and where either does at a corner of wall.
+void SubpixelField::sharpen(const Build& build, int cx, int cy, double* value,
+                            const double* rank) const {
+  constexpr double kPitch = 0.25;
+  const double x0 = (cx - 1) * kTile - 0.5 * kPitch, y0 = (cy - 1) * kTile - 0.5 * kPitch;
+  std::vector<const SurfacePatch*> pieces;
+  for (int ny = std::max(cy - 1, 0); ny <= std::min(cy + 1, rows_ - 1); ++ny) {
+    for (int nx = std::max(cx - 1, 0); nx <= std::min(cx + 1, columns_ - 1); ++nx) {
+      for (std::size_t k = build.first[cell(nx, ny)]; k < build.first[cell(nx, ny) + 1]; ++k) {
+        if (build.patches[k].corner) pieces.push_back(&build.patches[k]);
+      }
+    }
+  }
+  for (const SurfacePatch* a : pieces) {
+    for (const SurfacePatch* b : pieces) {
+      const Vec2 to_b = b->centre() - a->centre();
+      if (!(a < b) || to_b.squaredNorm() > kMeeting * kMeeting) continue;
+      if (a->normal().dot(b->normal()) > kStraight) continue;
+      const double ahead = to_b.dot(a->normal()), behind = -to_b.dot(b->normal());
+      if (!(ahead * behind > 0.0)) continue;
+      const Vec2 middle = a->centre() + 0.5 * to_b - Vec2(x0, y0);
+      const auto first = [](double at) {
+        return std::max(static_cast<int>(std::ceil((at - kCorner) / kPitch)), 0);
+      };
+      const auto last = [](double at) {
+        return std::min(static_cast<int>(std::floor((at + kCorner) / kPitch)), kFine - 1);
+      };
+      for (int j = first(middle.y()); j <= last(middle.y()); ++j) {
+        for (int i = first(middle.x()); i <= last(middle.x()); ++i) {
+          const double x = x0 + i * kPitch, y = y0 + j * kPitch;
+          const SurfacePatch::Distance da = a->distance(x, y), db = b->distance(x, y);
+          if (std::min(da.rank, db.rank) > rank[j * kFine + i] + 0.3) continue;
+          value[j * kFine + i] =
+              ahead > 0.0 ? std::min(da.beyond, db.beyond) : std::max(da.beyond, db.beyond);
+        }
+      }
+    }
   }
 }
 

@@ -10,12 +10,16 @@ namespace {
 constexpr int kTile = 8;
 constexpr int kMargin = 8;  // of the window around the tile; more than kThin at 45 deg
 constexpr int kWindow = kTile + 2 * kMargin;
+constexpr int kBeside = 3;  // columns looked at to either side of the tile's
+constexpr int kColumns = kTile + 2 * kBeside;
 constexpr double kProminence = 0.3;  // coverage must change by this from free to wall
 constexpr double kFull = 0.997;      // a pixel this much wall is all wall
 constexpr int kShort = 3;            // pixels a crossing takes in a column not along it
 constexpr double kMatch = 1.5;       // heights of one surface in adjacent columns
 constexpr double kSteepest = 1.25;   // slopes beyond are for the other axis
 constexpr double kSharpest = 0.5;    // bends beyond are corners
+constexpr double kKink = 0.05;       // ... and beyond these may be beside one
+constexpr double kSmoother = 0.3;    // which shows in how much straighter one side is
 constexpr double kThin = 5.0;        // walls and gaps below need fine samples
 constexpr double kTight = 0.1;       // so do curves of less than 10 pixels
 
@@ -27,6 +31,7 @@ struct Crossing {
   double at = 0.0;
   double side = 1.0;  // +1: free above
   double room = 0.0;  // to the nearer of the crossings before and after
+  bool exact = true;  // the column is all free on one side of it and all wall on the other
 };
 
 struct Crossings {
@@ -101,6 +106,7 @@ void find_crossings(const Column& w, Crossings& out) {
     const int own = length(w, a, b);
     const int before = lack_before > 0.0 ? length(w, extremes[i - 1], a) : 0;
     const int after = lack_after > 0.0 ? length(w, b, extremes[i + 2]) : 0;
+    c.exact = !(lack_before > 0.0) && !(lack_after > 0.0);
     if (lack_after > 0.0 && own <= kShort && after <= kShort) {
       c.at = faces(w, a, extremes[i + 2], !rising).first;
     } else if (lack_before > 0.0 && own <= kShort && before <= kShort) {
@@ -144,36 +150,82 @@ bool along(const Window& w, std::size_t u, std::size_t v) {
   return std::abs(dv) >= 0.7 * std::abs(du);
 }
 
-SurfacePatch patch_of(const Crossing& c, const Crossing* before, const Crossing* after) {
+// The surface through `c` and its neighbours, from `columns` on; `at`: the column of `c`.
+SurfacePatch patch_of(const std::array<Crossings, kColumns>& columns, std::size_t at,
+                      const Crossing& c) {
   SurfacePatch p;
+  const Crossing* before = match(columns[at - 1], c);
+  const Crossing* after = match(columns[at + 1], c);
   if (before != nullptr && after != nullptr) {
     p.slope = 0.5 * (after->at - before->at);
-    p.bend = std::clamp(0.5 * (after->at + before->at) - c.at, -kSharpest, kSharpest);
+    p.bend = 0.5 * (after->at + before->at) - c.at;
+    // Beside a corner the surface goes on as it came, not toward the corner's far side.
+    double least = kSmoother * std::abs(p.bend);
+    for (const bool back : {true, false}) {
+      const Crossing* near = back ? before : after;
+      const Crossing* far = match(columns[back ? at - 2 : at + 2], *near);
+      if (far == nullptr || !(std::abs(p.bend) > kKink)) continue;
+      const double bend = 0.5 * (c.at + far->at) - near->at;
+      if (!(std::abs(bend) < least)) continue;
+      least = std::abs(bend);
+      p.slope = (back ? 1.0 : -1.0) * (c.at - near->at + bend);
+      p.bend = bend;
+    }
+    p.bend = std::clamp(p.bend, -kSharpest, kSharpest);
   } else if (after != nullptr) {
     p.slope = after->at - c.at;
   } else if (before != nullptr) {
     p.slope = c.at - before->at;
   }
+  // Where the surface ends, it does so somewhere in the column: half of it is the best guess.
+  if (before == nullptr) p.from = 0.0;
+  if (after == nullptr) p.to = 0.0;
   p.height = c.at - p.bend / 12.0;  // the column's mean is not its middle's
   p.side = c.side;
   const double stretch = 1.0 / std::sqrt(1.0 + p.slope * p.slope);
-  p.delicate = before == nullptr || after == nullptr || c.room * stretch < kThin ||
-               2.0 * std::abs(p.bend) * stretch * stretch * stretch > kTight;
+  const bool ends = before == nullptr || after == nullptr;
+  p.corner =
+      std::abs(p.bend) < kKink && (ends || std::abs(after->at + before->at - 2.0 * c.at) > kKink);
+  p.delicate = ends || c.room * stretch < kThin ||
+               std::abs(after->at + before->at - 2.0 * c.at) * stretch * stretch * stretch > kTight;
   return p;
 }
 
+// Where the column is not exact but two on either side are: the cubic through those.
+void mend(std::array<Crossings, kColumns>& columns, std::size_t u) {
+  for (std::size_t i = 0; i < columns[u].count; ++i) {
+    Crossing& c = columns[u].items[i];
+    if (c.exact) continue;
+    double near = 0.0, far = 0.0;
+    bool known = true;
+    for (const int way : {-1, 1}) {
+      const auto next = [&](int by) -> const Crossings& {
+        return columns[static_cast<std::size_t>(static_cast<int>(u) + way * by)];
+      };
+      const Crossing* first = match(next(1), c);
+      const Crossing* second = first != nullptr ? match(next(2), *first) : nullptr;
+      known = known && second != nullptr && first->exact && second->exact;
+      if (!known) break;
+      near += first->at;
+      far += second->at;
+    }
+    if (known) c.at = (4.0 * near - far) / 6.0;
+  }
+}
+
 void find_along(const Window& w, int x, int y, bool across, std::vector<SurfacePatch>& out) {
-  std::array<Crossings, kTile + 2> columns;
-  for (std::size_t u = 0; u < kTile + 2; ++u) find_crossings(w[u + kMargin - 1], columns[u]);
-  for (std::size_t u = 1; u <= kTile; ++u) {
+  std::array<Crossings, kColumns> columns;
+  for (std::size_t u = 0; u < kColumns; ++u) find_crossings(w[u + kMargin - kBeside], columns[u]);
+  for (std::size_t u = 2; u + 2 < kColumns; ++u) mend(columns, u);
+  for (std::size_t u = kBeside; u < kBeside + kTile; ++u) {
     for (std::size_t i = 0; i < columns[u].count; ++i) {
       const Crossing& c = columns[u].items[i];
       if (c.at < kMargin || c.at >= kMargin + kTile) continue;
-      if (!along(w, u + kMargin - 1, static_cast<std::size_t>(c.at))) continue;
-      SurfacePatch p = patch_of(c, match(columns[u - 1], c), match(columns[u + 1], c));
+      if (!along(w, u + kMargin - kBeside, static_cast<std::size_t>(c.at))) continue;
+      SurfacePatch p = patch_of(columns, u, c);
       if (std::abs(p.slope) > kSteepest) continue;
       p.across = across;
-      p.middle = (across ? y : x) + static_cast<double>(u) - 0.5;
+      p.middle = (across ? y : x) + static_cast<double>(u - kBeside) + 0.5;
       p.height += (across ? x : y) - kMargin;
       out.push_back(p);
     }
@@ -185,12 +237,12 @@ void find_along(const Window& w, int x, int y, bool across, std::vector<SurfaceP
 SurfacePatch::Distance SurfacePatch::distance(double x, double y) const noexcept {
   const double u = (across ? y : x) - middle, v = (across ? x : y) - height;
   // The foot on the parabola, by two of Newton's steps from the foot on its tangent.
-  double f = std::clamp((u + slope * v) / (1.0 + slope * slope), -0.5, 0.5);
+  double f = std::clamp((u + slope * v) / (1.0 + slope * slope), from, to);
   for (int i = 0; i < 2; ++i) {
     const double rise = slope + 2.0 * bend * f;
     const double off = v - (slope + bend * f) * f;
     const double grown = std::max(1.0 + rise * rise - 2.0 * bend * off, 0.25);
-    f = std::clamp(f - ((f - u) - off * rise) / grown, -0.5, 0.5);
+    f = std::clamp(f - ((f - u) - off * rise) / grown, from, to);
   }
   const double rise = slope + 2.0 * bend * f;
   const double off = v - (slope + bend * f) * f;
@@ -200,7 +252,8 @@ SurfacePatch::Distance SurfacePatch::distance(double x, double y) const noexcept
   const double straight = (off - rise * aside) * stretch;
   const double value = side * std::copysign(d, straight);
   const double curve = std::clamp(-2.0 * side * bend * stretch * stretch * stretch, -0.3, 0.3);
-  return {value, d + 0.1 * (d - std::abs(straight)), curve / std::max(1.0 + curve * value, 0.3)};
+  return {value, d + 0.1 * (d - std::abs(straight)), curve / std::max(1.0 + curve * value, 0.3),
+          side * straight};
 }
 
 void find_patches(const CoverageView& view, int x, int y, std::vector<SurfacePatch>& out) {

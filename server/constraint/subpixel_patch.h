@@ -1,6 +1,7 @@
 // The surface of a painted wall, column by column, from the coverage of its pixels.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -34,24 +35,34 @@ class CoverageView {
   std::uint64_t gone_;
 };
 
-// A piece of surface, one pixel wide: v = height + slope u + bend u^2 for |u| <= 0.5, u from the
-// middle of its column. u is X and v is Y; `across`: the other way round. Pixels throughout.
+// A piece of surface, one pixel wide: v = height + slope u + bend u^2 for u from `from` to `to`,
+// from the middle of its column. u is X and v is Y; `across`: the other way round. Pixels
+// throughout.
 struct SurfacePatch {
   double middle = 0.0;  // u of the column's middle
   double height = 0.0;
   double slope = 0.0;
   double bend = 0.0;
+  double from = -0.5, to = 0.5;
   double side = 1.0;  // +1: free space toward greater v, -1: toward less
   bool across = false;
   bool delicate = false;  // a thin wall, a narrow gap, a tight curve or an end: sampled finely
 
   // A sample at (x, y) against this piece.
   struct Distance {
-    double value;  // to the piece, positive on its free side
-    double rank;   // the piece with the least speaks for the sample
-    double bend;   // of the distance there: its Laplacian [1/pixel]
+    double value;   // to the piece, positive on its free side
+    double rank;    // the piece with the least speaks for the sample
+    double bend;    // of the distance there: its Laplacian [1/pixel]
+    double beyond;  // to the piece as if it went on straight, positive on its free side
   };
   Distance distance(double x, double y) const noexcept;
+  Vec2 centre() const noexcept { return across ? Vec2(height, middle) : Vec2(middle, height); }
+  // Out of the wall, at the middle; unit.
+  Vec2 normal() const noexcept {
+    const double stretch = side / std::sqrt(1.0 + slope * slope);
+    return across ? Vec2(stretch, -slope * stretch) : Vec2(-slope * stretch, stretch);
+  }
+  bool corner = false;  // beside a corner, where it ends or turns
 };
 
 // Appends the pieces whose middle is in the 8 x 8 pixels from (x, y). A column's height is the sum

@@ -14,7 +14,7 @@ namespace {
 constexpr int kMaxWork = 192;          // probes a tick; the proxy then carries on next tick
 constexpr double kAtRest = 1e-3;       // the hand's foot is this near
 constexpr double kOnSurface = 1e-3;    // distance counts as zero
-constexpr double kLongSlide = 2.0;     // along a surface in one step
+constexpr double kLongSlide = 3.0;     // along a surface in one step
 constexpr double kShortSlide = 0.5;    // ... where walls may be one pixel thin
 constexpr double kMiss = 0.3;          // a slide that ends further off the surface is halved
 constexpr double kTurn = 0.5;          // ... and one that turns the normal further (cosine)
