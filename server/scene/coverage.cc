@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <numeric>
 
 #include "server/scene/field_check.h"
 #include "server/scene/pixel_mix.h"
@@ -156,7 +157,20 @@ class Reader {
 
   Mixture mixture_at(const CoverageMap& map, std::size_t i) const {
     const Neighbours near = around(map, i);
-    return mixer_.mixture_of(pixel(i), near.entries.data(), near.count);
+    const Mixture m = mixer_.mixture_of(pixel(i), near.entries.data(), near.count);
+    return m.error > PixelMixer::kTolerance && is_at_border(map, i) ? mixture_of_any(i) : m;
+  }
+
+  // Any colour may have been drawn beyond the border.
+  bool is_at_border(const CoverageMap& map, std::size_t i) const {
+    const auto w = static_cast<std::size_t>(map.width), h = static_cast<std::size_t>(map.height);
+    const std::size_t x = i % w, y = i / w;
+    return std::min({x, y, w - 1 - x, h - 1 - y}) < std::size_t{kReach};
+  }
+  Mixture mixture_of_any(std::size_t i) const {
+    std::array<int, 64> entries;
+    std::iota(entries.begin(), entries.end(), 0);
+    return mixer_.mixture_of(pixel(i), entries.data(), static_cast<int>(rules_.palette.size()));
   }
 
   bool is_ambiguous(int c, const Neighbours& near, std::array<int, 3>* what) const {

@@ -34,9 +34,10 @@ struct CoverageRules {
 inline constexpr int kLeastImageSide = 100;  // [pixels]
 
 // What of every pixel is free, its region and the wall near it; `pixel` is left alone. A pixel must
-// be a palette colour, or within 2/255 of a mixture of two that its 5 x 5 neighbourhood holds.
-// Otherwise the error gives colour, position (column, row from 0 at the top left) and count. Warns
-// of colours that are mixtures of two others beside them.
+// be a palette colour, or within 2/255 of a mixture of two that its 5 x 5 neighbourhood holds; what
+// of that lies outside the image may be any. Otherwise the error gives colour, position (column,
+// row from 0 at the top left) and count. Warns of colours that are mixtures of two others beside
+// them.
 Result<CoverageMap> coverage_of(const RgbaImage& image, const CoverageRules& rules,
                                 std::vector<std::string>& warnings);
 

@@ -170,10 +170,22 @@ TEST(Coverage, RefusesAMixtureFarFromItsColours) {
     });
   };
   EXPECT_EQ(error_of(at_distance(2), rules()), "");
+  // Two rows of 96: at the ends ink may lie beside the image.
   EXPECT_TRUE(error_of(at_distance(3), rules())
-                  .starts_with("pixel (0, 50) of colour #888880 and "
-                               "more, 200 pixels in all"))
+                  .starts_with("pixel (2, 50) of colour #888880 and "
+                               "more, 192 pixels in all"))
       << error_of(at_distance(3), rules());
+}
+
+TEST(Coverage, TakesAnEdgeThatRunsAlongTheBorder) {
+  // A quarter of the last row is paper; the rest of it lies outside.
+  const auto at_row = [](int row) {
+    return image_of(
+        [=](int, int y) { return y == row ? blend(kPaper, kInk, 0.25, EdgeLaw::kSrgb) : kInk; });
+  };
+  EXPECT_NEAR(map_of(at_row(99), rules()).open[99 * 100 + 50] / 65535.0, 0.25, 0.003);
+  EXPECT_EQ(error_of(at_row(98), rules()), "");
+  EXPECT_NE(error_of(at_row(97), rules()), "");
 }
 
 TEST(Coverage, RefusesTransparencyThatThePaletteDoesNotName) {
