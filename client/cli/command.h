@@ -19,6 +19,7 @@ struct Options {
   bool one_way = false;
   std::optional<std::string> at, end, direction, normal, axis, stiffness;  // tools
   std::optional<std::string> by, rotate, seconds;                          // hand
+  std::optional<std::string> out, accuracy, budget;                        // scene tools
   std::optional<std::string> word;                                         // positional argument
 };
 
@@ -35,6 +36,8 @@ struct Takes {
   bool watch = false;
   const char* tool = nullptr;  // the tool options that mean something, by name
   bool hand = false;
+  const char* file = nullptr;  // what --out writes
+  bool wish = false;           // --accuracy and --budget
   const char* word = nullptr;  // name of the positional argument
   bool word_optional = false;
 };

@@ -46,6 +46,13 @@ void add_options(CLI::App& app, const Takes& takes, Options& o) {
   if (takes.watch) app.add_flag("--watch", o.watch, "refresh 5 times a second until Ctrl-C");
   if (takes.tool != nullptr) add_tool_options(app, o, takes.tool);
   if (takes.hand) add_hand_options(app, o);
+  if (takes.wish) {
+    add_text(app, "--accuracy", o.accuracy, "LENGTH", "largest error, such as 0.01mm or 10um");
+    add_text(app, "--budget", o.budget, "TIME", "largest cost of an update, such as 500ns");
+  }
+  if (takes.file != nullptr) {
+    add_text(app, "--out", o.out, takes.file, "file to write")->required();
+  }
   if (takes.word == nullptr) return;
   app.add_option_function<std::string>(
          takes.word, [&o](const std::string& text) { o.word = text; }, "")

@@ -1,11 +1,17 @@
 #include "client/cli/scene_command.h"
 
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <iomanip>
 
-#include "server/scene/json_io.h"
 #include "client/cli/scene_view.h"
+#include "server/scene/json_io.h"
 #include "server/scene/scene_io.h"
 #include "server/scene/scene_library.h"
 
@@ -36,6 +42,34 @@ void print_table(const std::vector<pb::SceneEntry>& entries, std::ostream& out) 
     out << std::left << std::setw(static_cast<int>(width) + 2) << entry.name()
         << (entry.valid() ? entry.description() : "INVALID  " + entry.error()) << '\n';
   }
+}
+
+// Runs handrail-lab with these words on this program's own standard output and error.
+ExitCode run_lab(const Console& console, std::vector<std::string> words) {
+  std::error_code error;
+  const auto own = std::filesystem::read_symlink("/proc/self/exe", error);
+  std::string path = (own.parent_path() / "handrail-lab").string();
+  std::vector<char*> argv{path.data()};
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  console.out.flush();
+  console.err.flush();
+  pid_t pid = 0;
+  const int failed = ::posix_spawn(&pid, path.c_str(), nullptr, nullptr, argv.data(), environ);
+  if (failed != 0) return complain(console, "cannot start " + path + ": " + std::strerror(failed));
+  int status = 0;
+  while (::waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (WIFEXITED(status)) return static_cast<ExitCode>(WEXITSTATUS(status));
+  console.err << "handrail: handrail-lab was ended by signal " << WTERMSIG(status) << '\n';
+  return kExitRefused;
+}
+
+void add_option(const char* name, const std::optional<std::string>& value,
+                std::vector<std::string>& words) {
+  if (!value) return;
+  words.push_back(name);
+  words.push_back(*value);
 }
 
 }  // namespace
@@ -79,6 +113,26 @@ ExitCode run_scene_check(const Options& options, const Console& console) {
   }
   console.out << *file << ": ok\n";
   return kExitDone;
+}
+
+ExitCode run_scene_preview(const Options& options, const Console& console) {
+  std::vector<std::string> words = {"scene-preview", *options.word};
+  add_option("--out", options.out, words);
+  return run_lab(console, std::move(words));
+}
+
+ExitCode run_scene_explain(const Options& options, const Console& console) {
+  std::vector<std::string> words = {"scene-explain", *options.word};
+  if (options.json) words.push_back("--json");
+  return run_lab(console, std::move(words));
+}
+
+ExitCode run_scene_resolve(const Options& options, const Console& console) {
+  std::vector<std::string> words = {"scene-resolve", *options.word};
+  add_option("--accuracy", options.accuracy, words);
+  add_option("--budget", options.budget, words);
+  add_option("--out", options.out, words);
+  return run_lab(console, std::move(words));
 }
 
 ExitCode run_scene_load(const Options& options, const Console& console) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "devices/hand/recorded_hand_io.h"
+#include "server/lab/accuracy/command.h"
 #include "server/lab/hand_run.h"
 #include "server/lab/study/linear_command.h"
 #include "server/scene/scene_library.h"
@@ -174,6 +175,32 @@ void add_fit(CLI::App& app, FitCommand& fit) {
                 "write nothing; exit 1 if the file is not what the fit gives");
 }
 
+void add_accuracy(CLI::App& app, AccuracyCommand& accuracy) {
+  CLI::App* sub = app.add_subcommand(
+      "accuracy", "what accuracy costs in time, choice by choice, measured on this machine");
+  sub->add_option("--only", accuracy.only, "one choice")->check(CLI::IsMember(accuracy_choices()));
+  sub->add_flag("--json", accuracy.json, "print the rows as JSON");
+  sub->add_option("--figures", accuracy.figures, "folder for the figures (SVG)");
+}
+
+// What `handrail scene` starts.
+void add_scene_tools(CLI::App& app, SceneToolCommand& tool) {
+  CLI::App* explain = app.add_subcommand(
+      "scene-explain", "what a scene simulates, where, and what it costs; what it does not");
+  explain->add_option("SCENE", tool.scene, "name, or a file")->required();
+  explain->add_flag("--json", tool.json, "print it as JSON");
+  CLI::App* preview =
+      app.add_subcommand("scene-preview", "draw a scene's walls, forces and a proxy's way");
+  preview->add_option("SCENE", tool.scene, "name, or a file")->required();
+  preview->add_option("--out", tool.out, "PNG file to write")->required();
+  CLI::App* resolve = app.add_subcommand(
+      "scene-resolve", "copy a scene with the cheapest setting that meets a wish");
+  resolve->add_option("SCENE", tool.scene, "name, or a file")->required();
+  resolve->add_option("--accuracy", tool.accuracy, "largest error, such as 0.01mm or 10um");
+  resolve->add_option("--budget", tool.budget, "largest cost of an update, such as 500ns");
+  resolve->add_option("--out", tool.out, "scene file to write, NAME.scene")->required();
+}
+
 int run(int argc, char** argv) {
   CLI::App app{
       "Experiments in virtual time: the same master and slave steps as the daemons, "
@@ -183,9 +210,13 @@ int run(int argc, char** argv) {
   LinearCommand study;
   Shorthands words;
   FitCommand fit;
+  AccuracyCommand accuracy;
+  SceneToolCommand tool;
   add_hand(app, hand);
   add_linear(app, study, words);
   add_fit(app, fit);
+  add_accuracy(app, accuracy);
+  add_scene_tools(app, tool);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -193,6 +224,10 @@ int run(int argc, char** argv) {
   }
   if (app.got_subcommand("hand")) return run_hand_command(hand);
   let_ctrl_c_cancel();
+  if (app.got_subcommand("accuracy")) return run_accuracy_command(accuracy, cancelled);
+  if (app.got_subcommand("scene-explain")) return run_explain_command(tool, cancelled);
+  if (app.got_subcommand("scene-preview")) return run_preview_command(tool);
+  if (app.got_subcommand("scene-resolve")) return run_resolve_command(tool, cancelled);
   if (app.got_subcommand("fit")) return run_fit_command(fit, cancelled);
   const std::vector<std::string> shorthands = words.settings();
   study.settings.insert(study.settings.begin(), shorthands.begin(), shorthands.end());

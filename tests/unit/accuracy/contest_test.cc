@@ -1,0 +1,49 @@
+// What a contest calls, and when; not how long it takes.
+#include "server/lab/accuracy/contest.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace handrail {
+namespace {
+
+TEST(Contest, GoesRoundItsEntrantsTurnByTurn) {
+  const std::atomic<bool> go_on = false;
+  std::string calls;
+  Contest contest;
+  contest.add([&] { calls += 'A'; }, [&] { calls += 'a'; }, 1);
+  contest.add([&] { calls += 'B'; }, [&] { calls += 'b'; }, 1);
+  contest.run(1, 2, go_on);
+  // One batch to warm up and two; one turn that does not count.
+  EXPECT_EQ(calls, "AaaaBbbbAaaaBbbb");
+  EXPECT_GE(contest.time(0).p999, contest.time(0).median);
+}
+
+TEST(Contest, TellsWorkFromNone) {
+  const std::atomic<bool> go_on = false;
+  double sum = 0.0;
+  Contest contest;
+  contest.add([] {},
+              [&] {
+                for (int i = 0; i < 20000; ++i) keep(sum += i);
+              },
+              1);
+  contest.add([] {}, [] {}, 1);
+  contest.run(5, 11, go_on);
+  EXPECT_GT(contest.longer(0, 1), 0.0);
+  EXPECT_LT(contest.longer(1, 0), 0.0);
+}
+
+TEST(Contest, EndsWhenCancelled) {
+  const std::atomic<bool> cancelled = true;
+  int calls = 0;
+  Contest contest;
+  contest.add([&] { ++calls; }, [&] { ++calls; }, 1);
+  contest.run(3, 3, cancelled);
+  EXPECT_EQ(calls, 0);
+  EXPECT_EQ(contest.time(0).median, 0.0);
+}
+
+}  // namespace
+}  // namespace handrail
