@@ -134,10 +134,10 @@ TEST(Coverage, AllowsWhatIsWithinTwoOf255OfAMixtureAndNothingFurther) {
   };
   EXPECT_EQ(error_of(with_offset(2), rules()), "");
   EXPECT_EQ(error_of(with_offset(-2), rules()), "");
-  EXPECT_EQ(error_of(with_offset(6), rules()),
-            "pixel (20, 50) of colour #888886 is neither in the palette nor a mixture of two of "
+  EXPECT_EQ(error_of(with_offset(3), rules()),
+            "pixel (20, 50) of colour #888883 is neither in the palette nor a mixture of two of "
             "its colours around it ('paper', 'ink')");
-  EXPECT_NE(error_of(with_offset(-6), rules()), "");
+  EXPECT_NE(error_of(with_offset(-3), rules()), "");
 }
 
 TEST(Coverage, CountsWhatIsNotInThePalette) {

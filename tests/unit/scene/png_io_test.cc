@@ -138,6 +138,18 @@ TEST(PngIo, KeepsValuesThatTheFileCallsSrgbAndConvertsOthers) {
   }
 }
 
+TEST(PngIo, KeepsAlphaAsItIsWhereColoursAreConverted) {
+  for (const int depth : {8, 16}) {
+    PngSample s;
+    s.depth = depth;
+    s.pixel = [](int, int) { return Pixel{55, 55, 55, 77}; };
+    s.chunks.push_back({"gAMA", test::big_endian(100000)});
+    const Result<RgbaImage> image = decode_png(test::png_of(s));
+    ASSERT_TRUE(image.is_ok()) << image.message();
+    EXPECT_EQ(pixel_at(*image, 0, 0), (Pixel{128, 128, 128, 77}));
+  }
+}
+
 TEST(PngIo, SaysWhatIsWrongWithAFile) {
   const auto error = [](const std::string& bytes) { return decode_png(bytes).message(); };
   PngSample s = sample(6, 8);

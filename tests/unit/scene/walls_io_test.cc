@@ -131,6 +131,9 @@ TEST(WallsIo, SaysWhereAndWhatIsWrongWithShapes) {
   EXPECT_EQ(error(arc + "width_mm: 2 from_deg: 90 to_deg: 0 } }"),
             "/x/a.scene:6:86: field 'walls.shape[0].arc.to_deg': 0 deg is -90 deg from from_deg, "
             "expected above 0 to 360");
+  EXPECT_EQ(error(arc + "width_mm: 2 from_deg: -10 to_deg: 351 } }"),
+            "/x/a.scene:6:87: field 'walls.shape[0].arc.to_deg': 351 deg is 361 deg from from_deg, "
+            "expected above 0 to 360");
   EXPECT_EQ(error(kSquare + "method: SUBPIXEL"),
             "/x/a.scene:7:1: field 'walls.method': SUBPIXEL needs an image; shapes are felt EXACT");
   EXPECT_EQ(error(kSquare + "search_radius_px: 2"),
@@ -147,6 +150,15 @@ TEST(WallsIo, SaysWhereAndWhatIsWrongWithStages) {
             "/x/a.scene:8:9: field 'walls.stage[1].name': a second stage 'a'");
   EXPECT_EQ(error("stage { name: 'a' without: ['rim', 'road'] }"),
             "/x/a.scene:7:19: field 'walls.stage[0].without[1]': 'road' is not a WALL");
+}
+
+TEST(WallsIo, ShapesThatShareASideHangTogether) {
+  const auto beside = [](const std::string& x) {
+    return error_of(kRegions + kSquare + "shape { rectangle { centre_mm: [" + x +
+                    ", 3] size_mm: [0.3, 9] region: 'lane' } }\n");
+  };
+  EXPECT_EQ(beside("10.15"), "");
+  EXPECT_NE(beside("10.151"), "");
 }
 
 TEST(WallsIo, RefusesShapesThatTheHandCannotReach) {
