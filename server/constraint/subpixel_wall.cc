@@ -20,6 +20,9 @@ constexpr double kMiss = 0.3;          // a slide that ends further off the surf
 constexpr double kTurn = 0.5;          // ... and one that turns the normal further (cosine)
 constexpr double kLongStride = 1.0;    // through free space, at least
 constexpr double kShortStride = 0.25;  // ... where walls may be one pixel thin
+constexpr double kNook = 0.2;          // an inner corner bends more
+constexpr double kHop = 2.0;           // out of it
+constexpr double kGain = 0.1;          // what makes leaving it worth while
 constexpr int kSearch = 50;            // for free space around a hand inside a wall
 
 class SubpixelWall final : public WallProxy {
@@ -41,10 +44,20 @@ class SubpixelWall final : public WallProxy {
   }
 
   WallContact advance(const Vec2& hand) noexcept override {
+    const Vec2 last = hand_;
     if (hand.allFinite()) hand_ = to_pixels(hand);
+    const double before = (hand_ - p_).norm();
     work_ = 0;
-    bool arrived = false;
-    while (!arrived && work_ < kMaxWork) arrived = touching_ ? slide() : travel();
+    bool arrived = touching_ && hand_ == held_;
+    while (!arrived && work_ < kMaxWork) {
+      arrived = touching_ ? slide() : travel();
+      if (arrived && touching_) arrived = !escape();
+    }
+    // A tick's whole work that leads no nearer to a waiting hand goes round in a corner.
+    if (!arrived && touching_ && hand_ == last && (hand_ - p_).norm() > before - kAtRest) {
+      arrived = true;
+      held_ = hand_;
+    }
     WallContact out;
     out.proxy = to_map(p_);
     out.normal = touching_ ? n_ : Vec2::Zero();
@@ -75,6 +88,10 @@ class SubpixelWall final : public WallProxy {
   struct Field {
     std::uint64_t gone;
     SubpixelField distance;
+  };
+  struct Rest {
+    Vec2 p, n;
+    double bend, limit;
   };
   using Probe = SubpixelField::Probe;
 
@@ -221,12 +238,44 @@ class SubpixelWall final : public WallProxy {
     return false;
   }
 
+  // The pixels of an inner corner can hold a proxy that the corner itself would not. At rest in a
+  // tight one, tries from a little way out whether the hand can be come nearer to. True if so.
+  bool escape() noexcept {
+    if (!fine_ || bend_ > -kNook || hand_ == stuck_) return false;
+    const Rest rest{p_, n_, bend_, limit_};
+    const double nearest = (hand_ - p_).squaredNorm();
+    for (const double turn : {0.0, 0.8, -0.8, 1.6, -1.6}) {
+      const Vec2 way = Pose2::turned(rest.n, turn);
+      const Vec2 hand = hand_;
+      hand_ = rest.p + kHop * way;
+      p_ = rest.p + 0.1 * rest.n;
+      touching_ = false;
+      clearance_ = 0.0;
+      stride_ = kShortStride;
+      travel();
+      hand_ = hand;
+      touching_ = false;
+      clearance_ = 0.0;
+      for (bool there = false; !there && work_ < kMaxWork;) there = touching_ ? slide() : travel();
+      if ((hand_ - p_).squaredNorm() < nearest - kGain * std::sqrt(nearest)) return true;
+    }
+    p_ = rest.p;
+    n_ = rest.n;
+    bend_ = rest.bend;
+    limit_ = rest.limit;
+    touching_ = true;
+    fine_ = true;
+    stuck_ = hand_;
+    return false;
+  }
+
   // Puts the proxy at the free point nearest to `p`, or at the scene's start.
   void place(const Vec2& p) noexcept {
     touching_ = false;
     clearance_ = 0.0;
     stride_ = kShortStride;
     limit_ = kLongSlide;
+    held_ = stuck_ = Vec2::Constant(-1e9);
     p_ = p;
     if (probe(p_).distance >= 0.0) return;
     const Vec2 middle(std::floor(p.x()) + 0.5, std::floor(p.y()) + 0.5);
@@ -290,7 +339,9 @@ class SubpixelWall final : public WallProxy {
   std::uint8_t border_ = 0;  // the wall around the map
 
   Vec2 hand_ = Vec2::Zero();
-  Vec2 p_ = Vec2::Zero();  // the proxy
+  Vec2 held_ = Vec2::Constant(-1e9);   // the waiting hand whose proxy comes no nearer
+  Vec2 stuck_ = Vec2::Constant(-1e9);  // the hand when the proxy was last found held by a corner
+  Vec2 p_ = Vec2::Zero();              // the proxy
   bool touching_ = false;
   double clearance_ = 0.0;  // free: no wall is nearer
   double stride_ = kShortStride;
