@@ -16,6 +16,12 @@ std::string memory_text(std::size_t bytes) {
   return size < 1e7 ? fmt::format("{:.0f} kB", size * 1e-3) : fmt::format("{:.1f} MB", size * 1e-6);
 }
 
+void fill(const AccuracyRow::Error& error, pb::AccuracyError& out) {
+  out.set_unit(error.unit);
+  out.set_rms(error.rms);
+  out.set_worst(error.worst);
+}
+
 }  // namespace
 
 std::string accuracy_json(const AccuracyRows& rows) {
@@ -27,9 +33,8 @@ std::string accuracy_json(const AccuracyRows& rows) {
     out.set_choice(row.choice);
     out.set_method(row.method);
     out.set_setting(row.setting);
-    out.mutable_error()->set_unit(row.error.unit);
-    out.mutable_error()->set_rms(row.error.rms);
-    out.mutable_error()->set_worst(row.error.worst);
+    fill(row.error, *out.mutable_error());
+    if (!row.whole.unit.empty()) fill(row.whole, *out.mutable_whole_error());
     out.mutable_cost()->set_unit(row.cost.unit);
     out.mutable_cost()->set_median(row.cost.median);
     out.mutable_cost()->set_p999(row.cost.p999);

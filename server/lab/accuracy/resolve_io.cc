@@ -3,6 +3,7 @@
 #include <google/protobuf/text_format.h>
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -34,15 +35,34 @@ Result<double> amount(const std::string& option, const std::string& text, const 
                                    option, text, units[0].name, units[1].name));
 }
 
+// Pixels the test walls can be painted with [m].
+constexpr double kFinest = 0.02e-3, kCoarsest = 0.4e-3;
+
+// On test walls of the scene's own pixel. Walls for finer or coarser ones are smaller or larger
+// copies: their errors are in the same proportion.
+AccuracyRows painted_rows(double pixel, const std::atomic<bool>& cancelled) {
+  const double measured = std::clamp(pixel, kFinest, kCoarsest);
+  std::vector<WallSetting> settings = {{WallMethod::kSubpixel, measured, 0.0}};
+  for (const double radius : {1.5, 2.5, 3.0, 4.0}) {
+    settings.push_back({WallMethod::kPublished, measured, radius});
+  }
+  AccuracyRows rows = wall_rows(settings, cancelled);
+  for (std::size_t i = 0; i < rows.size() && measured != pixel; ++i) {
+    for (AccuracyRow::Error* error : {&rows[i].error, &rows[i].whole}) {
+      error->rms *= pixel / measured;
+      error->worst *= pixel / measured;
+    }
+    rows[i].setting = describe({settings[i].method, pixel, settings[i].radius});
+    if (!rows[i].note.empty()) rows[i].note += "; ";
+    rows[i].note += fmt::format("measured with pixels of {:g} mm", measured / kMm);
+  }
+  return rows;
+}
+
 AccuracyRows rows_for(const Scene& scene, const std::atomic<bool>& cancelled) {
   if (!scene.walls) return tool_rows(cancelled);
   if (!scene.walls->map) return wall_rows({{WallMethod::kExact, 0.0, 0.0}}, cancelled);
-  const double pixel = scene.walls->map->pixel;
-  std::vector<WallSetting> settings = {{WallMethod::kSubpixel, pixel, 0.0}};
-  for (const double radius : {1.5, 2.0, 2.5, 3.0, 4.0}) {
-    settings.push_back({WallMethod::kPublished, pixel, radius});
-  }
-  return wall_rows(settings, cancelled);
+  return painted_rows(scene.walls->map->pixel, cancelled);
 }
 
 // The number between `before` and what follows it in a row's setting.
@@ -75,17 +95,18 @@ std::string wish_text(const AccuracyWish& wish) {
 }
 
 std::string figures_of(const AccuracyRow& row) {
-  return fmt::format("{}, {}: error {:.3g} um RMS, {:.3g} um at worst, {:.0f} ns an update",
-                     row.method, row.setting, row.error.rms, row.error.worst, row.cost.median);
+  return fmt::format(
+      "{}, {}: the proxy off by {:.3g} um RMS, {:.3g} um at worst, {:.0f} ns an update", row.method,
+      row.setting, row.whole_error().rms, row.whole_error().worst, row.cost.median);
 }
 
 // The row that comes nearest to the wish.
 const AccuracyRow& nearest(const AccuracyRows& rows, const AccuracyWish& wish) {
-  return *std::min_element(rows.begin(), rows.end(),
-                           [&](const AccuracyRow& a, const AccuracyRow& b) {
-                             return wish.most_error > 0.0 ? a.error.worst < b.error.worst
-                                                          : a.cost.median < b.cost.median;
-                           });
+  return *std::min_element(
+      rows.begin(), rows.end(), [&](const AccuracyRow& a, const AccuracyRow& b) {
+        return wish.most_error > 0.0 ? a.whole_error().worst < b.whole_error().worst
+                                     : a.cost.median < b.cost.median;
+      });
 }
 
 // Checks the name, moves the image's path to where the copy stands, and writes.
@@ -139,7 +160,7 @@ int choose(const AccuracyRows& rows, const AccuracyWish& wish) {
   int best = -1;
   for (int i = 0; i < static_cast<int>(rows.size()); ++i) {
     const AccuracyRow& row = rows[static_cast<std::size_t>(i)];
-    const bool meets = wish.most_error > 0.0 ? row.error.worst <= wish.most_error
+    const bool meets = wish.most_error > 0.0 ? row.whole_error().worst <= wish.most_error
                                              : row.cost.median <= wish.most_cost;
     if (!meets) continue;
     if (best < 0) {
@@ -148,9 +169,10 @@ int choose(const AccuracyRows& rows, const AccuracyWish& wish) {
     }
     const AccuracyRow& held = rows[static_cast<std::size_t>(best)];
     const bool cheaper = row.cost.median < held.cost.median;
-    const bool better = wish.most_error > 0.0 ? cheaper
-                                              : row.error.rms < held.error.rms ||
-                                                    (row.error.rms == held.error.rms && cheaper);
+    const bool better = wish.most_error > 0.0
+                            ? cheaper
+                            : row.whole_error().rms < held.whole_error().rms ||
+                                  (row.whole_error().rms == held.whole_error().rms && cheaper);
     if (better) best = i;
   }
   return best;

@@ -19,8 +19,9 @@ struct AccuracyWish {
 // From "0.01mm", "10um" or "500ns", "0.5us"; a unit is needed. The error says what was expected.
 Result<AccuracyWish> accuracy_wish(const std::string& accuracy, const std::string& budget);
 
-// The row to choose: of those whose worst error is small enough the one of least median cost, or of
-// those cheap enough the one of least RMS error, then of least cost; -1: none meets the wish.
+// The row to choose: of those whose worst whole error is small enough the one of least median cost,
+// or of those cheap enough the one of least RMS whole error, then of least cost; -1: none meets the
+// wish.
 int choose(const AccuracyRows& rows, const AccuracyWish& wish);
 
 struct Resolved {

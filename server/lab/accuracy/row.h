@@ -26,6 +26,10 @@ struct AccuracyRow {
   std::size_t memory_bytes = 0;
   std::string needs;  // what it takes that other rows do not, such as drawn walls; may be empty
   std::string note;   // what the error alone does not say; may be empty
+  // Walls: of the proxy from the exact one, with what it stays behind along the wall. Without a
+  // unit there is no such difference.
+  Error whole;
+  const Error& whole_error() const { return whole.unit.empty() ? error : whole; }
 };
 
 using AccuracyRows = std::vector<AccuracyRow>;

@@ -126,6 +126,7 @@ AccuracyRows wall_rows(const std::vector<WallSetting>& settings,
     if (setting.method == WallMethod::kExact) row.needs = "drawn walls";
     const Errors errors = errors_of(*runner);
     row.error = errors.surface.in("um", 1e6);
+    row.whole = errors.proxy.in("um", 1e6);
     if (errors.proxy.worst() > kBehind) {
       row.note = fmt::format("stays up to {:.2f} mm behind", errors.proxy.worst() / kMm);
     }

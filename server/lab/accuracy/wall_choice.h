@@ -24,7 +24,8 @@ std::string describe(const WallSetting& setting);
 
 // One row each: how far the proxy lies off the true wall [um] along the courses of wall_course.h,
 // the hand 1 mm deep and 0.1 mm further each tick; time of one update [ns]; memory of proxy and
-// map. With a painted map of exact-area coverage.
+// map. The whole error is the proxy's from the exact one, so that stiffness times it is the
+// force's. With a painted map of exact-area coverage.
 AccuracyRows wall_rows(const std::vector<WallSetting>& settings,
                        const std::atomic<bool>& cancelled);
 

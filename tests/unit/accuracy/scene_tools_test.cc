@@ -34,7 +34,7 @@ effect { device_friction {} }
 )";
 
 // The same painted: 80 mm by 40 mm at 0.2 mm a pixel.
-std::string painted(const TempFolder& folder) {
+std::string painted(const TempFolder& folder, const std::string& size_mm = "80, 40") {
   Canvas map(400, 200, {0, 0, 0});
   for (int y = 75; y < 125; ++y) {
     for (int x = 50; x < 350; ++x) map.set(x, y, {255, 255, 255});
@@ -42,7 +42,8 @@ std::string painted(const TempFolder& folder) {
   EXPECT_TRUE(map.write_png(folder.path() + "/aisle.png"));
   return folder.write("painted.scene", R"(name: "painted"
 walls {
-  image { file: "aisle.png" size_mm: [80, 40] edges: LINEAR }
+  image { file: "aisle.png" edges: LINEAR size_mm: [)" +
+                                           size_mm + R"(] }
   region { name: "free" colour: "#ffffff" kind: FREE }
   region { name: "wall" colour: "#000000" kind: WALL }
 }
@@ -159,6 +160,14 @@ TEST(ResolveScene, ChoosesTheCheapestThatIsAccurateOrTheMostAccurateThatIsCheap)
   EXPECT_EQ(choose(rows, {0.0, 9.0}), -1);
 }
 
+TEST(ResolveScene, CountsWhatAProxyStaysBehind) {
+  AccuracyRows rows = {choice(5.0, 90.0), choice(5.0, 40.0)};
+  rows[1].whole = {"um", 400.0, 1000.0};
+  EXPECT_EQ(choose(rows, {10.0, 0.0}), 0);
+  EXPECT_EQ(choose(rows, {1000.0, 0.0}), 1);
+  EXPECT_EQ(choose(rows, {0.0, 500.0}), 0);
+}
+
 TEST(ResolveScene, UnderstandsWishesWithUnitsOnly) {
   EXPECT_DOUBLE_EQ(accuracy_wish("0.01mm", "")->most_error, 10.0);
   EXPECT_DOUBLE_EQ(accuracy_wish("10um", "")->most_error, 10.0);
@@ -178,7 +187,7 @@ TEST(ResolveScene, WritesACopyOfAPaintedSceneThatLoadsFromElsewhere) {
   const auto resolved = resolve_scene(file, {10.0, 0.0}, out, kGoOn);
   ASSERT_TRUE(resolved) << resolved.message();
   const AccuracyRow& row = resolved->rows[static_cast<std::size_t>(resolved->chosen)];
-  EXPECT_LE(row.error.worst, 10.0);
+  EXPECT_LE(row.whole_error().worst, 10.0);
   const auto copy = load_scene_file(out);
   ASSERT_TRUE(copy) << copy.message();
   EXPECT_EQ(copy->name, "fine");
@@ -199,6 +208,23 @@ TEST(ResolveScene, WritesSearchRadiusAndMethodWhenTimeIsDear) {
   const auto copy = load_scene_file(out);
   ASSERT_TRUE(copy) << copy.message();
   EXPECT_EQ(row.method == "published", copy->walls->method == WallMethod::kPublished);
+}
+
+TEST(ResolveScene, MeasuresNoLargerMapsForVeryFineOrCoarsePixels) {
+  const TempFolder folder;
+  const std::string out = folder.path() + "/copy.scene";
+  const auto coarse = resolve_scene(painted(folder, "1600, 800"), {1e6, 0.0}, out, kGoOn);
+  ASSERT_TRUE(coarse) << coarse.message();
+  const auto fine = resolve_scene(painted(folder, "0.001e3, 0.5e0"), {1e6, 0.0}, out, kGoOn);
+  EXPECT_THAT(fine.message(), HasSubstr("size_mm"));  // at least 1 mm
+  const auto least = resolve_scene(painted(folder, "2, 1"), {1e6, 0.0}, out, kGoOn);
+  ASSERT_TRUE(least) << least.message();
+  EXPECT_THAT(coarse->rows[1].setting, HasSubstr("pixel 4 mm, radius 1.5 px"));
+  EXPECT_THAT(least->rows[1].setting, HasSubstr("pixel 0.005 mm, radius 1.5 px"));
+  // The published error is some share of a pixel, whatever the pixel.
+  EXPECT_NEAR(coarse->rows[1].error.rms / 4000.0, 0.3, 0.1);
+  EXPECT_NEAR(least->rows[1].error.rms / 5.0, 0.3, 0.1);
+  EXPECT_THAT(least->rows[1].note, HasSubstr("0.02 mm"));
 }
 
 TEST(ResolveScene, KeepsDrawnWallsExactAndToolsInClosedForm) {
