@@ -1,0 +1,150 @@
+#include "server/lab/walls/gearshift_run.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/lab/walls/gear_driver.h"
+
+namespace handrail {
+namespace {
+
+constexpr double kSettle = 1.0;  // after the driver's or a recording's end [s]
+
+const EffectSpec* find(const Scene& scene, EffectKind kind) {
+  const auto it = std::find_if(scene.effects.begin(), scene.effects.end(),
+                               [&](const EffectSpec& e) { return e.kind == kind; });
+  return it == scene.effects.end() ? nullptr : &*it;
+}
+
+// Everything judged in one run.
+class Judge {
+ public:
+  Judge(const Scene& scene, const GearGate& gate, double mass)
+      : gate_(gate), penetration_(*scene.walls, mass) {}
+
+  void see(const WallTick& tick, GearshiftResult& result) {
+    penetration_.see(tick);
+    guidance_.see(tick);
+    const double off = (tick.hand - gate_.neutral()).norm();
+    if (!seen_ && off < gate_.home()) result.visited.push_back("N");
+    seen_ = true;
+    rest_.see(tick);
+    home_ = !tick.effects.locked && off < gate_.home();
+    for (int i = 0; i < tick.effects.event_count; ++i) {
+      hear(tick.effects.events[static_cast<std::size_t>(i)], tick.t, result);
+    }
+  }
+
+  void report(GearshiftResult& result) const {
+    if (home_ && rest_.rests() && result.visited.size() > 1) result.visited.push_back("N");
+    result.inside_share = guidance_.inside_share();
+    result.most_force = guidance_.most_force();
+    result.deepest = penetration_.deepest();
+    result.share_of_bound = penetration_.share_of_bound();
+  }
+
+ private:
+  void hear(const EffectEvent& event, double t, GearshiftResult& result) const {
+    GearEvent told;
+    told.t = t;
+    told.gear = "N";
+    if (event.kind == EffectEvent::Kind::kReturned) told.kind = GearEvent::Kind::kReturn;
+    if (event.kind == EffectEvent::Kind::kUnlocked) told.kind = GearEvent::Kind::kUnlock;
+    if (event.kind != EffectEvent::Kind::kReturned) {
+      told.gear = gate_.names()[static_cast<std::size_t>(event.place)];
+    }
+    if (told.kind == GearEvent::Kind::kLock) result.visited.push_back(told.gear);
+    result.events.push_back(std::move(told));
+  }
+
+  const GearGate& gate_;
+  PenetrationWatch penetration_;
+  GuidanceWatch guidance_;
+  RestWatch rest_;
+  bool seen_ = false, home_ = false;
+};
+
+bool is_cancelled(const GearshiftOptions& options) {
+  return options.cancelled != nullptr && options.cancelled->load();
+}
+
+}  // namespace
+
+const char* name_of(GearEvent::Kind kind) noexcept {
+  switch (kind) {
+    case GearEvent::Kind::kLock:
+      return "lock";
+    case GearEvent::Kind::kUnlock:
+      return "unlock";
+    case GearEvent::Kind::kReturn:
+      break;
+  }
+  return "return";
+}
+
+Result<GearGate> GearGate::of(const Scene& scene) {
+  const EffectSpec* detent = find(scene, EffectKind::kDetent);
+  const EffectSpec* spring = find(scene, EffectKind::kReturn);
+  if (scene.walls == nullptr || detent == nullptr || spring == nullptr) {
+    return Status::error("scene '" + scene.name +
+                         "' lists no detent and return spring to shift gears with");
+  }
+  GearGate gate;
+  gate.places_ = detent->places;
+  gate.names_ = detent->place_names;
+  gate.neutral_ = spring->at;
+  gate.home_ = spring->radius;
+  return gate;
+}
+
+std::vector<Vec2> GearGate::way(const Vec2& a, const Vec2& b) const {
+  std::vector<Vec2> out = {a};
+  if (a.x() != b.x()) {
+    for (const double x : {a.x(), b.x()}) {
+      const Vec2 foot(x, neutral_.y());
+      if (foot != out.back()) out.push_back(foot);
+    }
+  }
+  if (b != out.back() || out.size() == 1) out.push_back(b);
+  return out;
+}
+
+GearshiftResult shift_gears(const Scene& scene, const GearGate& gate, const JoystickPerson& person,
+                            const GearshiftOptions& options) {
+  WallBench bench(scene, person.hand);
+  Judge judge(scene, gate, bench.moving_mass());
+  GearDriver driver(gate, person.pace);
+  GearshiftResult result;
+  double done = 0.0;  // when the driver was
+  while (!(driver.done() && bench.now().t > done + kSettle) && !is_cancelled(options)) {
+    bench.follow(driver.p(), driver.v());
+    WallTick tick = bench.step();
+    if (!driver.done()) done = tick.t;
+    driver.drive(tick);
+    tick.ball = driver.p();
+    judge.see(tick, result);
+    if (options.traced) result.trace.push_back(tick);
+  }
+  result.duration = bench.now().t;
+  judge.report(result);
+  return result;
+}
+
+GearshiftResult shift_gears(const Scene& scene, const GearGate& gate, const JoystickPerson& person,
+                            const RecordedMotion& recording, const GearshiftOptions& options) {
+  WallBench bench(scene, person.hand, recording, gate.neutral());
+  Judge judge(scene, gate, bench.moving_mass());
+  GearshiftResult result;
+  const double end = recording.duration() + kSettle;
+  while (bench.now().t < end && !is_cancelled(options)) {
+    WallTick tick = bench.step();
+    tick.ball = tick.hand;
+    judge.see(tick, result);
+    if (options.traced) result.trace.push_back(tick);
+  }
+  result.duration = bench.now().t;
+  judge.report(result);
+  return result;
+}
+
+}  // namespace handrail
