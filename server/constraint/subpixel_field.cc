@@ -22,9 +22,28 @@ constexpr double kCorner = 1.75;         // what a corner reaches around the mid
 constexpr double kUnit = 1.0 / 8192;     // of a sample [pixels]
 constexpr double kFull = 0.997;          // a pixel this much wall is all wall
 constexpr int kCoarse = 10, kFine = 34;  // samples along a tile, one beyond each edge
+constexpr int kAround = 4;               // fine samples looked at beyond those
+constexpr int kWide = kFine + 2 * kAround;
+constexpr double kDisc = 0.4;   // free space narrower than such a disc is none
+constexpr double kNook = 0.08;  // ... where it is off by more than the samples' grid makes it
 
 // From a coordinate to the nearer border of its pixel.
 double to_border(double x) { return 0.5 - std::abs(x - std::floor(x) - 0.5); }
+
+// The sample at (i, j) of a fine tile and its surroundings, as if free space were only where a disc
+// of kDisc fits: what is left of it by pixels in a corner could hold a proxy.
+double without_nooks(const double* value, int i, int j) {
+  const double here = value[j * kWide + i];
+  if (!(here > -kDisc && here < kDisc)) return here;
+  double best = -kDisc;
+  for (int dj = -kAround; dj <= kAround; ++dj) {
+    for (int di = -kAround; di <= kAround; ++di) {
+      const double there = value[(j + dj) * kWide + i + di];
+      if (there >= kDisc) best = std::max(best, there - 0.25 * std::hypot(di, dj));
+    }
+  }
+  return here - best > kNook ? best : here;
+}
 
 }  // namespace
 
@@ -124,10 +143,11 @@ void SubpixelField::find_surface(Build& build) const {
 
 void SubpixelField::fill(const Build& build, int cx, int cy, bool fine,
                          std::int16_t* samples) const {
-  const int n = fine ? kFine : kCoarse;
+  const int n = fine ? kWide : kCoarse;
   const double pitch = fine ? 0.25 : 1.0, reach = fine ? kFineReach : kReach;
-  const double x0 = (cx - 1) * kTile - 0.5 * pitch, y0 = (cy - 1) * kTile - 0.5 * pitch;
-  double value[kFine * kFine], rank[kFine * kFine];
+  const double edge = fine ? (0.5 + kAround) * pitch : 0.5 * pitch;
+  const double x0 = (cx - 1) * kTile - edge, y0 = (cy - 1) * kTile - edge;
+  double value[kWide * kWide], rank[kWide * kWide];
   std::fill_n(rank, n * n, 1e9);
   for (int j = 0; j < n; ++j) {
     for (int i = 0; i < n; ++i) {
@@ -173,9 +193,17 @@ void SubpixelField::fill(const Build& build, int cx, int cy, bool fine,
     }
   }
   if (fine) stand_cores(build.view, cx, cy, value);
-  for (int i = 0; i < n * n; ++i) {
-    samples[i] =
-        static_cast<std::int16_t>(std::lround(std::clamp(value[i], -reach, reach) / kUnit));
+  const auto keep = [&](double v) {
+    return static_cast<std::int16_t>(std::lround(std::clamp(v, -reach, reach) / kUnit));
+  };
+  if (!fine) {
+    std::transform(value, value + n * n, samples, keep);
+    return;
+  }
+  for (int j = 0; j < kFine; ++j) {
+    for (int i = 0; i < kFine; ++i) {
+      samples[j * kFine + i] = keep(without_nooks(value, i + kAround, j + kAround));
+    }
   }
 }
 
@@ -184,7 +212,8 @@ void SubpixelField::fill(const Build& build, int cx, int cy, bool fine,
 void SubpixelField::sharpen(const Build& build, int cx, int cy, double* value,
                             const double* rank) const {
   constexpr double kPitch = 0.25;
-  const double x0 = (cx - 1) * kTile - 0.5 * kPitch, y0 = (cy - 1) * kTile - 0.5 * kPitch;
+  constexpr double kEdge = (0.5 + kAround) * kPitch;
+  const double x0 = (cx - 1) * kTile - kEdge, y0 = (cy - 1) * kTile - kEdge;
   std::vector<const SurfacePatch*> pieces;
   for (int ny = std::max(cy - 1, 0); ny <= std::min(cy + 1, rows_ - 1); ++ny) {
     for (int nx = std::max(cx - 1, 0); nx <= std::min(cx + 1, columns_ - 1); ++nx) {
@@ -205,14 +234,14 @@ void SubpixelField::sharpen(const Build& build, int cx, int cy, double* value,
         return std::max(static_cast<int>(std::ceil((at - kCorner) / kPitch)), 0);
       };
       const auto last = [](double at) {
-        return std::min(static_cast<int>(std::floor((at + kCorner) / kPitch)), kFine - 1);
+        return std::min(static_cast<int>(std::floor((at + kCorner) / kPitch)), kWide - 1);
       };
       for (int j = first(middle.y()); j <= last(middle.y()); ++j) {
         for (int i = first(middle.x()); i <= last(middle.x()); ++i) {
           const double x = x0 + i * kPitch, y = y0 + j * kPitch;
           const SurfacePatch::Distance da = a->distance(x, y), db = b->distance(x, y);
-          if (std::min(da.rank, db.rank) > rank[j * kFine + i] + 0.3) continue;
-          value[j * kFine + i] =
+          if (std::min(da.rank, db.rank) > rank[j * kWide + i] + 0.3) continue;
+          value[j * kWide + i] =
               ahead > 0.0 ? std::min(da.beyond, db.beyond) : std::max(da.beyond, db.beyond);
         }
       }
@@ -223,7 +252,8 @@ void SubpixelField::sharpen(const Build& build, int cx, int cy, double* value,
 // Thin walls stand wherever their core does, whatever their faces look like near a junction.
 void SubpixelField::stand_cores(const CoverageView& view, int cx, int cy, double* value) const {
   constexpr double kPitch = 0.25;
-  const double x0 = (cx - 1) * kTile - 0.5 * kPitch, y0 = (cy - 1) * kTile - 0.5 * kPitch;
+  constexpr double kEdge = (0.5 + kAround) * kPitch;
+  const double x0 = (cx - 1) * kTile - kEdge, y0 = (cy - 1) * kTile - kEdge;
   std::vector<CoreSegment> cores;
   find_cores(view, (cx - 1) * kTile, (cy - 1) * kTile, cores);
   for (const CoreSegment& core : cores) {
@@ -233,11 +263,11 @@ void SubpixelField::stand_cores(const CoverageView& view, int cx, int cy, double
       return std::max(static_cast<int>(std::ceil((at - kCoreReach) / kPitch)), 0);
     };
     const auto last = [](double at) {
-      return std::min(static_cast<int>(std::floor((at + kCoreReach) / kPitch)), kFine - 1);
+      return std::min(static_cast<int>(std::floor((at + kCoreReach) / kPitch)), kWide - 1);
     };
     for (int j = first(low.y()); j <= last(high.y()); ++j) {
       for (int i = first(low.x()); i <= last(high.x()); ++i) {
-        double& v = value[j * kFine + i];
+        double& v = value[j * kWide + i];
         v = std::min(v, core.distance({x0 + i * kPitch, y0 + j * kPitch}));
       }
     }

@@ -1,0 +1,171 @@
+// The sub-pixel proxy under generated walls, hands and motions.
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "server/constraint/subpixel_wall.h"
+#include "tests/support/wall_samples.h"
+
+namespace handrail {
+namespace {
+
+constexpr double kPixel = 1e-4;
+
+// Below `n`, at full size: the default starts with the low ends of all ranges.
+int below(int n) { return *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(0, n)); }
+
+double between(double low, double high) {
+  constexpr int kSteps = 1'000'000;
+  return low + (high - low) * below(kSteps + 1) / kSteps;
+}
+
+Vec2 within(double size) { return {between(-size, size), between(-size, size)}; }
+
+Vec2 unit(double angle) { return {std::cos(angle), std::sin(angle)}; }
+
+// A hand that keeps a velocity for some ticks and stays near the map.
+struct Hand {
+  Vec2 p, v = Vec2::Zero();
+  double speed, room;
+
+  const Vec2& next() {
+    if (below(10) == 0) v = within(speed);
+    p = (p + v).cwiseMax(Vec2(-room, -room)).cwiseMin(Vec2(room, room));
+    return p;
+  }
+};
+
+RC_GTEST_PROP(SubpixelProperty, NoMotionTakesTheProxyThroughAWallOfOnePixel, ()) {
+  const double thickness = between(1.0, 4.0) * kPixel;
+  const double speed = std::pow(10.0, between(-4.5, std::log10(5e-3)));  // [m a tick]
+  const bool ring = below(2) == 0;
+  const double angle = between(0.0, 2.0 * std::numbers::pi), r = between(2e-3, 8e-3);
+  const Vec2 off = within(1e-3), n = unit(angle + 0.5 * std::numbers::pi);
+  test::WallPainter painter(240, 240, kPixel);
+  if (ring) {
+    painter.wall_disc(off, r + 0.5 * thickness).open_disc(off, r - 0.5 * thickness);
+  } else {
+    painter.wall(test::rectangle(off, 1.0, thickness, angle));
+  }
+  const Vec2 start = ring ? off : Vec2(off + 2e-3 * n);
+  const Walls walls = painter.finish(start);
+  const auto side = [&](const Vec2& p) { return ring ? r - (p - off).norm() : (p - off).dot(n); };
+  const auto proxy = make_subpixel_proxy(walls);
+  proxy->start(start);
+  Hand hand{start, Vec2::Zero(), speed, 0.014};
+  int unfinished = 0;
+  for (int i = 0; i < 400; ++i) {
+    const WallContact contact = proxy->advance(hand.next());
+    RC_ASSERT(side(contact.proxy) > -0.5 * kPixel);
+    RC_ASSERT(std::abs(contact.proxy.x()) < 0.01205 && std::abs(contact.proxy.y()) < 0.01205);
+    unfinished = contact.unfinished ? unfinished + 1 : 0;
+    RC_ASSERT(unfinished < 20);
+  }
+}
+
+RC_GTEST_PROP(SubpixelProperty, InAConvexRoomTheProxyIsNeverLeftBehind, ()) {
+  // There the nearest free point is the only local minimum, whatever the path. A grazing hand's
+  // proxy is within a pixel of it; within reach of a corner a deeper hand's is within six.
+  const double angle = between(0.0, 2.0 * std::numbers::pi);
+  const double half = between(1e-3, 7e-3), depth = below(2) == 0 ? 1e-5 : 1e-3;
+  const Walls walls = test::WallPainter(240, 240, kPixel, false)
+                          .open(test::rectangle(Vec2::Zero(), 1.4e-2, 2.0 * half, angle))
+                          .finish();
+  const auto proxy = make_subpixel_proxy(walls);
+  proxy->start(Vec2::Zero());
+  Hand hand{Vec2::Zero(), Vec2::Zero(), std::pow(10.0, between(-5.0, -2.3)), 0.014};
+  const Vec2 room(7e-3, half), around = room + Vec2(depth, depth);
+  for (int i = 0; i < 300; ++i) {
+    const Vec2 local = hand.next().cwiseMax(-around).cwiseMin(around);
+    const WallContact contact = proxy->advance(Pose2::turned(local, angle));
+    if (contact.unfinished) continue;
+    const Vec2 nearest = local.cwiseMax(-room).cwiseMin(room);
+    const double off = (Pose2::turned(contact.proxy, -angle) - nearest).norm();
+    const bool corner = (room - nearest.cwiseAbs()).maxCoeff() < 10.0 * kPixel;
+    RC_ASSERT(off < (depth < 1e-4 || !corner ? 1.0 : 6.0) * kPixel);
+  }
+}
+
+// Rooms, an island and a gap: a bit of everything.
+Walls busy_map() {
+  return test::WallPainter(240, 240, kPixel, false)
+      .open(test::rectangle({-4e-3, 0.0}, 8e-3, 1.6e-2, 0.2))
+      .open_disc({6.5e-3, 5e-3}, 3e-3)
+      .wall_disc({-4e-3, 1e-3}, 2e-3)
+      .wall(test::rectangle({-4e-3, -5e-3}, 5e-3, 2e-4, 0.9))
+      .finish({-4e-3, 5e-3});
+}
+
+RC_GTEST_PROP(SubpixelProperty, AWaitingHandsProxyComesToRestAndNeverGoesAway, ()) {
+  static const Walls walls = busy_map();
+  const auto proxy = make_subpixel_proxy(walls);
+  proxy->start(walls.start);
+  for (int jump = 0; jump < 10; ++jump) {
+    const Vec2 hand = within(0.013);
+    WallContact contact = proxy->advance(hand);
+    double distance = (contact.proxy - hand).norm();
+    for (int i = 0; i < 60; ++i) {
+      const Vec2 before = contact.proxy;
+      const bool rests = !contact.unfinished;
+      contact = proxy->advance(hand);
+      const double now = (contact.proxy - hand).norm();
+      RC_ASSERT(now <= distance + 0.7 * kPixel * !rests);  // a landing may step back onto the wall
+      if (rests) RC_ASSERT((contact.proxy - before).norm() < 1e-8);
+      distance = now;
+    }
+    RC_ASSERT(!contact.unfinished);
+  }
+}
+
+RC_GTEST_PROP(SubpixelProperty, AwayFromCornersASmallStepOfTheHandIsASmallStepOfTheProxy, ()) {
+  // Behind a wall that is convex with radius r, at depth r/2, the proxy goes twice as far.
+  const double r = between(2e-3, 8e-3);
+  const Vec2 c = within(1e-4);
+  const Walls walls = test::WallPainter(240, 240, kPixel).wall_disc(c, r).finish({0.0, 0.011});
+  const auto proxy = make_subpixel_proxy(walls);
+  proxy->start({0.0, 0.011});
+  const double a = between(0.0, 2.0 * std::numbers::pi);
+  Vec2 hand = c + 0.5 * r * unit(a);
+  proxy->start(c + (r + 2e-4) * unit(a));
+  WallContact contact = proxy->advance(hand);
+  for (int i = 0; i < 50; ++i) {
+    const Vec2 before = contact.proxy, step = within(2e-5);
+    if ((hand + step - c).norm() < 0.5 * r) continue;
+    hand += step;
+    contact = proxy->advance(hand);
+    RC_ASSERT((contact.proxy - before).norm() <= 2.1 * step.norm() + 0.02 * kPixel);
+  }
+}
+
+RC_GTEST_PROP(SubpixelProperty, MapAndHandTurnedTogetherGiveTheSameProxyTurned, ()) {
+  // The same room, its walls at another angle to the pixels.
+  const double angle = between(0.0, 2.0 * std::numbers::pi);
+  const Vec2 shift = within(3e-4);
+  const auto room = [](double by, const Vec2& at) {
+    return test::WallPainter(260, 260, kPixel, false)
+        .open(test::rectangle(at, 1.2e-2, 8e-3, by))
+        .wall_disc(at + Pose2::turned({1e-3, 5e-4}, by), 2e-3)
+        .finish(at + Pose2::turned({-4e-3, 0.0}, by));
+  };
+  static const Walls straight = room(0.0, Vec2::Zero());
+  const Walls turned = room(angle, shift);
+  const auto a = make_subpixel_proxy(straight), b = make_subpixel_proxy(turned);
+  const Pose2 pose{shift, angle};
+  a->start(straight.start);
+  b->start(turned.start);
+  Hand hand{straight.start, Vec2::Zero(), 2e-4, 0.0063};
+  for (int i = 0; i < 300; ++i) {
+    const Vec2& p = hand.next();
+    const WallContact in_a = a->advance(p), in_b = b->advance(pose.to_world(p));
+    // Behind the disc's centre the way round it is either; such a run ends.
+    if ((p - Vec2(1e-3, 5e-4)).norm() < 5e-4) return;
+    const bool corner = (Vec2(6e-3, 4e-3) - in_a.proxy.cwiseAbs()).maxCoeff() < 12.0 * kPixel;
+    const double off = (pose.to_world(in_a.proxy) - in_b.proxy).norm();
+    RC_ASSERT(off < (corner ? 8.0 : 0.3) * kPixel);
+  }
+}
+
+}  // namespace
+}  // namespace handrail
