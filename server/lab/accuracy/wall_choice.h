@@ -22,10 +22,10 @@ std::vector<WallSetting> wall_settings();
 const char* name_of(WallMethod method) noexcept;
 std::string describe(const WallSetting& setting);
 
-// One row each: how far the proxy lies off the true wall [um] along the courses of wall_course.h,
-// the hand 1 mm deep and 0.1 mm further each tick; time of one update [ns]; memory of proxy and
-// map. The whole error is the proxy's from the exact one, so that stiffness times it is the
-// force's. With a painted map of exact-area coverage.
+// One row each, on a map as a perfect editor would export it, 8 bits of exact coverage: how far the
+// proxy lies off the true wall [um] along the courses of wall_course.h, the hand 1 mm deep and
+// 0.1 mm further each tick; time of one update [ns]; memory of proxy and map. The whole error is
+// the proxy's from the exact one: times the stiffness it is the force's.
 AccuracyRows wall_rows(const std::vector<WallSetting>& settings,
                        const std::atomic<bool>& cancelled);
 

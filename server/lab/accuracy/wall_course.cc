@@ -24,6 +24,7 @@ const std::array<Aisle, 3> kAisles = {
      {{8.0 * kMm, -5.0 * kMm}, 12.0 * kMm, 3.0 * kMm, 62 * kDeg},
      {{19.0 * kMm, -4.0 * kMm}, 12.0 * kMm, 3.0 * kMm, 101 * kDeg}}};
 constexpr double kMapWidth = 56.0 * kMm, kMapHeight = 30.0 * kMm;
+constexpr int kLevels = 256;               // of coverage, what a pixel of 8 bits can say
 constexpr double kFromCorner = 2.5 * kMm;  // 6 of the largest pixels
 
 Vec2 unit(double angle) { return {std::cos(angle), std::sin(angle)}; }
@@ -117,7 +118,7 @@ Walls course_painting(double pixel) {
   for (const Aisle& aisle : kAisles) {
     painter.open(paint::rectangle(aisle.centre, aisle.length, aisle.width, aisle.angle));
   }
-  Walls walls = painter.finish(kAisles[0].centre);
+  Walls walls = painter.finish(kAisles[0].centre, kLevels);
   walls.regions[1].stiffness = kCourseStiffness;
   return walls;
 }

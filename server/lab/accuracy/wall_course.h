@@ -28,7 +28,8 @@ inline constexpr double kCourseDepth = 1e-3;      // of the hand in the wall [m]
 inline constexpr double kCourseStep = 0.1e-3;     // of the hand a tick [m]
 inline constexpr double kCourseStiffness = 5000;  // of the walls [N/m]
 
-// A ring and three straight aisles of 3 to 4 mm, as shapes and painted with pixels of that edge.
+// A ring and three straight aisles of 3 to 4 mm, as shapes and painted with pixels of that edge: 8
+// bits of exact coverage in linear light.
 Walls course_shapes();
 Walls course_painting(double pixel);
 

@@ -35,6 +35,20 @@ TEST(Contest, TellsWorkFromNone) {
   EXPECT_LT(contest.longer(1, 0), 0.0);
 }
 
+TEST(Contest, LeavesTheFirstTurnOut) {
+  const std::atomic<bool> go_on = false;
+  double sum = 0.0;
+  int prepared = 0;
+  const auto work = [&sum](int size) {
+    for (int i = 0; i < size; ++i) keep(sum += i);
+  };
+  Contest contest;
+  contest.add([&] { ++prepared; }, [&] { work(prepared == 1 ? 80'000 : 0); }, 1);
+  contest.add([] {}, [&] { work(20'000); }, 1);
+  contest.run(1, 11, go_on);
+  EXPECT_LT(contest.longer(0, 1), 0.0);
+}
+
 TEST(Contest, EndsWhenCancelled) {
   const std::atomic<bool> cancelled = true;
   int calls = 0;
