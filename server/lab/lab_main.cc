@@ -12,6 +12,7 @@
 #include "server/lab/accuracy/command.h"
 #include "server/lab/hand_run.h"
 #include "server/lab/study/linear_command.h"
+#include "server/lab/walls/wall_command.h"
 #include "server/scene/scene_library.h"
 
 namespace handrail {
@@ -201,6 +202,41 @@ void add_scene_tools(CLI::App& app, SceneToolCommand& tool) {
   resolve->add_option("--out", tool.out, "scene file to write, NAME.scene")->required();
 }
 
+// What wrench and gearshift have in common.
+void add_walls(CLI::App& sub, WallCommand& command) {
+  sub.add_option("--operators", command.operators, "how many; the first is the typical one")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  sub.add_option("--seed", command.seed, "another seed, other people")->capture_default_str();
+  sub.add_option("--threads", command.threads, "0: one a core; results do not depend on it")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  sub.add_option("--scene", command.scene, "scene, drawn alike")->capture_default_str();
+  sub.add_flag("--json", command.json, "print the result as JSON");
+  sub.add_option("--figures", command.figures, "folder for the figures (SVG)");
+  sub.add_option("--traces", command.traces, "CSV file for every tick of the first operator");
+  sub.add_option("--hand", command.hand, "CSV of a recorded hand, t_s,x_mm,y_mm, to play instead");
+}
+
+void add_wrench(CLI::App& app, WrenchCommand& wrench) {
+  CLI::App* sub = app.add_subcommand(
+      "wrench", "tighten and loosen a screw by half turns, led by a guiding ball");
+  sub->add_option("--c", wrench.c, "of B_w = c alpha [N s/(m rad)]; without it the scene's")
+      ->check(CLI::Range(0.0, 1e6));
+  sub->add_option("--turns", wrench.turns, "half turns to tighten")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  sub->add_option("--loosen", wrench.loosen, "half turns to loosen afterwards")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
+  add_walls(*sub, wrench);
+}
+
+void add_gearshift(CLI::App& app, GearshiftCommand& gearshift) {
+  add_walls(*app.add_subcommand("gearshift", "shift from neutral through all gears and back"),
+            gearshift);
+}
+
 int run(int argc, char** argv) {
   CLI::App app{
       "Experiments in virtual time: the same master and slave steps as the daemons, "
@@ -217,6 +253,10 @@ int run(int argc, char** argv) {
   add_fit(app, fit);
   add_accuracy(app, accuracy);
   add_scene_tools(app, tool);
+  WrenchCommand wrench;
+  GearshiftCommand gearshift;
+  add_wrench(app, wrench);
+  add_gearshift(app, gearshift);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -228,6 +268,8 @@ int run(int argc, char** argv) {
   if (app.got_subcommand("scene-explain")) return run_explain_command(tool, cancelled);
   if (app.got_subcommand("scene-preview")) return run_preview_command(tool);
   if (app.got_subcommand("scene-resolve")) return run_resolve_command(tool, cancelled);
+  if (app.got_subcommand("wrench")) return run_wrench_command(wrench, cancelled);
+  if (app.got_subcommand("gearshift")) return run_gearshift_command(gearshift, cancelled);
   if (app.got_subcommand("fit")) return run_fit_command(fit, cancelled);
   const std::vector<std::string> shorthands = words.settings();
   study.settings.insert(study.settings.begin(), shorthands.begin(), shorthands.end());

@@ -1,0 +1,152 @@
+#include "server/lab/walls/wall_command.h"
+
+#include <unistd.h>
+
+#include <cstdio>
+#include <fstream>
+
+#include "devices/hand/recorded_hand_io.h"
+#include "server/lab/study/parallel.h"
+#include "server/lab/walls/wall_drawing.h"
+#include "server/scene/scene_library.h"
+
+namespace handrail {
+namespace {
+
+enum Exit { kDone = 0, kFailed = 1, kUsage = 2, kCancelled = 130 };
+
+int complain(const std::string& message, int code) {
+  std::fprintf(stderr, "handrail-lab: %s\n", message.c_str());
+  return code;
+}
+
+// What both commands begin with.
+struct Setup {
+  Scene scene;
+  std::optional<RecordedMotion> hand;
+};
+
+Result<Setup> setup_of(const WallCommand& command) {
+  auto scene = SceneLibrary().load(command.scene);
+  if (!scene) return scene.status();
+  Setup setup;
+  setup.scene = std::move(*scene);
+  if (command.hand.empty()) return setup;
+  if (command.operators != 1) {
+    return Status::error("--hand is one hand: leave out --operators");
+  }
+  auto hand = load_recorded_motion(command.hand);
+  if (!hand) return hand.status();
+  constexpr double kReach = 0.25;  // [m]
+  const Vec3& half = hand->half_extent();
+  if (half.x() > kReach || half.y() > kReach) {
+    return Status::error(command.hand + ": covers more than " +
+                         std::to_string(static_cast<int>(2e3 * kReach)) +
+                         " mm, which no joystick does");
+  }
+  setup.hand = std::move(*hand);
+  return setup;
+}
+
+// Runs everybody, with progress on terminals. False when cancelled.
+bool run_all(const WallCommand& command, const std::function<void(std::size_t)>& job,
+             const std::atomic<bool>& cancelled) {
+  const bool terminal = ::isatty(STDERR_FILENO) != 0;
+  const bool done = run_parallel(
+      static_cast<std::size_t>(command.operators), command.threads, job,
+      [&](std::size_t count) {
+        if (!terminal) return;
+        std::fprintf(stderr, "\r\x1b[K%zu of %d operators", count, command.operators);
+        std::fflush(stderr);
+      },
+      &cancelled);
+  if (terminal) std::fprintf(stderr, "\r\x1b[K");
+  return done && !cancelled;
+}
+
+WallHeader header_of(const WallCommand& command) {
+  WallHeader header;
+  header.scene = command.scene;
+  header.seed = command.seed;
+  header.hand = command.hand;
+  return header;
+}
+
+bool traced(const WallCommand& command, std::size_t person) {
+  return person == 0 && !(command.figures.empty() && command.traces.empty());
+}
+
+Status write_trace(const WallCommand& command, const std::vector<WallTick>& trace) {
+  if (command.traces.empty()) return Status::ok();
+  std::ofstream file(command.traces, std::ios::binary | std::ios::trunc);
+  file << trace_csv(trace);
+  file.close();
+  return file ? Status::ok() : Status::error(command.traces + ": cannot write");
+}
+
+}  // namespace
+
+int run_wrench_command(const WrenchCommand& command, const std::atomic<bool>& cancelled) {
+  auto setup = setup_of(command);
+  if (!setup) return complain(setup.message(), kUsage);
+  Scene& scene = setup->scene;
+  const auto path = WrenchPath::of(scene);
+  if (!path) return complain(path.message(), kUsage);
+  WallHeader header = header_of(command);
+  for (EffectSpec& effect : scene.effects) {
+    if (effect.kind != EffectKind::kProgressive) continue;
+    effect.c = command.c.value_or(effect.c);
+    header.c = effect.c;
+  }
+  header.turns = command.turns;
+  header.loosen = command.loosen;
+  header.radius = path->radius();
+
+  std::vector<WrenchResult> people(static_cast<std::size_t>(command.operators));
+  const auto job = [&](std::size_t i) {
+    WrenchOptions options;
+    options.turns = command.turns;
+    options.loosen = command.loosen;
+    options.traced = traced(command, i);
+    options.cancelled = &cancelled;
+    const JoystickPerson person = joystick_person(command.seed, static_cast<int>(i));
+    people[i] = setup->hand ? turn_wrench(scene, *path, person, *setup->hand, options)
+                            : turn_wrench(scene, *path, person, options);
+  };
+  if (!run_all(command, job, cancelled)) return complain("cancelled", kCancelled);
+  const std::string text =
+      command.json ? wrench_json(header, people) : wrench_table(header, people);
+  std::fputs(text.c_str(), stdout);
+  if (Status s = write_trace(command, people[0].trace); !s) return complain(s.message(), kFailed);
+  if (command.figures.empty()) return kDone;
+  const Status drawn = draw_wrench(command.figures, header, *scene.walls, people);
+  return drawn ? kDone : complain(drawn.message(), kFailed);
+}
+
+int run_gearshift_command(const GearshiftCommand& command, const std::atomic<bool>& cancelled) {
+  auto setup = setup_of(command);
+  if (!setup) return complain(setup.message(), kUsage);
+  const auto gate = GearGate::of(setup->scene);
+  if (!gate) return complain(gate.message(), kUsage);
+  const WallHeader header = header_of(command);
+
+  std::vector<GearshiftResult> people(static_cast<std::size_t>(command.operators));
+  const auto job = [&](std::size_t i) {
+    GearshiftOptions options;
+    options.traced = traced(command, i);
+    options.cancelled = &cancelled;
+    const JoystickPerson person = joystick_person(command.seed, static_cast<int>(i));
+    people[i] = setup->hand ? shift_gears(setup->scene, *gate, person, *setup->hand, options)
+                            : shift_gears(setup->scene, *gate, person, options);
+  };
+  if (!run_all(command, job, cancelled)) return complain("cancelled", kCancelled);
+  const std::string text =
+      command.json ? gearshift_json(header, people) : gearshift_table(header, people);
+  std::fputs(text.c_str(), stdout);
+  if (Status s = write_trace(command, people[0].trace); !s) return complain(s.message(), kFailed);
+  if (command.figures.empty()) return kDone;
+  const Status drawn = draw_gearshift(command.figures, header, *setup->scene.walls, people);
+  return drawn ? kDone : complain(drawn.message(), kFailed);
+}
+
+}  // namespace handrail

@@ -1,0 +1,199 @@
+#include "server/lab/walls/wall_drawing.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <cmath>
+#include <filesystem>
+#include <system_error>
+
+#include "server/base/units.h"
+#include "server/constraint/outline.h"
+#include "server/lab/figure/figure.h"
+
+namespace handrail {
+namespace {
+
+using figure::Axis;
+using figure::Box;
+using figure::Dash;
+using figure::Figure;
+using figure::FigureOptions;
+using figure::Panel;
+using figure::Point;
+using figure::Style;
+
+constexpr std::size_t kEvery = 10;  // ticks between points drawn
+constexpr Style kWallStyle = {.colour = figure::kInk, .width = 1.4, .dash = Dash::kSolid};
+
+Style thin(std::size_t index) {
+  Style style = figure::style_of(index);
+  style.dash = Dash::kSolid;
+  style.width = 1.1;
+  return style;
+}
+
+std::string origin_of(const WallHeader& header, std::size_t people) {
+  const std::string hand =
+      header.hand.empty()
+          ? fmt::format("simulated hand{} ({}, seed {})", people == 1 ? "" : "s", people,
+                        header.seed)
+          : "recorded hand " + std::filesystem::path(header.hand).filename().string();
+  return fmt::format("Scene {}: {}, simulated joystick at 1 kHz", header.scene, hand);
+}
+
+// The border of drawn walls, piece by piece.
+void draw_walls(const Walls& walls, Panel& panel) {
+  constexpr double kStep = 0.5e-3;  // [m]
+  if (walls.shapes.empty()) return;
+  const Outline outline(walls.shapes, walls.fillet);
+  for (int i = 0; i < outline.size(); ++i) {
+    const OutlinePiece& piece = outline.piece(i);
+    const int parts = piece.turn == 0 ? 1 : static_cast<int>(std::ceil(piece.size() / kStep));
+    std::vector<Point> points;
+    for (int k = 0; k <= parts; ++k) {
+      const Vec2 p = piece.at(piece.size() * k / parts);
+      points.push_back({p.x() / kMm, p.y() / kMm});
+    }
+    panel.line(std::move(points), kWallStyle, "wall");
+  }
+}
+
+template <typename Of>
+std::vector<Point> over_time(const std::vector<WallTick>& trace, Of of) {
+  std::vector<Point> out;
+  for (std::size_t i = 0; i < trace.size(); i += kEvery) out.push_back({trace[i].t, of(trace[i])});
+  return out;
+}
+
+// The largest of every kEvery ticks, so that no peak is lost.
+std::vector<Point> force_over_time(const std::vector<WallTick>& trace) {
+  std::vector<Point> out;
+  for (std::size_t i = 0; i < trace.size(); i += kEvery) {
+    double most = 0.0;
+    for (std::size_t k = i; k < std::min(i + kEvery, trace.size()); ++k) {
+      most = std::max(most, trace[k].handle.norm());
+    }
+    out.push_back({trace[i].t, most});
+  }
+  return out;
+}
+
+Axis axis(const char* label) {
+  Axis out;
+  out.label = label;
+  return out;
+}
+
+Panel plane_panel(const std::string& title, const Walls& walls,
+                  const std::vector<WallTick>& trace) {
+  Panel panel(title, axis("x [mm]"), axis("y [mm]"));
+  panel.use_equal_scale();
+  draw_walls(walls, panel);
+  std::vector<Point> hand;
+  for (std::size_t i = 0; i < trace.size(); i += kEvery) {
+    hand.push_back({trace[i].hand.x() / kMm, trace[i].hand.y() / kMm});
+  }
+  panel.line(std::move(hand), thin(0), "handle");
+  return panel;
+}
+
+Panel time_panel(const std::string& title, const char* label, std::vector<Point> points,
+                 std::size_t style, const char* name) {
+  Panel panel(title, axis("t [s]"), axis(label));
+  panel.line(std::move(points), thin(style), name);
+  return panel;
+}
+
+Panel box_panel(const WallAnalogue& analogue, std::size_t index) {
+  Axis who;
+  who.categories = {"simulated hands"};
+  const std::string unit = *analogue.unit == '\0' ? "" : fmt::format(" [{}]", analogue.unit);
+  Axis values;
+  values.label = std::string(analogue.measured) + unit;
+  Panel panel(fmt::format("Measured for \"{}\", no opinion", analogue.score), who, values);
+  Box box;
+  box.values = analogue.values;
+  box.style = figure::style_of(index);
+  panel.box(std::move(box));
+  return panel;
+}
+
+Panel scores_panel(const std::vector<std::string>& names, const std::vector<double>& means,
+                   const std::vector<double>& medians) {
+  Axis questions;
+  questions.categories = names;
+  Axis scores;
+  scores.label = "score, 1 to 5";
+  scores.low = 1.0;
+  scores.high = 5.2;
+  Panel panel("Published opinions, 8 people (Fig. 2.11)", questions, scores);
+  std::vector<Point> mean_points, median_points;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    mean_points.push_back({static_cast<double>(i) + 0.9, means[i]});
+    median_points.push_back({static_cast<double>(i) + 1.1, medians[i]});
+  }
+  panel.points(std::move(mean_points), figure::style_of(1), "published mean score");
+  panel.points(std::move(median_points), figure::kReferenceStyle, "published median score");
+  return panel;
+}
+
+Status write(const std::string& folder, const char* name, const Figure& figure) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) return Status::error(folder + ": cannot make the folder: " + error.message());
+  return figure.write_file(folder + "/" + name);
+}
+
+constexpr const char* kPeopleTitle = "What was measured, beside what people said";
+
+}  // namespace
+
+Status draw_wrench(const std::string& folder, const WallHeader& header, const Walls& walls,
+                   const std::vector<WrenchResult>& people) {
+  const std::vector<WallTick>& trace = people.front().trace;
+  Figure out(fmt::format("Omni-directional wrench, c = {:g} N s/(m rad)", header.c),
+             origin_of(header, people.size()));
+  out.add(plane_panel("(0) aisles and way of the handle", walls, trace));
+  out.add(time_panel("(a) the screw", "angle turned [rad]",
+                     over_time(trace, [](const WallTick& t) { return t.turned; }), 1,
+                     "angle turned"));
+  Panel handle =
+      time_panel("(b) the handle", "x [mm]",
+                 over_time(trace, [](const WallTick& t) { return t.hand.x() / kMm; }), 0, "handle");
+  out.add(std::move(handle));
+  Panel force = time_panel("(c) the hand's force", "force on the handle [N]",
+                           force_over_time(trace), 2, "force");
+  out.add(std::move(force));
+  if (Status s = write(folder, "wrench.svg", out); !s || people.size() == 1) return s;
+
+  Figure boxes(kPeopleTitle, origin_of(header, people.size()));
+  std::size_t index = 0;
+  for (const WallAnalogue& a : analogues_of(people, header.turns)) boxes.add(box_panel(a, index++));
+  boxes.add(
+      scores_panel({"guidance", "tightening", "resemblance"}, {4.6, 4.5, 3.8}, {5.0, 4.5, 4.0}));
+  return write(folder, "wrench-people.svg", boxes);
+}
+
+Status draw_gearshift(const std::string& folder, const WallHeader& header, const Walls& walls,
+                      const std::vector<GearshiftResult>& people) {
+  const std::vector<WallTick>& trace = people.front().trace;
+  Figure out("Manual gearshift", origin_of(header, people.size()));
+  out.add(plane_panel("(a, b) aisles and way of the lever", walls, trace));
+  out.add(time_panel("(c) x", "x [mm]",
+                     over_time(trace, [](const WallTick& t) { return t.hand.x() / kMm; }), 0,
+                     "handle"));
+  out.add(time_panel("(c) y", "y [mm]",
+                     over_time(trace, [](const WallTick& t) { return t.hand.y() / kMm; }), 0,
+                     "handle"));
+  out.add(time_panel("(d) the hand's force", "force on the handle [N]", force_over_time(trace), 2,
+                     "force"));
+  if (Status s = write(folder, "gearshift.svg", out); !s || people.size() == 1) return s;
+
+  Figure boxes(kPeopleTitle, origin_of(header, people.size()));
+  for (const WallAnalogue& a : analogues_of(people)) boxes.add(box_panel(a, 0));
+  boxes.add(
+      scores_panel({"guidance", "resemblance", "visual effect"}, {4.5, 3.5, 4.6}, {4.5, 3.5, 5.0}));
+  return write(folder, "gearshift-people.svg", boxes);
+}
+
+}  // namespace handrail
