@@ -75,7 +75,7 @@ class Ground {
 };
 
 Colour colour_of(const Walls& walls, std::uint8_t index) {
-  constexpr Colour kFree = {255, 255, 255}, kAisle = {215, 228, 246}, kWall = {120, 120, 128};
+  constexpr Colour kFree = {255, 255, 255}, kAisle = {195, 215, 240}, kWall = {50, 50, 62};
   const WallRegion& region = walls.regions[index];
   if (walls.map) return region.rgb;
   return region.kind == RegionKind::kWall    ? kWall
@@ -89,7 +89,7 @@ void draw_ground(const Walls& walls, const Scale& scale, Canvas& canvas) {
     for (int x = 0; x < canvas.width(); ++x) {
       Colour colour = colour_of(walls, ground.region_at(scale.to_walls(x + 0.5, y + 0.5)));
       // Paler than painted, so that arrows and ways stand out.
-      for (auto& c : colour) c = static_cast<std::uint8_t>(255 - (255 - c) * 3 / 5);
+      for (auto& c : colour) c = static_cast<std::uint8_t>(255 - (255 - c) * 2 / 5);
       canvas.set(x, y, colour);
     }
   }

@@ -12,7 +12,7 @@ inline constexpr int kPreviewSide = 1000;  // longer side of the picture [pixels
 // Colours of what is drawn. Regions have those of their palette; drawn shapes without one are
 // white, walls grey.
 inline constexpr Colour kForceColour = {31, 90, 166};   // arrows
-inline constexpr Colour kHandColour = {154, 154, 154};  // thin line
+inline constexpr Colour kHandColour = {84, 84, 84};  // thin line
 inline constexpr Colour kProxyColour = {212, 87, 15};   // thick line
 inline constexpr Colour kStartColour = {61, 167, 143};  // dot
 
