@@ -32,14 +32,15 @@ Style thin(std::size_t index) {
   return style;
 }
 
-std::string origin_of(const WallHeader& header, std::size_t people) {
+std::string origin_of(const WallHeader& header, const std::string& whose) {
   const std::string hand =
       header.hand.empty()
-          ? fmt::format("simulated hand{} ({}, seed {})", people == 1 ? "" : "s", people,
-                        header.seed)
+          ? fmt::format("{}, seed {}", whose, header.seed)
           : "recorded hand " + std::filesystem::path(header.hand).filename().string();
   return fmt::format("Scene {}: {}, simulated joystick at 1 kHz", header.scene, hand);
 }
+
+std::string all_of(std::size_t people) { return fmt::format("{} simulated hands", people); }
 
 // The border of drawn walls, piece by piece.
 void draw_walls(const Walls& walls, Panel& panel) {
@@ -110,7 +111,7 @@ Panel box_panel(const WallAnalogue& analogue, std::size_t index) {
   const std::string unit = *analogue.unit == '\0' ? "" : fmt::format(" [{}]", analogue.unit);
   Axis values;
   values.label = std::string(analogue.measured) + unit;
-  Panel panel(fmt::format("Measured for \"{}\", no opinion", analogue.score), who, values);
+  Panel panel(fmt::format("Measured beside \"{}\"", analogue.score), who, values);
   Box box;
   box.values = analogue.values;
   box.style = figure::style_of(index);
@@ -126,7 +127,7 @@ Panel scores_panel(const std::vector<std::string>& names, const std::vector<doub
   scores.label = "score, 1 to 5";
   scores.low = 1.0;
   scores.high = 5.2;
-  Panel panel("Published opinions, 8 people (Fig. 2.11)", questions, scores);
+  Panel panel("Opinions of 8 people (Fig. 2.11)", questions, scores);
   std::vector<Point> mean_points, median_points;
   for (std::size_t i = 0; i < names.size(); ++i) {
     mean_points.push_back({static_cast<double>(i) + 0.9, means[i]});
@@ -144,29 +145,35 @@ Status write(const std::string& folder, const char* name, const Figure& figure) 
   return figure.write_file(folder + "/" + name);
 }
 
-constexpr const char* kPeopleTitle = "What was measured, beside what people said";
+// Of the handle about the screw, counter-clockwise from x, -90 to 270 [deg].
+double angle_of(const WallTick& tick, const Vec2& centre) {
+  const Vec2 arm = tick.hand - centre;
+  const double angle = std::atan2(arm.y(), arm.x()) / kDeg;
+  return angle < -90.0 ? angle + 360.0 : angle;
+}
+
+constexpr const char* kFirst = "the first simulated hand";
+constexpr const char* kPeopleTitle = "Measurements, not opinions, beside what people said";
 
 }  // namespace
 
 Status draw_wrench(const std::string& folder, const WallHeader& header, const Walls& walls,
-                   const std::vector<WrenchResult>& people) {
+                   const Vec2& centre, const std::vector<WrenchResult>& people) {
   const std::vector<WallTick>& trace = people.front().trace;
   Figure out(fmt::format("Omni-directional wrench, c = {:g} N s/(m rad)", header.c),
-             origin_of(header, people.size()));
-  out.add(plane_panel("(0) aisles and way of the handle", walls, trace));
-  out.add(time_panel("(a) the screw", "angle turned [rad]",
+             origin_of(header, kFirst));
+  out.add(plane_panel("Aisles and way of the handle", walls, trace));
+  out.add(time_panel("The screw", "angle turned [rad]",
                      over_time(trace, [](const WallTick& t) { return t.turned; }), 1,
                      "angle turned"));
-  Panel handle =
-      time_panel("(b) the handle", "x [mm]",
-                 over_time(trace, [](const WallTick& t) { return t.hand.x() / kMm; }), 0, "handle");
-  out.add(std::move(handle));
-  Panel force = time_panel("(c) the hand's force", "force on the handle [N]",
-                           force_over_time(trace), 2, "force");
-  out.add(std::move(force));
+  out.add(time_panel("The wrench about the screw", "angle of the handle [deg]",
+                     over_time(trace, [&](const WallTick& t) { return angle_of(t, centre); }), 0,
+                     "handle"));
+  out.add(time_panel("Force of the hand", "force on the handle [N]", force_over_time(trace), 2,
+                     "force"));
   if (Status s = write(folder, "wrench.svg", out); !s || people.size() == 1) return s;
 
-  Figure boxes(kPeopleTitle, origin_of(header, people.size()));
+  Figure boxes(kPeopleTitle, origin_of(header, all_of(people.size())));
   std::size_t index = 0;
   for (const WallAnalogue& a : analogues_of(people, header.turns)) boxes.add(box_panel(a, index++));
   boxes.add(
@@ -177,19 +184,19 @@ Status draw_wrench(const std::string& folder, const WallHeader& header, const Wa
 Status draw_gearshift(const std::string& folder, const WallHeader& header, const Walls& walls,
                       const std::vector<GearshiftResult>& people) {
   const std::vector<WallTick>& trace = people.front().trace;
-  Figure out("Manual gearshift", origin_of(header, people.size()));
-  out.add(plane_panel("(a, b) aisles and way of the lever", walls, trace));
-  out.add(time_panel("(c) x", "x [mm]",
+  Figure out("Manual gearshift", origin_of(header, kFirst));
+  out.add(plane_panel("Aisles and way of the lever", walls, trace));
+  out.add(time_panel("Lever along x", "x [mm]",
                      over_time(trace, [](const WallTick& t) { return t.hand.x() / kMm; }), 0,
                      "handle"));
-  out.add(time_panel("(c) y", "y [mm]",
+  out.add(time_panel("Lever along y", "y [mm]",
                      over_time(trace, [](const WallTick& t) { return t.hand.y() / kMm; }), 0,
                      "handle"));
-  out.add(time_panel("(d) the hand's force", "force on the handle [N]", force_over_time(trace), 2,
+  out.add(time_panel("Force of the hand", "force on the handle [N]", force_over_time(trace), 2,
                      "force"));
   if (Status s = write(folder, "gearshift.svg", out); !s || people.size() == 1) return s;
 
-  Figure boxes(kPeopleTitle, origin_of(header, people.size()));
+  Figure boxes(kPeopleTitle, origin_of(header, all_of(people.size())));
   for (const WallAnalogue& a : analogues_of(people)) boxes.add(box_panel(a, 0));
   boxes.add(
       scores_panel({"guidance", "resemblance", "visual effect"}, {4.5, 3.5, 4.6}, {4.5, 3.5, 5.0}));

@@ -16,6 +16,7 @@ class WrenchPath {
   // From the drawn arc of the scene whose region is progressive. The error says what is missing.
   static Result<WrenchPath> of(const Scene& scene);
 
+  const Vec2& centre() const noexcept { return centre_; }         // of the arc [m]
   double radius() const noexcept { return radius_; }              // of the arc's middle line [m]
   double width() const noexcept { return width_; }                // of its aisle [m]
   double length() const noexcept { return turn_ + chord_; }       // of the loop [m]
