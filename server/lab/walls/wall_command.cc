@@ -119,7 +119,7 @@ int run_wrench_command(const WrenchCommand& command, const std::atomic<bool>& ca
   std::fputs(text.c_str(), stdout);
   if (Status s = write_trace(command, people[0].trace); !s) return complain(s.message(), kFailed);
   if (command.figures.empty()) return kDone;
-  const Status drawn = draw_wrench(command.figures, header, *scene.walls, path->centre(), people);
+  const Status drawn = draw_wrench(command.figures, header, *scene.walls, *path, people);
   return drawn ? kDone : complain(drawn.message(), kFailed);
 }
 

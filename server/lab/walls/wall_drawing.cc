@@ -2,6 +2,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <system_error>
@@ -145,11 +146,23 @@ Status write(const std::string& folder, const char* name, const Figure& figure) 
   return figure.write_file(folder + "/" + name);
 }
 
-// Of the handle about the screw, counter-clockwise from x, -90 to 270 [deg].
-double angle_of(const WallTick& tick, const Vec2& centre) {
-  const Vec2 arm = tick.hand - centre;
+double angle_at(const Vec2& arm) {
   const double angle = std::atan2(arm.y(), arm.x()) / kDeg;
   return angle < -90.0 ? angle + 360.0 : angle;
+}
+
+// Of the handle about the screw, counter-clockwise from x, -90 to 270 [deg]; on the straight way
+// back, where it passes the screw itself, in proportion to the way.
+double angle_of(const WallTick& tick, const Walls& walls, const WrenchPath& path) {
+  const Vec2 arm = tick.hand - path.centre();
+  if (!walls.regions[tick.contact.region].progressive) {
+    const Vec2 across = (path.end() - path.begin()).normalized();
+    const double begin = angle_at(path.begin() - path.centre());
+    const double end = angle_at(path.end() - path.centre());
+    const double share = 0.5 + 0.5 * arm.dot(across) / (path.radius() - 0.5 * path.width());
+    return begin + std::clamp(share, 0.0, 1.0) * (end - begin);
+  }
+  return angle_at(arm);
 }
 
 constexpr const char* kFirst = "the first simulated hand";
@@ -158,7 +171,7 @@ constexpr const char* kPeopleTitle = "Measurements, not opinions, beside what pe
 }  // namespace
 
 Status draw_wrench(const std::string& folder, const WallHeader& header, const Walls& walls,
-                   const Vec2& centre, const std::vector<WrenchResult>& people) {
+                   const WrenchPath& path, const std::vector<WrenchResult>& people) {
   const std::vector<WallTick>& trace = people.front().trace;
   Figure out(fmt::format("Omni-directional wrench, c = {:g} N s/(m rad)", header.c),
              origin_of(header, kFirst));
@@ -167,8 +180,8 @@ Status draw_wrench(const std::string& folder, const WallHeader& header, const Wa
                      over_time(trace, [](const WallTick& t) { return t.turned; }), 1,
                      "angle turned"));
   out.add(time_panel("The wrench about the screw", "angle of the handle [deg]",
-                     over_time(trace, [&](const WallTick& t) { return angle_of(t, centre); }), 0,
-                     "handle"));
+                     over_time(trace, [&](const WallTick& t) { return angle_of(t, walls, path); }),
+                     0, "handle"));
   out.add(time_panel("Force of the hand", "force on the handle [N]", force_over_time(trace), 2,
                      "force"));
   if (Status s = write(folder, "wrench.svg", out); !s || people.size() == 1) return s;

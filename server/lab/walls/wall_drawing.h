@@ -11,9 +11,9 @@ namespace handrail {
 // Write wrench.svg or gearshift.svg (the first person's run, whose trace was kept) and, with more
 // than one person, wrench-people.svg or gearshift-people.svg (box plots of what was measured, the
 // published scores beside them) into `folder`, which is made if it is not there. The error names
-// what could not be written. `centre`: of the screw, frame of the walls.
+// what could not be written.
 Status draw_wrench(const std::string& folder, const WallHeader& header, const Walls& walls,
-                   const Vec2& centre, const std::vector<WrenchResult>& people);
+                   const WrenchPath& path, const std::vector<WrenchResult>& people);
 Status draw_gearshift(const std::string& folder, const WallHeader& header, const Walls& walls,
                       const std::vector<GearshiftResult>& people);
 
