@@ -98,6 +98,13 @@ std::string pose_text(const char* label, const pb::PoseMm& pose) {
          vector_text(pose.quaternion(), 5, 8);
 }
 
+std::string walls_text(const pb::WallStatus& walls) {
+  return line("walls", {labelled("stage", std::to_string(walls.stage())),
+                        walls.touching() ? number(walls.penetration_mm(), 2) + " mm in a wall"
+                                         : std::string("free"),
+                        walls.locked() ? "locked" : ""});
+}
+
 }  // namespace
 
 std::string status_text(const pb::Status& s) {
@@ -109,6 +116,7 @@ std::string status_text(const pb::Status& s) {
                share_text("limits", s.limited_force()), share_text("device", s.device_force())});
   out += line("contact",
               {s.has_contact_force() ? vector_text(s.contact_force_n(), 2, 0) : "no sensor"});
+  if (s.has_walls()) out += walls_text(s.walls());
   out += line("pose [mm]", {pose_text("command", s.command())});
   out += line("", {pose_text("slave command", s.slave_command())});
   out += line("", {pose_text("tip", s.tip())});

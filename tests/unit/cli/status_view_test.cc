@@ -49,6 +49,17 @@ TEST(StatusView, NamesEverySectionThatDiffers) {
   EXPECT_THAT(status_text(s), HasSubstr("differs: mapping: master 3f2a, slave 91bc"));
 }
 
+TEST(StatusView, ShowsTheWallsOfASceneThatHasThem) {
+  pb::Status s = engaged();
+  EXPECT_THAT(status_text(s), testing::Not(HasSubstr("walls")));
+  s.mutable_walls()->set_stage(1);
+  EXPECT_THAT(status_text(s), HasSubstr("walls      stage 1   free\n"));
+  s.mutable_walls()->set_touching(true);
+  s.mutable_walls()->set_penetration_mm(0.417);
+  s.mutable_walls()->set_locked(true);
+  EXPECT_THAT(status_text(s), HasSubstr("walls      stage 1   0.42 mm in a wall   locked\n"));
+}
+
 TEST(StatusView, ShowsAnEmptyStatusWithoutInventingValues) {
   const std::string text = status_text(pb::Status());
   EXPECT_THAT(text, HasSubstr("no sensor"));

@@ -49,6 +49,16 @@ TEST(Warnings, AreSilentAtTheDefaultsAndSpeakOfBumperAndStiffness) {
   EXPECT_TRUE(warnings_of(scene)[1].starts_with("guidance.stiffness_n_mm"));
 }
 
+TEST(Warnings, SayThatWallsWithoutTheirEffectAreNotFelt) {
+  Scene scene;
+  scene.walls = std::make_shared<Walls>();
+  ASSERT_EQ(warnings_of(scene).size(), 1U);
+  EXPECT_TRUE(warnings_of(scene)[0].starts_with("effect: "));
+  scene.effects.push_back({});
+  ASSERT_EQ(scene.effects[0].kind, EffectKind::kWall);
+  EXPECT_TRUE(warnings_of(scene).empty());
+}
+
 TEST(SceneName, IsSafeAsAFilesName) {
   EXPECT_TRUE(is_scene_name("linear-movement_2"));
   EXPECT_TRUE(is_scene_name(std::string(47, 'a')));
