@@ -46,9 +46,8 @@ std::vector<std::string> warnings_of(const Scene& scene) {
   }
   if (scene.walls) {
     out.insert(out.end(), scene.walls->warnings.begin(), scene.walls->warnings.end());
-    const bool felt = std::any_of(scene.effects.begin(), scene.effects.end(), [](const auto& e) {
-      return e.kind == EffectKind::kWall;
-    });
+    const bool felt = std::any_of(scene.effects.begin(), scene.effects.end(),
+                                  [](const auto& e) { return e.kind == EffectKind::kWall; });
     if (!felt) out.push_back("effect: none is wall {}, so the hand feels nothing of the walls");
   }
   return out;
