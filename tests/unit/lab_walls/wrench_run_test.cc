@@ -121,6 +121,18 @@ TEST_F(WrenchRun, ARecordedHandTurnsOnceForEveryTimeAround) {
   EXPECT_GT(r.turns[1].peak, r.turns[0].peak);
 }
 
+TEST_F(WrenchRun, WallsThatLieElsewhereAreTurnedAlike) {
+  const WrenchResult straight = turn(15.0, 2, 0);
+  auto walls = std::make_shared<Walls>(*scene.walls);
+  walls->stages.front().pose.angle = 2.0;
+  scene.walls = walls;
+  const WrenchResult turned = turn(15.0, 2, 0);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_NEAR(turned.turns[i].peak, straight.turns[i].peak, 0.05 * straight.turns[i].peak);
+    EXPECT_NEAR(turned.turns[i].alpha, straight.turns[i].alpha, 0.03);
+  }
+}
+
 TEST_F(WrenchRun, EndsWhenCancelled) {
   const std::atomic<bool> cancelled = true;
   WrenchOptions options;
