@@ -131,6 +131,8 @@ TEST_F(WrenchRun, WallsThatLieElsewhereAreTurnedAlike) {
     EXPECT_NEAR(turned.turns[i].peak, straight.turns[i].peak, 0.05 * straight.turns[i].peak);
     EXPECT_NEAR(turned.turns[i].alpha, straight.turns[i].alpha, 0.03);
   }
+  EXPECT_GT(straight.share_of_bound, 0.3);
+  EXPECT_NEAR(turned.share_of_bound, straight.share_of_bound, 0.15);
 }
 
 TEST_F(WrenchRun, EndsWhenCancelled) {
