@@ -36,9 +36,10 @@ HandOptions hand_options(const OperatorParameters& parameters, std::uint64_t see
 OperatorModel::OperatorModel(const OperatorParameters& parameters, const OperatorMachine& machine,
                              std::uint64_t seed) noexcept
     : parameters_(parameters), machine_(machine), random_(seed), intent_(0.0) {
-  const Vec3 across(parameters.vision_noise_lateral, parameters.vision_noise_lateral,
-                    parameters.vision_noise_depth);
-  misjudged_ = across.cwiseProduct(normal3(random_));
+  vision_noise_ = {parameters.vision_noise_lateral, parameters.vision_noise_lateral,
+                   parameters.vision_noise_depth};
+  noise_kept_ = std::exp(-kGlance / parameters.vision_noise_time);
+  misjudged_ = vision_noise_.cwiseProduct(normal3(random_));
   misjudged_turn_ = parameters.vision_noise_angle * normal3(random_);
 }
 
@@ -71,13 +72,10 @@ void OperatorModel::step(double dt, const Pose& X_ST, const Vec3& f_H_M,
 // Stores what is seen and intended, and lets the errors of judgement wander (first order, exact).
 void OperatorModel::glance(const Pose& X_ST) noexcept {
   memory_[glances_++ % kGlances] = {X_ST, intent_.position().p, intent_.orientation()};
-  const double keep = std::exp(-kGlance / parameters_.vision_noise_time);
-  const double fresh = std::sqrt(1.0 - keep * keep);
-  const Vec3 rms(parameters_.vision_noise_lateral, parameters_.vision_noise_lateral,
-                 parameters_.vision_noise_depth);
-  misjudged_ = keep * misjudged_ + fresh * rms.cwiseProduct(normal3(random_));
+  const double fresh = std::sqrt(1.0 - noise_kept_ * noise_kept_);
+  misjudged_ = noise_kept_ * misjudged_ + fresh * vision_noise_.cwiseProduct(normal3(random_));
   misjudged_turn_ =
-      keep * misjudged_turn_ + fresh * parameters_.vision_noise_angle * normal3(random_);
+      noise_kept_ * misjudged_turn_ + fresh * parameters_.vision_noise_angle * normal3(random_);
 }
 
 const OperatorModel::Glance& OperatorModel::before(double seconds) const noexcept {

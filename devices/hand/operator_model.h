@@ -83,8 +83,10 @@ class OperatorModel {
   OperatorParameters parameters_;
   OperatorMachine machine_;
   Random random_;
-  HandMotion intent_;           // its own copy of what it asked of the hand
-  Vec3 goal_p_ = Vec3::Zero();  // where the intent will end, frame M [m]
+  Vec3 vision_noise_ = Vec3::Zero();  // RMS of each axis, frame M, tip scale [m]
+  double noise_kept_ = 0.0;           // from one glance to the next
+  HandMotion intent_;                 // its own copy of what it asked of the hand
+  Vec3 goal_p_ = Vec3::Zero();        // where the intent will end, frame M [m]
   Quat goal_q_ = Quat::Identity();
   OperatorAim aim_;
   bool aiming_ = false;

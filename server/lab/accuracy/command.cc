@@ -10,18 +10,12 @@
 #include "server/lab/accuracy/report_io.h"
 #include "server/lab/accuracy/resolve_io.h"
 #include "server/lab/accuracy/wall_choice.h"
+#include "server/lab/console.h"
 #include "server/scene/scene_io.h"
 #include "server/scene/scene_library.h"
 
 namespace handrail {
 namespace {
-
-enum Exit { kDone = 0, kFailed = 1, kUsage = 2, kCancelled = 130 };
-
-int complain(const Status& status, int code) {
-  std::fprintf(stderr, "handrail-lab: %s\n", status.message().c_str());
-  return code;
-}
 
 // A scene's file from its name, or the file itself when the word looks like one.
 Result<std::string> file_of(const std::string& word) {

@@ -1,12 +1,11 @@
 #include "server/lab/study/linear_command.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <fstream>
 
+#include "server/lab/console.h"
 #include "server/lab/study/linear_drawing.h"
 #include "server/lab/study/linear_fit.h"
 #include "server/lab/study/linear_report_io.h"
@@ -16,31 +15,6 @@
 
 namespace handrail {
 namespace {
-
-enum Exit { kDone = 0, kFailed = 1, kUsage = 2, kCancelled = 130 };
-
-int complain(const Status& status, int code) {
-  std::fprintf(stderr, "handrail-lab: %s\n", status.message().c_str());
-  return code;
-}
-
-// One line that is written over, on terminals only.
-class Progress {
- public:
-  void show(const std::string& text) {
-    if (!terminal_) return;
-    std::fprintf(stderr, "\r\x1b[K%s", text.c_str());
-    std::fflush(stderr);
-    shown_ = true;
-  }
-  ~Progress() {
-    if (shown_) std::fprintf(stderr, "\r\x1b[K");
-  }
-
- private:
-  bool terminal_ = ::isatty(STDERR_FILENO) != 0;
-  bool shown_ = false;
-};
 
 // The variations a command asks for: what each sets beside nothing else.
 Result<std::vector<std::vector<std::string>>> variations_of(const LinearCommand& command) {
@@ -89,6 +63,10 @@ int run_linear_command(const LinearCommand& command, const std::atomic<bool>& ca
     setups.push_back(std::move(*setup));
   }
 
+  if (!command.figures.empty()) {
+    if (Status s = make_folder(command.figures); !s) return complain(s, kFailed);
+  }
+
   StudyResult base;
   std::vector<StudyVariation> varied;
   Progress progress;
@@ -116,7 +94,7 @@ int run_linear_command(const LinearCommand& command, const std::atomic<bool>& ca
       varied.push_back({joined(runs[i]), std::move(*result)});
     }
   }
-  progress.show("");
+  progress.clear();
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - started;
   if (!command.json) {
     std::fprintf(stderr, "%.0f s of trials in %.1f s: %.0f times as fast as real time\n", simulated,
@@ -153,7 +131,7 @@ int run_fit_command(const FitCommand& command, const std::atomic<bool>& cancelle
   };
   const auto fit = fit_linear(setup->machine, setup->population, options);
   if (!fit) return complain(fit.status(), cancelled ? kCancelled : kFailed);
-  progress.show("");
+  progress.clear();
 
   std::printf("%d candidates, %d operators, seed %u; mode NV alone\n", fit->evaluations,
               command.operators, command.seed);

@@ -102,11 +102,15 @@ Figure trajectories_figure(const StudyHeader& header, const StudyResult& study,
 
 }  // namespace
 
-Status draw_linear(const std::string& folder, const StudyHeader& header, const StudyResult& study,
-                   const LinearTask& task) {
+Status make_folder(const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) return Status::error(folder + ": cannot make the folder: " + error.message());
+  return Status::ok();
+}
+
+Status draw_linear(const std::string& folder, const StudyHeader& header, const StudyResult& study,
+                   const LinearTask& task) {
   if (Status s =
           measures_figure(header, study).write_file(folder + "/linear-movement-measures.svg");
       !s) {

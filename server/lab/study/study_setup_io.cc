@@ -17,7 +17,10 @@ namespace handrail {
 namespace {
 
 constexpr double kSlowest = 100.0, kFastest = 5000.0;  // haptic rate [Hz]
-constexpr double kLongestDelay = 200.0;                // [ms]
+// Fields of the rig that a study fills in, or that only its daemon uses.
+constexpr const char* kSetByTheStudy[] = {"rig.seed", "rig.start_joints_deg", "rig.address",
+                                          "rig.robot_port", "rig.sensor_port"};
+constexpr double kLongestDelay = 200.0;  // [ms]
 
 Status wrong(const Override& setting, const std::string& why) {
   return Status::error("--set " + setting.key + "=" + setting.value + ": " + why);
@@ -80,6 +83,10 @@ Result<StudySetup> study_setup(const std::string& scene, const std::string& popu
   if (!overrides) return overrides.status();
   std::vector<Override> of_scene, of_rig, of_rest;
   for (const Override& setting : *overrides) {
+    if (std::find(std::begin(kSetByTheStudy), std::end(kSetByTheStudy), setting.key) !=
+        std::end(kSetByTheStudy)) {
+      return wrong(setting, "a study sets this itself, for each operator or from the task");
+    }
     if (starts_with(setting.key, "rig.")) {
       of_rig.push_back(setting);
     } else if (starts_with(setting.key, "operator.") || starts_with(setting.key, "haptic.") ||

@@ -1,24 +1,16 @@
 #include "server/lab/walls/wall_command.h"
 
-#include <unistd.h>
-
 #include <cstdio>
 #include <fstream>
 
 #include "devices/hand/recorded_hand_io.h"
+#include "server/lab/console.h"
 #include "server/lab/study/parallel.h"
 #include "server/lab/walls/wall_drawing.h"
 #include "server/scene/scene_library.h"
 
 namespace handrail {
 namespace {
-
-enum Exit { kDone = 0, kFailed = 1, kUsage = 2, kCancelled = 130 };
-
-int complain(const std::string& message, int code) {
-  std::fprintf(stderr, "handrail-lab: %s\n", message.c_str());
-  return code;
-}
 
 // What both commands begin with.
 struct Setup {
@@ -51,16 +43,14 @@ Result<Setup> setup_of(const WallCommand& command) {
 // Runs everybody, with progress on terminals. False when cancelled.
 bool run_all(const WallCommand& command, const std::function<void(std::size_t)>& job,
              const std::atomic<bool>& cancelled) {
-  const bool terminal = ::isatty(STDERR_FILENO) != 0;
+  Progress progress;
   const bool done = run_parallel(
       static_cast<std::size_t>(command.operators), command.threads, job,
       [&](std::size_t count) {
-        if (!terminal) return;
-        std::fprintf(stderr, "\r\x1b[K%zu of %d operators", count, command.operators);
-        std::fflush(stderr);
+        progress.show(std::to_string(count) + " of " + std::to_string(command.operators) +
+                      " operators");
       },
       &cancelled);
-  if (terminal) std::fprintf(stderr, "\r\x1b[K");
   return done && !cancelled;
 }
 
@@ -88,10 +78,10 @@ Status write_trace(const WallCommand& command, const std::vector<WallTick>& trac
 
 int run_wrench_command(const WrenchCommand& command, const std::atomic<bool>& cancelled) {
   auto setup = setup_of(command);
-  if (!setup) return complain(setup.message(), kUsage);
+  if (!setup) return complain(setup.status(), kUsage);
   Scene& scene = setup->scene;
   const auto path = WrenchPath::of(scene);
-  if (!path) return complain(path.message(), kUsage);
+  if (!path) return complain(path.status(), kUsage);
   WallHeader header = header_of(command);
   for (EffectSpec& effect : scene.effects) {
     if (effect.kind != EffectKind::kProgressive) continue;
@@ -113,21 +103,21 @@ int run_wrench_command(const WrenchCommand& command, const std::atomic<bool>& ca
     people[i] = setup->hand ? turn_wrench(scene, *path, person, *setup->hand, options)
                             : turn_wrench(scene, *path, person, options);
   };
-  if (!run_all(command, job, cancelled)) return complain("cancelled", kCancelled);
+  if (!run_all(command, job, cancelled)) return complain(Status::error("cancelled"), kCancelled);
   const std::string text =
       command.json ? wrench_json(header, people) : wrench_table(header, people);
   std::fputs(text.c_str(), stdout);
-  if (Status s = write_trace(command, people[0].trace); !s) return complain(s.message(), kFailed);
+  if (Status s = write_trace(command, people[0].trace); !s) return complain(s, kFailed);
   if (command.figures.empty()) return kDone;
   const Status drawn = draw_wrench(command.figures, header, *scene.walls, *path, people);
-  return drawn ? kDone : complain(drawn.message(), kFailed);
+  return drawn ? kDone : complain(drawn, kFailed);
 }
 
 int run_gearshift_command(const GearshiftCommand& command, const std::atomic<bool>& cancelled) {
   auto setup = setup_of(command);
-  if (!setup) return complain(setup.message(), kUsage);
+  if (!setup) return complain(setup.status(), kUsage);
   const auto gate = GearGate::of(setup->scene);
-  if (!gate) return complain(gate.message(), kUsage);
+  if (!gate) return complain(gate.status(), kUsage);
   const WallHeader header = header_of(command);
 
   std::vector<GearshiftResult> people(static_cast<std::size_t>(command.operators));
@@ -139,14 +129,14 @@ int run_gearshift_command(const GearshiftCommand& command, const std::atomic<boo
     people[i] = setup->hand ? shift_gears(setup->scene, *gate, person, *setup->hand, options)
                             : shift_gears(setup->scene, *gate, person, options);
   };
-  if (!run_all(command, job, cancelled)) return complain("cancelled", kCancelled);
+  if (!run_all(command, job, cancelled)) return complain(Status::error("cancelled"), kCancelled);
   const std::string text =
       command.json ? gearshift_json(header, people) : gearshift_table(header, people);
   std::fputs(text.c_str(), stdout);
-  if (Status s = write_trace(command, people[0].trace); !s) return complain(s.message(), kFailed);
+  if (Status s = write_trace(command, people[0].trace); !s) return complain(s, kFailed);
   if (command.figures.empty()) return kDone;
   const Status drawn = draw_gearshift(command.figures, header, *setup->scene.walls, people);
-  return drawn ? kDone : complain(drawn.message(), kFailed);
+  return drawn ? kDone : complain(drawn, kFailed);
 }
 
 }  // namespace handrail

@@ -140,6 +140,7 @@ TEST(LinearDrawing, WritesBothFiguresIntoAFolderItMakes) {
   task.p_SA = Vec3(0.35, 0.04, 0.33);
   task.p_SB = Vec3(0.35, -0.04, 0.33);
   task.p_SC = Vec3(0.35, -0.04, 0.25);
+  ASSERT_TRUE(make_folder(path));
   const Status status = draw_linear(path, header(), three_people(), task);
   ASSERT_TRUE(status) << status.message();
   for (const char* name : {"linear-movement-measures.svg", "linear-movement-trajectories.svg"}) {
@@ -152,8 +153,9 @@ TEST(LinearDrawing, WritesBothFiguresIntoAFolderItMakes) {
 }
 
 TEST(LinearDrawing, NamesTheFolderItCannotMake) {
-  const Status status = draw_linear("/proc/no/such", header(), three_people(), LinearTask());
-  EXPECT_THAT(status.message(), HasSubstr("/proc/no"));
+  EXPECT_THAT(make_folder("/proc/no/such").message(), HasSubstr("/proc/no"));
+  EXPECT_THAT(draw_linear("/proc/no", header(), three_people(), LinearTask()).message(),
+              HasSubstr("/proc/no"));
 }
 
 }  // namespace

@@ -50,6 +50,7 @@ TEST(StudySetup, ErrorsNameTheSettingAndWhatWasExpected) {
   expect_error({"smoother.form=LENGTH", "smoother.samples=900", "haptic.rate_hz=5000"},
                "--set haptic.rate_hz=5000: ", "at most 1000");
   expect_error({"rig.servo_lag_ms=500"}, "--set rig.servo_lag_ms=500: ", "30 to 60");
+  expect_error({"rig.seed=7"}, "--set rig.seed=7: ", "sets this itself");
   expect_error({"nonsense"}, "", "KEY=VALUE");
 }
 
