@@ -40,6 +40,12 @@ ExitCode run_reset(const Options& o, const Console& c) {
   return send_order(o, c, r, "reset; engage to go on");
 }
 
+ExitCode run_stage(const Options& o, const Console& c) {
+  pb::Request r;
+  r.set_stage(*o.word);
+  return send_order(o, c, r, "stage " + *o.word);
+}
+
 constexpr Command kCommands[] = {
     {"status",
      "Show session, link, loop, tools, forces and poses",
@@ -90,6 +96,7 @@ constexpr Command kCommands[] = {
      run_scene_resolve,
      {.file = "NAME.scene", .wish = true, .word = "NAME|FILE"}},
     {"scene load", "Load a scene in master and slave", run_scene_load, {.word = "NAME"}},
+    {"stage", "Put the walls as they are in a stage of the scene", run_stage, {.word = "NAME"}},
     {"hand to", "Move the simulated hand", run_hand_to, {.hand = true}},
     {"demo",
      "Drive A to B to C with the simulated hand, without and with tools",

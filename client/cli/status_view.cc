@@ -99,7 +99,9 @@ std::string pose_text(const char* label, const pb::PoseMm& pose) {
 }
 
 std::string walls_text(const pb::WallStatus& walls) {
-  return line("walls", {labelled("stage", std::to_string(walls.stage())),
+  std::string stage = labelled("stage", std::to_string(walls.stage()));
+  if (walls.has_stage_name()) stage += " '" + walls.stage_name() + "'";
+  return line("walls", {stage,
                         walls.touching() ? number(walls.penetration_mm(), 2) + " mm in a wall"
                                          : std::string("free"),
                         walls.locked() ? "locked" : ""});

@@ -52,6 +52,7 @@ void OrderDesk::handle(const pb::Request& request, ReplyTo reply) {
       if (!report_) return reply(refused("the haptic loop has not started yet"));
       pb::Reply answer = done();
       *answer.mutable_status() = status_report(options_.identity, *report_, slave_, link_, now_);
+      name_stage(*answer.mutable_status());
       return reply(std::move(answer));
     }
     case pb::Request::kEngage:
@@ -75,11 +76,8 @@ void OrderDesk::handle(const pb::Request& request, ReplyTo reply) {
     }
     case pb::Request::kSceneLoad:
       return load(request.scene_load(), std::move(reply));
-    case pb::Request::kStage: {
-      HapticOrder stage = plain(OrderKind::kStage);
-      stage.stage = static_cast<int>(std::min(request.stage(), 1'000'000u));
-      return order(stage, std::move(reply));
-    }
+    case pb::Request::kStage:
+      return stage(request.stage(), std::move(reply));
     case pb::Request::kHand:
       return hand(request.hand(), std::move(reply));
     case pb::Request::ORDER_NOT_SET:
@@ -100,6 +98,33 @@ void OrderDesk::tool(const pb::Tool& wanted, ReplyTo reply) {
     return reply(refused(problem->path + ": " + problem->text));
   }
   order(call, std::move(reply));
+}
+
+void OrderDesk::stage(const std::string& name, ReplyTo reply) {
+  std::string known;
+  for (std::size_t i = 0; scene_.walls && i < scene_.walls->stages.size(); ++i) {
+    const std::string& other = scene_.walls->stages[i].name;
+    if (other.empty()) continue;
+    if (other == name) {
+      HapticOrder wanted = plain(OrderKind::kStage);
+      wanted.stage = static_cast<int>(i);
+      return order(wanted, std::move(reply));
+    }
+    known += (known.empty() ? "'" : ", '") + other + "'";
+  }
+  const std::string scene = "scene '" + scene_.name + "' has no ";
+  reply(refused(known.empty() ? scene + "stages"
+                              : scene + "stage '" + name + "', expected one of " + known));
+}
+
+// The loop counts stages; their names are the scene's.
+void OrderDesk::name_stage(pb::Status& status) const {
+  if (!status.has_walls() || !scene_.walls || status.scene() != scene_.name) return;
+  const std::vector<WallStage>& stages = scene_.walls->stages;
+  const std::uint32_t i = status.walls().stage();
+  if (i < stages.size() && !stages[i].name.empty()) {
+    status.mutable_walls()->set_stage_name(stages[i].name);
+  }
 }
 
 void OrderDesk::hand(const pb::HandMove& move, ReplyTo reply) {

@@ -56,6 +56,8 @@ class OrderDesk : public OperatorHandler {
   void order(HapticOrder order, ReplyTo reply, Until until = Until::kTaken);
   void hand(const pb::HandMove& move, ReplyTo reply);
   void tool(const pb::Tool& wanted, ReplyTo reply);
+  void stage(const std::string& name, ReplyTo reply);
+  void name_stage(pb::Status& status) const;
   void load(const std::string& name, ReplyTo reply);
   void push(OrderTicket ticket, Waiting waiting);
   void take_report();

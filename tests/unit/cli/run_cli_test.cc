@@ -61,6 +61,7 @@ TEST(Cli, EveryOrderWithoutAMasterExitsWithThree) {
       {"tool", "off", "position"},
       {"tool", "off", "orientation"},
       {"scene", "load", "linear-movement"},
+      {"stage", "open"},
       {"hand", "to", "--by", "-40,0,0", "--rotate", "-10,0,0", "--seconds", "2"},
   };
   for (const auto& line : lines) {
@@ -97,6 +98,7 @@ TEST(Cli, EveryUsageErrorExitsWithTwoAndOneLine) {
       {"scene", "show", "no-such-scene"},
       {"scene", "check", "/nowhere/x.scene"},
       {"scene", "load", "../x"},
+      {"stage"},
       {"hand", "to"},
       {"hand", "to", "--by", "1,2"},
       {"hand", "to", "--by", "1,2,3", "--seconds", "0"},

@@ -54,6 +54,9 @@ TEST(StatusView, ShowsTheWallsOfASceneThatHasThem) {
   EXPECT_THAT(status_text(s), testing::Not(HasSubstr("walls")));
   s.mutable_walls()->set_stage(1);
   EXPECT_THAT(status_text(s), HasSubstr("walls      stage 1   free\n"));
+  s.mutable_walls()->set_stage_name("open");
+  EXPECT_THAT(status_text(s), HasSubstr("walls      stage 1 'open'   free\n"));
+  s.mutable_walls()->clear_stage_name();
   s.mutable_walls()->set_touching(true);
   s.mutable_walls()->set_penetration_mm(0.417);
   s.mutable_walls()->set_locked(true);

@@ -30,6 +30,22 @@ class OrderDeskTest : public DeskBench {
   }
 };
 
+TEST_F(OrderDeskTest, StagesAreThoseOfTheSceneByName) {
+  EXPECT_EQ(refusal("stage: 'open'"), "refused: scene 'first' has no stages");
+  auto walls = std::make_shared<Walls>();
+  walls->stages.resize(1);
+  scenes["second"].walls = walls;
+  tick();
+  ask("scene_load: 'second'");
+  EXPECT_EQ(refusal("stage: ''"), "refused: scene 'second' has no stages");
+  walls->stages = {{"shut", {}, {}}, {"open", {}, {}}};
+  EXPECT_EQ(refusal("stage: 'ajar'"),
+            "refused: scene 'second' has no stage 'ajar', expected one of 'shut', 'open'");
+  EXPECT_EQ(at_once("stage: 'open'"), "done: ");
+  EXPECT_EQ(last_order(), OrderKind::kStage);
+  EXPECT_EQ(taken.back().order.stage, 1);
+}
+
 TEST_F(OrderDeskTest, RefusesTheStatusBeforeTheLoopHasSpoken) {
   EXPECT_EQ(text(ask("status: true")), "refused: the haptic loop has not started yet");
   tick();
