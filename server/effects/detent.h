@@ -13,7 +13,10 @@ namespace handrail {
 // Toward the place, at distance d of a radius r: f = F d / (r/2) up to r/2, F (r - d) / (r/2) from
 // there to r, nothing beyond (dissertation 2.3.2, the locking of a gear; the shape is ours). The
 // pull has a potential, F r / 2 deep, so that it gives back what it took; a small damper makes up
-// for the half period by which a held force is late. The lock closes within r/2 and opens beyond r.
+// for the half period by which a held force is late.
+//
+// The lock closes within r/2 and opens beyond r, both of the proxy: a hand that presses a lever
+// past its gear, into the wall at the aisle's end, is still in gear.
 class Detent {
  public:
   // 1 to kMostDetents places, further apart than 2 r; r and peak > 0.
@@ -27,38 +30,38 @@ class Detent {
   void restart(const Vec2&) noexcept {}
 
   Vec2 force(const EffectInput& in, EffectTick& tick) noexcept {
-    Vec2 f = Vec2::Zero();
-    int near = -1;
+    move_lock(in.proxy, tick);
+    tick.locked = locked_ >= 0;
     for (int i = 0; i < count_; ++i) {
       const Vec2 back = places_[static_cast<std::size_t>(i)] - in.hand;
       const double d2 = back.squaredNorm();
       if (d2 >= radius_ * radius_) continue;
       const double d = std::sqrt(d2);
-      near = i;
-      update(i, d, tick);
       const double slope = peak_ / (0.5 * radius_);
-      f = d <= 0.5 * radius_ ? Vec2(slope * back) : Vec2((slope * (radius_ - d) / d) * back);
-      f -= (0.75 * slope * in.dt * (1.0 - d / radius_)) * in.velocity;
-      break;
+      const Vec2 f =
+          d <= 0.5 * radius_ ? Vec2(slope * back) : Vec2((slope * (radius_ - d) / d) * back);
+      return f - (0.75 * slope * in.dt * (1.0 - d / radius_)) * in.velocity;
     }
-    if (near != locked_ && locked_ >= 0) open(tick);
-    tick.locked = locked_ >= 0;
-    return f;
+    return Vec2::Zero();
   }
 
   int locked() const noexcept { return locked_; }  // index of the place, -1: none
   double stiffness() const noexcept { return peak_ / (0.5 * radius_); }
 
  private:
-  void update(int i, double d, EffectTick& tick) noexcept {
-    if (i == locked_ || d > 0.5 * radius_) return;
-    if (locked_ >= 0) open(tick);
-    locked_ = i;
-    tick.tell({EffectEvent::Kind::kLocked, i});
-  }
-  void open(EffectTick& tick) noexcept {
-    tick.tell({EffectEvent::Kind::kUnlocked, locked_});
-    locked_ = -1;
+  void move_lock(const Vec2& proxy, EffectTick& tick) noexcept {
+    const auto within = [&](int i, double reach) {
+      return (places_[static_cast<std::size_t>(i)] - proxy).squaredNorm() <= reach * reach;
+    };
+    if (locked_ >= 0 && !within(locked_, radius_)) {
+      tick.tell({EffectEvent::Kind::kUnlocked, locked_});
+      locked_ = -1;
+    }
+    for (int i = 0; i < count_ && locked_ < 0; ++i) {
+      if (!within(i, 0.5 * radius_)) continue;
+      locked_ = i;
+      tick.tell({EffectEvent::Kind::kLocked, i});
+    }
   }
 
   std::array<Vec2, kMostDetents> places_{};

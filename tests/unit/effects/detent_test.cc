@@ -78,6 +78,25 @@ TEST(Detent, LocksWithinHalfTheRadiusAndOpensBeyondIt) {
   EXPECT_EQ(detent.locked(), -1);
 }
 
+TEST(Detent, ALeverPressedPastItsGearIntoTheWallStaysInGear) {
+  Detent detent = gears();
+  feel(detent, {0.0, 0.03});
+  // The aisle ends 3 mm past the gear; the hand is 2 mm deep in the wall.
+  EffectInput in = test::at({0.0, 0.035}, kFreeSpace);
+  in.proxy = Vec2(0.0, 0.033);
+  EffectTick tick;
+  detent.force(in, tick);
+  EXPECT_EQ(tick.event_count, 0);
+  EXPECT_TRUE(tick.locked);
+  // Nor does it lock through a wall.
+  EXPECT_FALSE(feel(detent, {0.0, 0.02}).locked);
+  in.hand = Vec2(0.0, 0.03);
+  in.proxy = Vec2(0.0, 0.027);
+  EffectTick through;
+  detent.force(in, through);
+  EXPECT_FALSE(through.locked);
+}
+
 TEST(Detent, AHandThatJumpsFromLockToLockTellsBoth) {
   Detent detent = gears();
   feel(detent, {0.0, 0.03});
