@@ -85,6 +85,8 @@ class HandModel final : public SteerableHand {
   Vec3 velocity() const noexcept { return wander_is_meant_ ? v_ : Vec3(v_ + wander_.velocity()); }
   // Force of the hand on what it holds, mean of the last step, frame M [N].
   const Vec3& push() const noexcept { return push_; }
+  // Of what it holds from where it means that to be, wander that is meant and all [m].
+  const Vec3& deviation() const noexcept { return deviation_; }
   std::uint32_t buttons() const noexcept { return motion_.buttons(); }
   const HandMotion& motion() const noexcept { return motion_; }
 

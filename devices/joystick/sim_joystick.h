@@ -42,6 +42,9 @@ class SimJoystick final : public HapticDevice, public SteerableHand {
   // The hand follows a target, such as a guiding ball, that is at `p` with velocity `v` now; to be
   // called each tick while it lasts. Frame M. Not finite: ignored.
   void follow(const Vec2& p, const Vec2& v) noexcept;
+  // The hand goes limp, until the next order: what it means to do gives way to where it is taken,
+  // so that it only drags. No recorded hand does.
+  void let_go() noexcept;
 
   // The truth behind the readings, frame M.
   Vec2 position() const noexcept { return hand_.pose().p.head<2>(); }    // [m]
@@ -50,7 +53,10 @@ class SimJoystick final : public HapticDevice, public SteerableHand {
   Vec2 handle_force() const noexcept { return hand_.push().head<2>(); }
 
  private:
+  enum class Mode { kSteered, kFollowing, kLimp };
+
   void advance(double dt) noexcept;
+  VectorMotion given_way(double dt) const noexcept;
   void observe(double dt) noexcept;
   Vec3 reading() const noexcept;
 
@@ -61,7 +67,7 @@ class SimJoystick final : public HapticDevice, public SteerableHand {
   double played_ = 0.0;  // of the recording [s]
   HandPursuit pursuit_;
   VectorMotion target_;
-  bool following_ = false;
+  Mode mode_ = Mode::kSteered;
   Wrench wrench_;
   HapticSample sample_;
   Nanos last_ = 0;

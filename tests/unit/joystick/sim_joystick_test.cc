@@ -192,6 +192,50 @@ TEST(SimJoystick, AHandThatCannotFollowGivesUpGrowingItsPush) {
   }
 }
 
+TEST(SimJoystick, ALimpHandStaysWhereItIsPushedUntilItFollowsAgain) {
+  Bench bench(still_hand());
+  for (int i = 0; i < 500; ++i) {
+    bench.joystick.follow({0.0, 0.0}, {0.0, 0.0});
+    bench.tick();
+  }
+  bench.joystick.let_go();
+  bench.run(2000, {2.0, 0.0, 0.0});
+  const double there = bench.joystick.position().x();
+  EXPECT_GT(there, 0.03);
+  bench.run(3000);
+  EXPECT_NEAR(bench.joystick.position().x(), there, 0.01) << "a hand that holds on comes back";
+  for (int i = 0; i < 4000; ++i) {
+    bench.joystick.follow({0.0, 0.0}, {0.0, 0.0});
+    bench.tick();
+  }
+  EXPECT_LT(bench.joystick.position().norm(), 2e-3);
+}
+
+TEST(SimJoystick, ALimpHandGivesBackNoEnergyAtAnyFrequency) {
+  DeviceEffects effects;
+  effects.quantisation = effects.friction = false;
+  for (const double grip : {0.0, 0.5, 1.0}) {
+    for (const double mass : {0.5, 1.5}) {
+      for (const double rate : {0.5, 1.0, 1.9, 3.0, 6.0, 12.0}) {
+        HandOptions hand = still_hand(grip);
+        const double damping = hand.damping_ratio * std::sqrt(hand.stiffness * hand.mass);
+        hand.mass = mass;
+        hand.damping_ratio = damping / std::sqrt(hand.stiffness * mass);
+        Bench bench(hand, effects);
+        bench.joystick.let_go();
+        double work = 0.0;  // of the motors, over the last of 20 s
+        for (int i = 0; i < 20'000; ++i) {
+          const double f = std::sin(2.0 * std::numbers::pi * rate * 1e-3 * (i + 0.5));
+          const double before = bench.joystick.position().x();
+          bench.tick({f, 0.0, 0.0});
+          if (i >= 10'000) work += f * (bench.joystick.position().x() - before);
+        }
+        EXPECT_GT(work, 0.0) << "grip " << grip << ", " << mass << " kg, " << rate << " Hz";
+      }
+    }
+  }
+}
+
 // Newton on the device alone: m x'' = motor + handle - friction, summed over each tick.
 TEST(SimJoystick, HandleForceIsWhatMovesTheDevice) {
   DeviceEffects effects;
