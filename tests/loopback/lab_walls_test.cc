@@ -82,7 +82,8 @@ TEST_F(LabWalls, TheGearshiftPrintsWhatItVisitedAndItsEvents) {
   ASSERT_EQ(lab.code, 0) << lab.output;
   EXPECT_THAT(list(lab.output, "visited"), ElementsAre("N", "1", "2", "3", "4", "5", "R", "N"));
   for (const char* key : {"\"max_force_n\"", "\"max_penetration_mm\"", "\"event\": \"lock\"",
-                          "\"event\": \"unlock\"", "\"event\": \"return\"", "\"gear\": \"R\""}) {
+                          "\"event\": \"unlock\"", "\"event\": \"return\"", "\"gear\": \"R\"",
+                          "\"junction_ratio\""}) {
     EXPECT_THAT(lab.output, HasSubstr(key));
   }
 }

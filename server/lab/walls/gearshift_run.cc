@@ -1,7 +1,7 @@
 #include "server/lab/walls/gearshift_run.h"
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
 
 #include "server/lab/walls/gear_driver.h"
 
@@ -16,31 +16,23 @@ const EffectSpec* find(const Scene& scene, EffectKind kind) {
   return it == scene.effects.end() ? nullptr : &*it;
 }
 
-// Everything judged in one run.
-class Judge {
+// What is judged of gears.
+class GearJudge {
  public:
-  Judge(const Scene& scene, const GearGate& gate, double mass)
-      : gate_(gate), penetration_(*scene.walls, mass) {}
+  explicit GearJudge(const GearGate& gate) : gate_(gate) {}
 
   void see(const WallTick& tick, GearshiftResult& result) {
-    penetration_.see(tick);
-    guidance_.see(tick);
     const double off = (tick.hand - gate_.neutral()).norm();
     if (!seen_ && off < gate_.home()) result.visited.push_back("N");
     seen_ = true;
     rest_.see(tick);
-    home_ = !tick.effects.locked && off < gate_.home();
+    rested_ = !tick.effects.locked && off < gate_.home() && (rested_ || rest_.rests());
     for (int i = 0; i < tick.effects.event_count; ++i) {
       hear(tick.effects.events[static_cast<std::size_t>(i)], tick.t, result);
     }
   }
-
   void report(GearshiftResult& result) const {
-    if (home_ && rest_.rests() && result.visited.size() > 1) result.visited.push_back("N");
-    result.inside_share = guidance_.inside_share();
-    result.most_force = guidance_.most_force();
-    result.deepest = penetration_.deepest();
-    result.share_of_bound = penetration_.share_of_bound();
+    if (rested_ && result.visited.size() > 1) result.visited.push_back("N");
   }
 
  private:
@@ -58,15 +50,9 @@ class Judge {
   }
 
   const GearGate& gate_;
-  PenetrationWatch penetration_;
-  GuidanceWatch guidance_;
   RestWatch rest_;
-  bool seen_ = false, home_ = false;
+  bool seen_ = false, rested_ = false;  // in neutral
 };
-
-bool is_cancelled(const GearshiftOptions& options) {
-  return options.cancelled != nullptr && options.cancelled->load();
-}
 
 }  // namespace
 
@@ -97,6 +83,27 @@ Result<GearGate> GearGate::of(const Scene& scene) {
   return gate;
 }
 
+std::vector<Vec2> GearGate::junctions() const {
+  std::vector<Vec2> out;
+  for (const Vec2& place : places_) {
+    const Vec2 foot(place.x(), neutral_.y());
+    if (std::find(out.begin(), out.end(), foot) == out.end()) out.push_back(foot);
+  }
+  return out;
+}
+
+double GearGate::junction_reach() const {
+  const std::vector<Vec2> feet = junctions();
+  const std::vector<Vec2>& others = feet.size() > 1 ? feet : places_;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Vec2& foot : feet) {
+    for (const Vec2& other : others) {
+      if (other != foot) least = std::min(least, (other - foot).norm());
+    }
+  }
+  return 0.5 * least;
+}
+
 std::vector<Vec2> GearGate::way(const Vec2& a, const Vec2& b) const {
   std::vector<Vec2> out = {a};
   if (a.x() != b.x()) {
@@ -110,40 +117,46 @@ std::vector<Vec2> GearGate::way(const Vec2& a, const Vec2& b) const {
 }
 
 GearshiftResult shift_gears(const Scene& scene, const GearGate& gate, const JoystickPerson& person,
-                            const GearshiftOptions& options) {
+                            const WallRunOptions& options) {
   WallBench bench(scene, person.hand);
-  Judge judge(scene, gate, bench.moving_mass());
+  WallJudge judge(*scene.walls, bench, gate.junctions(), gate.junction_reach(), options);
+  GearJudge gears(gate);
   GearDriver driver(gate, person.pace);
   GearshiftResult result;
   double done = 0.0;  // when the driver was
-  while (!(driver.done() && bench.now().t > done + kSettle) && !is_cancelled(options)) {
-    bench.follow(driver.p(), driver.v());
+  while (!(driver.done() && bench.now().t > done + kSettle) && !options.is_cancelled()) {
+    if (driver.lets_go()) {
+      bench.let_go();
+    } else {
+      bench.follow(driver.p(), driver.v());
+    }
     WallTick tick = bench.step();
     if (!driver.done()) done = tick.t;
     driver.drive(tick);
     tick.ball = driver.p();
     judge.see(tick, result);
-    if (options.traced) result.trace.push_back(tick);
+    gears.see(tick, result);
   }
-  result.duration = bench.now().t;
   judge.report(result);
+  gears.report(result);
   return result;
 }
 
 GearshiftResult shift_gears(const Scene& scene, const GearGate& gate, const JoystickPerson& person,
-                            const RecordedMotion& recording, const GearshiftOptions& options) {
+                            const RecordedMotion& recording, const WallRunOptions& options) {
   WallBench bench(scene, person.hand, recording, gate.neutral());
-  Judge judge(scene, gate, bench.moving_mass());
+  WallJudge judge(*scene.walls, bench, gate.junctions(), gate.junction_reach(), options);
+  GearJudge gears(gate);
   GearshiftResult result;
   const double end = recording.duration() + kSettle;
-  while (bench.now().t < end && !is_cancelled(options)) {
+  while (bench.now().t < end && !options.is_cancelled()) {
     WallTick tick = bench.step();
     tick.ball = tick.hand;
     judge.see(tick, result);
-    if (options.traced) result.trace.push_back(tick);
+    gears.see(tick, result);
   }
-  result.duration = bench.now().t;
   judge.report(result);
+  gears.report(result);
   return result;
 }
 

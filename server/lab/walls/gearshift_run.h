@@ -1,14 +1,12 @@
 // One person shifts through the gears.
 #pragma once
 
-#include <atomic>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "server/base/status.h"
 #include "server/lab/walls/joystick_people.h"
-#include "server/lab/walls/wall_watch.h"
+#include "server/lab/walls/wall_judge.h"
 
 namespace handrail {
 
@@ -22,6 +20,10 @@ class GearGate {
   const std::vector<std::string>& names() const noexcept { return names_; }  // one for each
   const Vec2& neutral() const noexcept { return neutral_; }                  // [m]
   double home() const noexcept { return home_; }  // closer to neutral counts as there [m]
+  // Where vertical aisles meet the horizontal one, and half the least way between them or, of one
+  // alone, to its nearest gear.
+  std::vector<Vec2> junctions() const;
+  double junction_reach() const;  // [m]
   // The way from a to b: along the vertical aisle of a, the horizontal one, the vertical one of b.
   std::vector<Vec2> way(const Vec2& a, const Vec2& b) const;
 
@@ -40,30 +42,20 @@ struct GearEvent {
 };
 const char* name_of(GearEvent::Kind kind) noexcept;
 
-struct GearshiftOptions {
-  bool traced = false;
-  const std::atomic<bool>* cancelled = nullptr;  // as in WrenchOptions
-};
-
-struct GearshiftResult {
-  // A gear when its lock closes; N only at the start and at final rest.
+struct GearshiftResult : WallRunResult {
+  // A gear when its lock closes; N only at the start and at final rest: once the lever has come to
+  // rest in neutral, unless it leaves it again.
   std::vector<std::string> visited;
   std::vector<GearEvent> events;
-  double inside_share = 1.0;    // of the hand's way
-  double most_force = 0.0;      // on the handle [N]
-  double deepest = 0.0;         // into a wall [m]
-  double share_of_bound = 0.0;  // PenetrationWatch
-  double duration = 0.0;        // [s]
-  std::vector<WallTick> trace;
 };
 
 // From neutral through the gears in the scene's order; out of the last one the hand lets the spring
 // take the lever home.
 GearshiftResult shift_gears(const Scene& scene, const GearGate& gate, const JoystickPerson& person,
-                            const GearshiftOptions& options);
+                            const WallRunOptions& options);
 
 // The hand goes where a recording goes, laid on the neutral place.
 GearshiftResult shift_gears(const Scene& scene, const GearGate& gate, const JoystickPerson& person,
-                            const RecordedMotion& recording, const GearshiftOptions& options);
+                            const RecordedMotion& recording, const WallRunOptions& options);
 
 }  // namespace handrail

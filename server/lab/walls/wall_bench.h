@@ -40,6 +40,8 @@ class WallBench {
 
   // The hand follows what is at `p` with velocity `v`, until the next call. Frame of the walls.
   void follow(const Vec2& p, const Vec2& v) noexcept;
+  // The hand goes limp, until the next call of follow.
+  void let_go() noexcept { joystick_.let_go(); }
   // One tick. Real-time safe.
   const WallTick& step() noexcept;
   const WallTick& now() const noexcept { return tick_; }

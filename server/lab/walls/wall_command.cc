@@ -74,6 +74,16 @@ Status write_trace(const WallCommand& command, const std::vector<WallTick>& trac
   return file ? Status::ok() : Status::error(command.traces + ": cannot write");
 }
 
+// Prints, and writes what is asked for. The exit code.
+int finish(const WallCommand& command, const std::string& text, const std::vector<WallTick>& trace,
+           const std::function<Status()>& draw) {
+  std::fputs(text.c_str(), stdout);
+  if (const Status s = write_trace(command, trace); !s) return complain(s, kFailed);
+  if (command.figures.empty()) return kDone;
+  const Status drawn = draw();
+  return drawn ? kDone : complain(drawn, kFailed);
+}
+
 }  // namespace
 
 int run_wrench_command(const WrenchCommand& command, const std::atomic<bool>& cancelled) {
@@ -106,11 +116,8 @@ int run_wrench_command(const WrenchCommand& command, const std::atomic<bool>& ca
   if (!run_all(command, job, cancelled)) return complain(Status::error("cancelled"), kCancelled);
   const std::string text =
       command.json ? wrench_json(header, people) : wrench_table(header, people);
-  std::fputs(text.c_str(), stdout);
-  if (Status s = write_trace(command, people[0].trace); !s) return complain(s, kFailed);
-  if (command.figures.empty()) return kDone;
-  const Status drawn = draw_wrench(command.figures, header, *scene.walls, *path, people);
-  return drawn ? kDone : complain(drawn, kFailed);
+  return finish(command, text, people[0].trace,
+                [&] { return draw_wrench(command.figures, header, *scene.walls, *path, people); });
 }
 
 int run_gearshift_command(const GearshiftCommand& command, const std::atomic<bool>& cancelled) {
@@ -122,7 +129,7 @@ int run_gearshift_command(const GearshiftCommand& command, const std::atomic<boo
 
   std::vector<GearshiftResult> people(static_cast<std::size_t>(command.operators));
   const auto job = [&](std::size_t i) {
-    GearshiftOptions options;
+    WallRunOptions options;
     options.traced = traced(command, i);
     options.cancelled = &cancelled;
     const JoystickPerson person = joystick_person(command.seed, static_cast<int>(i));
@@ -132,11 +139,9 @@ int run_gearshift_command(const GearshiftCommand& command, const std::atomic<boo
   if (!run_all(command, job, cancelled)) return complain(Status::error("cancelled"), kCancelled);
   const std::string text =
       command.json ? gearshift_json(header, people) : gearshift_table(header, people);
-  std::fputs(text.c_str(), stdout);
-  if (Status s = write_trace(command, people[0].trace); !s) return complain(s, kFailed);
-  if (command.figures.empty()) return kDone;
-  const Status drawn = draw_gearshift(command.figures, header, *setup->scene.walls, people);
-  return drawn ? kDone : complain(drawn, kFailed);
+  return finish(command, text, people[0].trace, [&] {
+    return draw_gearshift(command.figures, header, *setup->scene.walls, people);
+  });
 }
 
 }  // namespace handrail

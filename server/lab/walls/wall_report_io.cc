@@ -18,14 +18,14 @@ double rounded(double value) { return std::round(value * 1e6) / 1e6; }
 
 // Of one quantity, the largest of all people.
 template <typename Person>
-double largest(const std::vector<Person>& people, double Person::*field) {
+double largest(const std::vector<Person>& people, double WallRunResult::*field) {
   double most = 0.0;
   for (const Person& person : people) most = std::max(most, person.*field);
   return most;
 }
 
 template <typename Person>
-std::vector<double> all(const std::vector<Person>& people, double Person::*field) {
+std::vector<double> all(const std::vector<Person>& people, double WallRunResult::*field) {
   std::vector<double> out;
   for (const Person& person : people) out.push_back(person.*field);
   return out;
@@ -90,12 +90,32 @@ std::string whose(const WallHeader& header, std::size_t people) {
   return fmt::format("{} simulated hand{}, seed {}", people, people == 1 ? "" : "s", header.seed);
 }
 
+template <typename Person>
+std::string forces_table(const std::vector<Person>& people) {
+  return fmt::format(
+      "  largest force           {:8.2f} N\n"
+      "  deepest in a wall       {:8.2f} mm, {:.2f} of what energy allows\n"
+      "  walls where aisles meet {:8.2f} of the local wall force\n",
+      largest(people, &WallRunResult::most_force), largest(people, &WallRunResult::deepest) / kMm,
+      largest(people, &WallRunResult::share_of_bound),
+      largest(people, &WallRunResult::junction_ratio));
+}
+
+// The fields that both studies have.
+template <typename Person, typename Study>
+void fill_forces(const std::vector<Person>& people, Study& out) {
+  out.set_max_force_n(rounded(largest(people, &WallRunResult::most_force)));
+  out.set_max_penetration_mm(rounded(largest(people, &WallRunResult::deepest) / kMm));
+  out.set_penetration_share(rounded(largest(people, &WallRunResult::share_of_bound)));
+  out.set_junction_ratio(rounded(largest(people, &WallRunResult::junction_ratio)));
+}
+
 }  // namespace
 
 std::vector<WallAnalogue> analogues_of(const std::vector<WrenchResult>& people, int turns) {
   std::vector<WallAnalogue> out = {
       {"guidance", "share of the hand's way inside the aisles", "", 4.6, 5.0,
-       all(people, &WrenchResult::inside_share)},
+       all(people, &WallRunResult::inside_share)},
       {"tightening", "growth of the force peaks", "N/turn", 4.5, 4.5, {}},
       {"resemblance", "distance from the real wrench's 0 to 16 N", "N", 3.8, 4.0, {}}};
   for (const WrenchResult& person : people) {
@@ -107,7 +127,7 @@ std::vector<WallAnalogue> analogues_of(const std::vector<WrenchResult>& people, 
 
 std::vector<WallAnalogue> analogues_of(const std::vector<GearshiftResult>& people) {
   return {{"guidance", "share of the hand's way inside the aisles", "", 4.5, 4.5,
-           all(people, &GearshiftResult::inside_share)}};
+           all(people, &WallRunResult::inside_share)}};
 }
 
 std::string wrench_json(const WallHeader& header, const std::vector<WrenchResult>& people) {
@@ -125,10 +145,7 @@ std::string wrench_json(const WallHeader& header, const std::vector<WrenchResult
   out.set_operators(static_cast<std::uint32_t>(people.size()));
   for (const double peak : medians(people, &WrenchTurn::peak)) out.add_peaks_n(rounded(peak));
   for (const double alpha : medians(people, &WrenchTurn::alpha)) out.add_alpha_rad(rounded(alpha));
-  out.set_max_force_n(rounded(largest(people, &WrenchResult::most_force)));
-  out.set_max_penetration_mm(rounded(largest(people, &WrenchResult::deepest) / kMm));
-  out.set_penetration_share(rounded(largest(people, &WrenchResult::share_of_bound)));
-  out.set_junction_ratio(rounded(largest(people, &WrenchResult::junction_ratio)));
+  fill_forces(people, out);
   if (people.size() > 1) {
     for (const auto& a : analogues_of(people, header.turns)) fill(a, *out.add_analogues());
   }
@@ -161,13 +178,7 @@ std::string wrench_table(const WallHeader& header, const std::vector<WrenchResul
   out += "\n  force peak, N           " + joined(peaks, "{:8.2f}");
   out += "\n  angle turned, rad       " + joined(medians(people, &WrenchTurn::alpha), "{:8.2f}") +
          '\n';
-  out += fmt::format("\n  largest force           {:8.2f} N\n",
-                     largest(people, &WrenchResult::most_force));
-  out += fmt::format("  deepest in a wall       {:8.2f} mm, {:.2f} of what energy allows\n",
-                     largest(people, &WrenchResult::deepest) / kMm,
-                     largest(people, &WrenchResult::share_of_bound));
-  out += fmt::format("  walls where aisles meet {:8.2f} of their springs' force\n",
-                     largest(people, &WrenchResult::junction_ratio));
+  out += '\n' + forces_table(people);
   return people.size() > 1 ? out + analogues_table(analogues_of(people, header.turns)) : out;
 }
 
@@ -186,9 +197,7 @@ std::string gearshift_json(const WallHeader& header, const std::vector<Gearshift
     e.set_event(name_of(event.kind));
     e.set_gear(event.gear);
   }
-  out.set_max_force_n(rounded(largest(people, &GearshiftResult::most_force)));
-  out.set_max_penetration_mm(rounded(largest(people, &GearshiftResult::deepest) / kMm));
-  out.set_penetration_share(rounded(largest(people, &GearshiftResult::share_of_bound)));
+  fill_forces(people, out);
   if (people.size() > 1) {
     for (const WallAnalogue& a : analogues_of(people)) fill(a, *out.add_analogues());
   }
@@ -217,11 +226,7 @@ std::string gearshift_table(const WallHeader& header, const std::vector<Gearshif
   if (people.size() > 1) {
     out += fmt::format("  {} of {} visited the same\n", same, people.size());
   }
-  out += fmt::format("  largest force           {:8.2f} N\n",
-                     largest(people, &GearshiftResult::most_force));
-  out += fmt::format("  deepest in a wall       {:8.2f} mm, {:.2f} of what energy allows\n",
-                     largest(people, &GearshiftResult::deepest) / kMm,
-                     largest(people, &GearshiftResult::share_of_bound));
+  out += forces_table(people);
   return people.size() > 1 ? out + analogues_table(analogues_of(people)) : out;
 }
 

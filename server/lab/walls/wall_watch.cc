@@ -46,9 +46,21 @@ void JunctionWatch::see(const WallTick& tick) noexcept {
     local_ = 1e-9;
     at_ = at;
   }
-  if (at < 0 || !tick.contact.touching) return;
-  force_ = std::max(force_, tick.wall.norm());
-  local_ = std::max(local_, stiffness_at(*walls_, tick) * (tick.depth() + kJoystickResolution));
+  if (at >= 0 && tick.contact.touching) {
+    force_ = std::max(force_, tick.wall.norm());
+    local_ = std::max(local_, local_force(tick));
+  }
+  velocity_ = tick.velocity;
+}
+
+double JunctionWatch::local_force(const WallTick& tick) noexcept {
+  const Vec2 out = nearest_->start(tick.hand) - tick.hand;
+  // From far inside a wall the nearest point is not looked for.
+  const double depth = std::min(out.norm(), tick.depth());
+  const Vec2 into = depth > 0.0 ? Vec2(-out.normalized()) : Vec2(-tick.contact.normal);
+  const double speed = std::max({0.0, tick.velocity.dot(into), velocity_.dot(into)});
+  return stiffness_at(*walls_, tick) * (depth + kJoystickResolution) +
+         walls_->regions[tick.contact.wall].damping * speed;
 }
 
 void RestWatch::see(const WallTick& tick) noexcept {

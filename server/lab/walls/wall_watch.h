@@ -1,8 +1,11 @@
 // Judges of a hand among walls: what the walls let in, what they gave back, where the hand was.
 #pragma once
 
+#include <algorithm>
+#include <memory>
 #include <vector>
 
+#include "server/constraint/wall_proxy.h"
 #include "server/lab/walls/wall_bench.h"
 
 namespace handrail {
@@ -35,14 +38,24 @@ class PenetrationWatch {
   double deepest_ = 0.0, share_ = 0.0;
 };
 
-// Whether walls give more than their spring where aisles meet: the largest force of the
-// walls while the hand passes a junction, over the largest K times depth of the same passage, with
-// the one count of the encoders by which a reading may be deeper than the truth.
+// Whether walls give more where aisles meet than elsewhere: the largest force of the walls while
+// the hand passes a junction, over the largest local wall force of the same passage. The local wall
+// force is what the wall would give the same motion of the hand far from any junction, by (2.1)
+// with the wall's own K and B:
+//
+//   K (d + c) + B v
+//
+// with d the hand's distance from the nearest free point, found afresh each tick and not from where
+// the proxy was; c the one count of the encoders by which a reading may be deeper than the truth;
+// and v the hand's speed toward the wall, the larger of this tick's and the last one's.
 class JunctionWatch {
  public:
   // Within `reach` of one of `places` the hand is at a junction.
   JunctionWatch(const Walls& walls, std::vector<Vec2> places, double reach)
-      : walls_(&walls), places_(std::move(places)), reach_(reach) {}
+      : walls_(&walls),
+        nearest_(make_wall_proxy(walls)),
+        places_(std::move(places)),
+        reach_(reach) {}
   void see(const WallTick& tick) noexcept;
 
   // The largest of all passages in which the wall gave kFaint or more; 0 without one.
@@ -51,10 +64,13 @@ class JunctionWatch {
 
  private:
   double passage() const noexcept { return force_ >= kFaint ? force_ / local_ : 0.0; }
+  double local_force(const WallTick& tick) noexcept;
 
   const Walls* walls_;
+  std::unique_ptr<WallProxy> nearest_;
   std::vector<Vec2> places_;
   double reach_;
+  Vec2 velocity_ = Vec2::Zero();  // a tick before
   int at_ = -1;
   double force_ = 0.0, local_ = 1.0;  // of this passage [N]
   double ratio_ = 0.0;

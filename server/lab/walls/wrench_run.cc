@@ -9,39 +9,13 @@ namespace {
 constexpr double kJunctionReach = 1.5;  // widths of the aisle
 constexpr double kSettle = 1.0;         // after the ball's or the recording's end [s]
 
-// Everything judged in one run.
-class Judge {
- public:
-  Judge(const Scene& scene, const WrenchPath& path, double mass)
-      : walls_(*scene.walls),
-        penetration_(walls_, mass),
-        junctions_(walls_, {path.begin(), path.end()}, kJunctionReach * path.width()) {}
+bool turning(const Walls& walls, const WallTick& tick) {
+  return walls.regions[tick.contact.region].progressive;
+}
 
-  void see(const WallTick& tick) {
-    penetration_.see(tick);
-    junctions_.see(tick);
-    guidance_.see(tick);
-  }
-  bool turning(const WallTick& tick) const {
-    return walls_.regions[tick.contact.region].progressive;
-  }
-  void report(WrenchResult& result) const {
-    result.inside_share = guidance_.inside_share();
-    result.most_force = guidance_.most_force();
-    result.deepest = penetration_.deepest();
-    result.share_of_bound = penetration_.share_of_bound();
-    result.junction_ratio = junctions_.ratio();
-  }
-
- private:
-  const Walls& walls_;
-  PenetrationWatch penetration_;
-  JunctionWatch junctions_;
-  GuidanceWatch guidance_;
-};
-
-bool is_cancelled(const WrenchOptions& options) {
-  return options.cancelled != nullptr && options.cancelled->load();
+WallJudge judge_of(const Scene& scene, const WrenchPath& path, const WallBench& bench,
+                   const WrenchOptions& options) {
+  return {*scene.walls, bench, {path.begin(), path.end()}, kJunctionReach * path.width(), options};
 }
 
 // Visits of the semi-circle that turned far enough.
@@ -89,27 +63,25 @@ double distance_from_real(const WrenchResult& result, int tightening) {
 WrenchResult turn_wrench(const Scene& scene, const WrenchPath& path, const JoystickPerson& person,
                          const WrenchOptions& options) {
   WallBench bench(scene, person.hand);
-  Judge judge(scene, path, bench.moving_mass());
+  WallJudge judge = judge_of(scene, path, bench, options);
   GuidingBall ball(path, options.turns, options.loosen);
   WrenchResult result;
   result.turns.resize(static_cast<std::size_t>(options.turns + options.loosen));
   const int last = static_cast<int>(result.turns.size()) - 1;
   const double end = ball.duration() + kSettle;
-  while (bench.now().t < end && !is_cancelled(options)) {
+  while (bench.now().t < end && !options.is_cancelled()) {
     const WallTick& before = bench.now();
     ball.move(before.t, before.hand);
     bench.follow(ball.p(), ball.v());
     WallTick tick = bench.step();
     tick.ball = ball.p();
-    judge.see(tick);
+    judge.see(tick, result);
     if (const int loop = std::min(ball.loop(tick.t), last); loop >= 0) {
       WrenchTurn& turn = result.turns[static_cast<std::size_t>(loop)];
-      if (judge.turning(tick)) turn.peak = std::max(turn.peak, tick.handle.norm());
+      if (turning(*scene.walls, tick)) turn.peak = std::max(turn.peak, tick.handle.norm());
       turn.alpha = tick.turned;
     }
-    if (options.traced) result.trace.push_back(tick);
   }
-  result.duration = bench.now().t;
   judge.report(result);
   return result;
 }
@@ -117,18 +89,16 @@ WrenchResult turn_wrench(const Scene& scene, const WrenchPath& path, const Joyst
 WrenchResult turn_wrench(const Scene& scene, const WrenchPath& path, const JoystickPerson& person,
                          const RecordedMotion& recording, const WrenchOptions& options) {
   WallBench bench(scene, person.hand, recording, path.middle());
-  Judge judge(scene, path, bench.moving_mass());
+  WallJudge judge = judge_of(scene, path, bench, options);
   Visits visits(0.25 * path.turn_length() / path.radius());
   WrenchResult result;
   const double end = recording.duration() + kSettle;
-  while (bench.now().t < end && !is_cancelled(options)) {
+  while (bench.now().t < end && !options.is_cancelled()) {
     WallTick tick = bench.step();
     tick.ball = tick.hand;
-    judge.see(tick);
-    visits.see(judge.turning(tick), tick, result.turns);
-    if (options.traced) result.trace.push_back(tick);
+    judge.see(tick, result);
+    visits.see(turning(*scene.walls, tick), tick, result.turns);
   }
-  result.duration = bench.now().t;
   judge.report(result);
   return result;
 }

@@ -1,21 +1,17 @@
 // One person turns the wrench.
 #pragma once
 
-#include <atomic>
-#include <optional>
 #include <vector>
 
 #include "server/lab/walls/joystick_people.h"
-#include "server/lab/walls/wall_watch.h"
+#include "server/lab/walls/wall_judge.h"
 #include "server/lab/walls/wrench_path.h"
 
 namespace handrail {
 
-struct WrenchOptions {
+struct WrenchOptions : WallRunOptions {
   int turns = 4;   // that tighten
   int loosen = 0;  // afterwards
-  bool traced = false;
-  const std::atomic<bool>* cancelled = nullptr;  // ends the run early, its result then counts not
 };
 
 struct WrenchTurn {
@@ -23,15 +19,8 @@ struct WrenchTurn {
   double alpha = 0.0;  // turned in all, when the turn is over [rad]
 };
 
-struct WrenchResult {
+struct WrenchResult : WallRunResult {
   std::vector<WrenchTurn> turns;  // in the order made
-  double inside_share = 1.0;      // of the hand's way
-  double most_force = 0.0;        // on the handle, anywhere [N]
-  double deepest = 0.0;           // into a wall [m]
-  double share_of_bound = 0.0;    // PenetrationWatch
-  double junction_ratio = 0.0;    // JunctionWatch
-  double duration = 0.0;          // [s]
-  std::vector<WallTick> trace;
 };
 
 // Force growth from turn to turn while tightening, the least-squares slope of the peaks [N]; 0 with

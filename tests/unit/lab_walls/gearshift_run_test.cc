@@ -13,7 +13,7 @@ class GearshiftRun : public ::testing::Test {
  protected:
   GearshiftRun() : scene(*SceneLibrary().load("gearshift")), gate(*GearGate::of(scene)) {}
   GearshiftResult shift(std::uint64_t seed, int person, bool traced = false) {
-    GearshiftOptions options;
+    WallRunOptions options;
     options.traced = traced;
     return shift_gears(scene, gate, joystick_person(seed, person), options);
   }
@@ -21,11 +21,28 @@ class GearshiftRun : public ::testing::Test {
   GearGate gate;
 };
 
-TEST_F(GearshiftRun, TheDriverVisitsEveryGearAndReturns) {
-  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    EXPECT_THAT(shift(seed, 0).visited, ElementsAre("N", "1", "2", "3", "4", "5", "R", "N"))
-        << "seed " << seed;
+TEST_F(GearshiftRun, EveryDriverVisitsEveryGearOnceAndReturns) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    for (int person = 0; person < 30; ++person) {
+      EXPECT_THAT(shift(seed, person).visited, ElementsAre("N", "1", "2", "3", "4", "5", "R", "N"))
+          << "seed " << seed << ", person " << person;
+    }
   }
+}
+
+TEST_F(GearshiftRun, WallsGiveNoSpikeWhereAislesMeet) {
+  double most = 0.0;
+  for (int person = 0; person < 60; ++person) {
+    const GearshiftResult r = shift(1, person);
+    EXPECT_LE(r.junction_ratio, 1.3) << person;
+    most = std::max(most, r.junction_ratio);
+  }
+  EXPECT_GT(most, 0.5) << "nobody touched a wall at a junction";
+}
+
+TEST_F(GearshiftRun, JunctionsAreWhereTheAislesOfTheGearsMeet) {
+  EXPECT_THAT(gate.junctions(), ElementsAre(Vec2(-0.040, 0.0), Vec2(0.0, 0.0), Vec2(0.040, 0.0)));
+  EXPECT_NEAR(gate.junction_reach(), 0.020, 1e-12);
 }
 
 TEST_F(GearshiftRun, LocksOpenInTheOrderTheyClosedAndTheSpringBringsTheLeverHome) {
@@ -85,7 +102,7 @@ bool in_aisles(const Vec2& p) {
 
 TEST_F(GearshiftRun, TheProxyNeverLeavesTheAisles) {
   std::size_t touching = 0;
-  for (const int person : {0, 1, 3}) {
+  for (const int person : {0, 1, 3, 12}) {
     for (const WallTick& tick : shift(1, person, true).trace) {
       ASSERT_TRUE(in_aisles(tick.contact.proxy)) << tick.contact.proxy.transpose();
       touching += tick.contact.touching;
@@ -112,8 +129,24 @@ TEST_F(GearshiftRun, ARecordedHandIsJudgedTheSame) {
   samples.push_back({4.2, Vec3(0.0, -0.047, 0.0)});
   samples.push_back({4.6, Vec3(0.0, -0.047, 0.0)});
   const GearshiftResult r =
-      shift_gears(scene, gate, joystick_person(1, 0), RecordedMotion(samples), GearshiftOptions());
+      shift_gears(scene, gate, joystick_person(1, 0), RecordedMotion(samples), WallRunOptions());
   EXPECT_THAT(r.visited, ElementsAre("N", "3", "4"));
+}
+
+TEST_F(GearshiftRun, NeutralCountsAtTheEndOnceTheLeverHasRestedThereUnlessItLeaves) {
+  // To gears 4 and 3, to neutral for a second, and to `last` for another one.
+  const auto visited = [&](double last) {
+    std::vector<RecordedSample> samples;
+    for (const double y : {0.0, -0.047, 0.047, 0.0, last}) {
+      const double from = samples.empty() ? 0.0 : samples.back().t + 0.2;
+      for (int i = 0; i <= 50; ++i) samples.push_back({from + 0.02 * i, Vec3(0.0, y, 0.0)});
+    }
+    return shift_gears(scene, gate, joystick_person(1, 0), RecordedMotion(samples),
+                       WallRunOptions())
+        .visited;
+  };
+  EXPECT_THAT(visited(0.003), ElementsAre("N", "4", "3", "N")) << "not far from where it rested";
+  EXPECT_THAT(visited(0.020), ElementsAre("N", "4", "3"));
 }
 
 TEST_F(GearshiftRun, WaysFollowTheAisles) {

@@ -7,11 +7,21 @@
 namespace handrail {
 namespace {
 
+// Free above y = 0.
 Walls one_wall() {
   Walls walls;
-  walls.regions.resize(1);
-  walls.regions[0].kind = RegionKind::kWall;
-  walls.regions[0].stiffness = 1000.0;
+  walls.method = WallMethod::kExact;
+  walls.regions.resize(2);
+  walls.regions[1].kind = RegionKind::kWall;
+  walls.regions[1].stiffness = 1000.0;
+  walls.regions[1].damping = 10.0;
+  walls.outside = 1;
+  WallShape above;
+  above.centre = Vec2(0.0, 0.5);
+  above.half = Vec2(0.5, 0.5);
+  walls.shapes = {above};
+  walls.start = above.centre;
+  walls.stages.resize(1);
   return walls;
 }
 
@@ -24,6 +34,7 @@ WallTick touching(double depth, double speed_in, double push_in) {
   tick.wall = tick.device = Vec2(0.0, 1000.0 * depth);
   tick.contact.touching = depth > 0.0;
   tick.contact.normal = Vec2(0.0, 1.0);
+  tick.contact.wall = 1;
   return tick;
 }
 
@@ -70,6 +81,31 @@ TEST(JunctionWatch, SeesASpikeAtAJunctionAndNowhereElse) {
   JunctionWatch elsewhere(walls, {Vec2(0.1, 0.0)}, 0.010);
   elsewhere.see(spike);
   EXPECT_EQ(elsewhere.ratio(), 0.0);
+}
+
+TEST(JunctionWatch, TheLocalWallForceHasTheWallsDamperAtTheHandsOwnSpeed) {
+  const Walls walls = one_wall();
+  JunctionWatch watch(walls, {Vec2(0.0, 0.0)}, 0.010);
+  watch.see(touching(0.0, 0.2, 0.0));
+  WallTick tick = touching(0.003, 0.1, 0.0);
+  tick.wall = Vec2(0.0, 5.0);
+  watch.see(tick);
+  EXPECT_NEAR(watch.ratio(), 5.0 / (3.0 + 1000.0 * kJoystickResolution + 10.0 * 0.2), 1e-9);
+  // A hand that slides along or comes out brings no damper.
+  JunctionWatch sliding(walls, {Vec2(0.0, 0.0)}, 0.010);
+  tick.velocity = Vec2(0.2, 0.1);
+  sliding.see(tick);
+  EXPECT_NEAR(sliding.ratio(), 5.0 / (3.0 + 1000.0 * kJoystickResolution), 1e-9);
+}
+
+TEST(JunctionWatch, AProxyLeftBehindIsASpike) {
+  const Walls walls = one_wall();
+  JunctionWatch watch(walls, {Vec2(0.0, 0.0)}, 0.010);
+  WallTick tick = touching(0.003, 0.0, 0.0);
+  tick.contact.proxy = Vec2(0.004, 0.0);
+  tick.wall = Vec2(4.0, 3.0);
+  watch.see(tick);
+  EXPECT_NEAR(watch.ratio(), 5.0 / (3.0 + 1000.0 * kJoystickResolution), 1e-9);
 }
 
 TEST(JunctionWatch, KeepsTheWorstPassage) {
