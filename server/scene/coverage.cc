@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
+#include <utility>
 
+#include "server/scene/coverage_text.h"
 #include "server/scene/field_check.h"
+#include "server/scene/map_width.h"
 #include "server/scene/pixel_mix.h"
 #include "server/scene/wall_near.h"
 
@@ -15,21 +17,6 @@ namespace {
 
 constexpr std::uint8_t kMixed = 0x80;  // in a region while reading: the pixel is no palette colour
 constexpr int kReach = 2;              // of the neighbourhood [pixels]
-constexpr std::size_t kMostCounted = 100'000;  // bad pixels; then reading stops
-
-std::string place_text(std::size_t i, int width) {
-  const auto w = static_cast<std::size_t>(width);
-  std::string out = "(";
-  return out.append(std::to_string(i % w)).append(", ").append(std::to_string(i / w)).append(")");
-}
-
-std::string colour_text(const std::uint8_t* rgba) {
-  std::array<char, 32> text;
-  std::snprintf(text.data(), text.size(), "#%02x%02x%02x", rgba[0], rgba[1], rgba[2]);
-  const std::string out = text.data();
-  if (rgba[3] == 255) return out;
-  return out + " at alpha " + std::to_string(rgba[3]) + "/255";
-}
 
 // The palette entries that stand as such around a pixel.
 struct Neighbours {
@@ -68,20 +55,24 @@ class Reader {
 
   // The pixels marked, from what is around them. Adds to `map` and its regions' marks.
   Status read_mixed(CoverageMap& map) const {
-    std::size_t bad = 0, first = 0;
-    for (std::size_t i = 0; i < map.region.size() && bad < kMostCounted; ++i) {
+    PixelCount bad;
+    std::vector<Strip> strips;
+    for (std::size_t i = 0; i < map.region.size() && bad.count < PixelCount::kMost; ++i) {
       if ((map.region[i] & kMixed) == 0) continue;
-      const Mixture m = mixture_at(map, i);
-      if (m.error > PixelMixer::kTolerance) {
-        if (bad++ == 0) first = i;
+      const Found found = mixture_at(map, i);
+      if (found.mixture.error > PixelMixer::kTolerance) {
+        bad.add(i);
         continue;
       }
-      map.open[i] = static_cast<std::uint16_t>(std::lround(65535.0f * mixer_.open_of(m)));
-      map.region[i] = static_cast<std::uint8_t>(kMixed | mixer_.most_of(m));
-      const int wall = mixer_.wall_of(m);
-      if (wall >= 0) map.wall[i] = static_cast<std::uint8_t>(wall);
+      set(map, i, found.mixture);
+      if (found.strip >= 0) strips.push_back({i, found.strip, share_of(found)});
     }
-    return bad == 0 ? Status::ok() : Status::error(bad_text(map, first, bad));
+    settle(map, strips);
+    for (const Strip& strip : strips) {
+      if (!is_in_thin_strip(map, strip.pixel, mixer_.is_wall(strip.entry))) bad.add(strip.pixel);
+    }
+    if (bad.count > 0) return Status::error(bad_text(map, bad));
+    return check_open(map, strips);
   }
 
   // Palette colours that may have been meant as an edge between two others.
@@ -116,7 +107,7 @@ class Reader {
     for (std::size_t i = 0; i < map.region.size() && out.mixed < kMost; ++i) {
       if ((map.region[i] & kMixed) == 0) continue;
       ++out.mixed;
-      const Mixture m = mixture_at(map, i);
+      const Mixture m = mixture_at(map, i).mixture;
       if (m.error > PixelMixer::kTolerance) {
         ++out.bad;
       } else {
@@ -129,6 +120,17 @@ class Reader {
   }
 
  private:
+  struct Found {
+    Mixture mixture;
+    int strip = -1;  // the entry that does not stand around the pixel: perhaps a thin strip
+  };
+  struct Strip {
+    std::size_t pixel;
+    int entry;
+    float share;  // that the pixel has of it
+    bool operator<(std::size_t other) const { return pixel < other; }
+  };
+
   const std::uint8_t* pixel(std::size_t i) const { return image_.rgba.data() + 4 * i; }
   const std::string& name(int entry) const {
     return rules_.palette[static_cast<std::size_t>(entry)].name;
@@ -155,10 +157,56 @@ class Reader {
     return out;
   }
 
-  Mixture mixture_at(const CoverageMap& map, std::size_t i) const {
+  Found mixture_at(const CoverageMap& map, std::size_t i) const {
     const Neighbours near = around(map, i);
-    const Mixture m = mixer_.mixture_of(pixel(i), near.entries.data(), near.count);
-    return m.error > PixelMixer::kTolerance && is_at_border(map, i) ? mixture_of_any(i) : m;
+    Found out{mixer_.mixture_of(pixel(i), near.entries.data(), near.count)};
+    if (out.mixture.error <= PixelMixer::kTolerance) return out;
+    if (is_at_border(map, i)) {
+      const Mixture any = mixture_of_any(i);
+      if (any.error <= PixelMixer::kTolerance) return {any};
+    }
+    for (int entry = 0; entry < static_cast<int>(rules_.palette.size()); ++entry) {
+      const Mixture m = mixer_.strip_of(pixel(i), near.entries.data(), near.count, entry);
+      if (m.error <= PixelMixer::kTolerance && m.error < out.mixture.error) out = {m, entry};
+    }
+    return out;
+  }
+  static float share_of(const Found& found) {
+    const Mixture& m = found.mixture;
+    return found.strip == m.a   ? m.opaque * m.t
+           : found.strip == m.b ? m.opaque * (1.0f - m.t)
+                                : 1.0f - m.opaque;
+  }
+  void set(CoverageMap& map, std::size_t i, const Mixture& m) const {
+    map.open[i] = static_cast<std::uint16_t>(std::lround(65535.0f * mixer_.open_of(m)));
+    map.region[i] = static_cast<std::uint8_t>(kMixed | mixer_.most_of(m));
+    const int wall = mixer_.wall_of(m);
+    if (wall >= 0) map.wall[i] = static_cast<std::uint8_t>(wall);
+  }
+  // A pixel with little of a strip may be of several: it is of that which most is of beside it.
+  void settle(CoverageMap& map, std::vector<Strip>& strips) const {
+    const std::vector<Strip> before = strips;
+    const auto w = static_cast<std::size_t>(map.width);
+    for (Strip& strip : strips) {
+      const Strip* most = &strip;
+      for (std::size_t row = 0; row <= 2 * kReach; ++row) {
+        // Columns wrap at the border, where the neighbour is not asked for much.
+        const std::size_t middle = strip.pixel + row * w;
+        if (middle < kReach * w + kReach) continue;
+        const std::size_t first = middle - kReach * w - kReach;
+        for (auto k = std::lower_bound(before.begin(), before.end(), first);
+             k != before.end() && k->pixel <= first + 2 * kReach; ++k) {
+          if (k->share > most->share) most = &*k;
+        }
+      }
+      if (most->entry == strip.entry) continue;
+      const Neighbours near = around(map, strip.pixel);
+      const Mixture m =
+          mixer_.strip_of(pixel(strip.pixel), near.entries.data(), near.count, most->entry);
+      if (m.error > PixelMixer::kTolerance) continue;
+      strip.entry = most->entry;
+      set(map, strip.pixel, m);
+    }
   }
 
   // Any colour may have been drawn beyond the border.
@@ -186,22 +234,48 @@ class Reader {
     return false;
   }
 
-  std::string bad_text(const CoverageMap& map, std::size_t i, std::size_t count) const {
-    std::string around_it;
-    const Neighbours near = around(map, i);
-    for (int k = 0; k < near.count; ++k) {
-      around_it += (k == 0 ? " '" : ", '") + name(near.entries[static_cast<std::size_t>(k)]) + "'";
+  // Refuses an aisle so thin that no pixel is half of it: there would be none.
+  Status check_open(const CoverageMap& map, const std::vector<Strip>& strips) const {
+    std::array<bool, 64> looked_at{};
+    for (const Strip& strip : strips) {
+      const auto entry = static_cast<std::size_t>(strip.entry);
+      if (mixer_.is_wall(strip.entry) || std::exchange(looked_at[entry], true)) continue;
+      const bool open = std::any_of(map.region.begin(), map.region.end(), [&](std::uint8_t region) {
+        return (region & ~kMixed) == strip.entry;
+      });
+      if (open) continue;
+      PixelCount all;
+      const Strip* most = &strip;
+      for (const Strip& other : strips) {
+        if (other.entry != strip.entry) continue;
+        all.add(other.pixel);
+        if (other.share > most->share) most = &other;
+      }
+      const double width = strip_width(map, most->pixel, false);
+      return Status::error("'" + name(strip.entry) + "' is too narrow to leave anything open: " +
+                           pixels_text(image_, all) + " are all there is of it, " +
+                           number_text(std::round(width * 100.0) / 100.0) +
+                           " pixels wide, expected at least 2");
     }
-    const std::string among = count == 1 ? "" : " and more, " + counted(count) + " pixels in all,";
-    return "pixel " + place_text(i, image_.width) + " of colour " + colour_text(pixel(i)) + among +
+    return Status::ok();
+  }
+
+  std::string bad_text(const CoverageMap& map, const PixelCount& bad) const {
+    std::string around_it;
+    const Neighbours near = around(map, bad.first);
+    for (int k = 0; k < near.count; ++k) {
+      around_it += (k == 0 ? "'" : ", '") + name(near.entries[static_cast<std::size_t>(k)]) + "'";
+    }
+    // The nearest of two around it; of any two where hardly any are.
+    Mixture nearest = mixer_.mixture_of(pixel(bad.first), near.entries.data(), near.count);
+    if (nearest.error > 1.0f) nearest = mixture_of_any(bad.first);
+    return pixels_text(image_, bad) +
            " is neither in the palette nor a mixture of two of its colours around it (" +
-           (around_it.empty() ? "none" : around_it.substr(1)) + ")" +
-           (near.count < 2   ? "; is it blurred, or thinner than a pixel?"
+           (around_it.empty() ? "none" : around_it) + ")" +
+           (nearest.error > 1.0f ? "" : "; nearest is " + mixture_text(rules_, mixer_, nearest)) +
+           (near.count < 2   ? "; is it blurred, or a speck?"
             : near.count > 2 ? "; where three meet, let two of them meet along whole pixels"
                              : "");
-  }
-  static std::string counted(std::size_t n) {
-    return (n >= kMostCounted ? "at least " : "") + std::to_string(n);
   }
 
   const RgbaImage& image_;

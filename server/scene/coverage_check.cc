@@ -13,6 +13,8 @@ namespace {
 
 constexpr double kLeastShare = 0.01;  // of free space that the start must reach
 
+constexpr double kFirm = 0.75;  // thinner walls let slow hands pass, too [pixels]
+
 double rounded(double value, double unit) { return std::round(value / unit * 100.0) / 100.0; }
 
 std::string place_text(const CoverageMap& map, std::size_t i) {
@@ -82,15 +84,23 @@ MapCheck check_map(const Walls& walls) {
   if (!out.problem.empty()) return out;
   if (!warning.empty()) out.warnings.push_back(warning);
   const Narrows narrows = narrows_of(*walls.map);
+  const auto there = [&](const Narrows::Found& found) {
+    return " at " + place_text(*walls.map, found.at) + ": it measures " +
+           number_text(rounded(found.width, 1.0)) + " pixels (" +
+           number_text(rounded(found.width * walls.map->pixel, kMm)) + " mm) there, ";
+  };
   if (narrows.aisles.count > 0) {
-    out.warnings.push_back("an aisle is narrower than two pixels at " +
-                           place_text(*walls.map, narrows.aisles.first) +
-                           ": its walls will not be felt where they were drawn");
+    out.warnings.push_back("an aisle is narrower than two pixels" + there(narrows.aisles) +
+                           "its walls will not be felt where they were drawn");
+  }
+  if (narrows.slits.count > 0 && !narrows.slits.open) {
+    out.warnings.push_back("an aisle is narrower than one pixel" + there(narrows.slits) +
+                           "nothing of it is left open");
   }
   if (narrows.walls.count > 0) {
-    out.warnings.push_back("a wall is thinner than one pixel at " +
-                           place_text(*walls.map, narrows.walls.first) +
-                           ": a fast hand may pass it");
+    out.warnings.push_back("a wall is thinner than one pixel" + there(narrows.walls) +
+                           (narrows.walls.width < kFirm ? "a fast hand may pass it, and a slow one"
+                                                        : "a fast hand may pass it"));
   }
   return out;
 }

@@ -85,6 +85,33 @@ Mixture PixelMixer::mixture_of(const std::uint8_t* rgba, const int* near,
   return best;
 }
 
+Mixture PixelMixer::strip_of(const std::uint8_t* rgba, const int* near, int count,
+                             int entry) const noexcept {
+  Mixture best;
+  for (int i = 0; i < count; ++i) {
+    if (is_wall(entry) == is_wall(near[i])) continue;
+    const std::array<int, 2> pair{near[i], entry};
+    const Mixture m = mixture_of(rgba, pair.data(), 2);
+    const bool has_entry = m.a == entry || m.b == entry || entry == transparent_;
+    if (has_entry && m.error < best.error) best = m;
+  }
+  return best;
+}
+
+std::array<std::uint8_t, 4> PixelMixer::rgba_of(const Mixture& m) const noexcept {
+  const auto byte = [](float value) {
+    return static_cast<std::uint8_t>(std::lround(255.0f * value));
+  };
+  std::array<std::uint8_t, 4> out{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const float value = m.t * mixed_[static_cast<std::size_t>(m.a)][k] +
+                        (1.0f - m.t) * mixed_[static_cast<std::size_t>(m.b)][k];
+    out[k] = byte(linear_ ? coded_of(value) : value);
+  }
+  out[3] = byte(m.opaque);
+  return out;
+}
+
 bool PixelMixer::is_between(int c, int a, int b) const noexcept {
   if (c == a || c == b || c == transparent_ || a == transparent_ || b == transparent_) return false;
   const Colour& mixed = mixed_[static_cast<std::size_t>(c)];

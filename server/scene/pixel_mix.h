@@ -30,6 +30,11 @@ class PixelMixer {
   // The pixel as a mixture of the entries in `near` that is nearest to it. Two entries are tried
   // pairwise; the transparent one mixes through alpha only.
   Mixture mixture_of(const std::uint8_t* rgba, const int* near, int count) const noexcept;
+  // The same of an entry in `near` and this one, of which one is wall and one is not: what there is
+  // to see of a strip too thin for a pixel of its own colour.
+  Mixture strip_of(const std::uint8_t* rgba, const int* near, int count, int entry) const noexcept;
+  // The mixture's own colour, rounded, and alpha.
+  std::array<std::uint8_t, 4> rgba_of(const Mixture& m) const noexcept;
   // Whether entry c is, within tolerance, a mixture of a and b.
   bool is_between(int c, int a, int b) const noexcept;
   // Share of a mixture that is not wall, and the entry that it mostly is.

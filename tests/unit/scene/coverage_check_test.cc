@@ -86,6 +86,30 @@ std::vector<std::string> warnings_of(const WallPainter& painter, const Vec2& sta
   return check_map(painter.finish(start)).warnings;
 }
 
+// The width that a warning states [pixels], 0 when its millimetres are others.
+double measured(const std::string& warning) {
+  const std::string before = ": it measures ", between = " pixels (";
+  const std::size_t from = warning.find(before), to = warning.find(between);
+  if (from == std::string::npos || to == std::string::npos) return 0.0;
+  const double px = std::stod(warning.substr(from + before.size()));
+  const double mm = std::stod(warning.substr(to + between.size()));
+  return std::abs(mm - 1e3 * kPixel * px) < 6e-3 ? px : 0.0;
+}
+
+TEST(MapCheck, WarnsOfAislesThatAreNotOpen) {
+  const auto slit = [](double width) {
+    return warnings_of(
+        wall_everywhere().open(box(0, 0, 40, 40)).open(box(35, 0.5 * width + 0.3, 30, width)),
+        px(0, 0));
+  };
+  EXPECT_EQ(slit(0.4),
+            (std::vector<std::string>{
+                "an aisle is narrower than one pixel at pixel (82, 59), 2.25, 0.05 mm: it measures "
+                "0.4 pixels (0.04 mm) there, nothing of it is left open"}));
+  ASSERT_EQ(slit(0.6).size(), 1U);
+  EXPECT_TRUE(slit(0.6)[0].starts_with("an aisle is narrower than two pixels")) << slit(0.6)[0];
+}
+
 TEST(MapCheck, WarnsOfAislesNarrowerThanTwoPixelsAtAnyAngle) {
   for (const double angle : {0.0, 12.0, 22.5, 45.0, 67.0, 90.0}) {
     for (const double width : {1.2, 1.5, 1.9}) {
@@ -94,6 +118,8 @@ TEST(MapCheck, WarnsOfAislesNarrowerThanTwoPixelsAtAnyAngle) {
       ASSERT_GE(found.size(), 1U) << angle << " deg, " << width << " px";
       EXPECT_TRUE(found.back().starts_with("an aisle is narrower than two pixels at pixel ("))
           << found.back();
+      EXPECT_TRUE(found.back().ends_with(" its walls will not be felt where they were drawn"));
+      EXPECT_NEAR(measured(found.back()), width, 0.2) << found.back();
     }
     const auto wide = warnings_of(wall_everywhere().open(box(0.3, 0.2, 60, 2.2, angle)), px(0, 0));
     EXPECT_TRUE(wide.empty()) << angle << " deg: " << wide.front();
@@ -102,12 +128,15 @@ TEST(MapCheck, WarnsOfAislesNarrowerThanTwoPixelsAtAnyAngle) {
 
 TEST(MapCheck, WarnsOfWallsThinnerThanOnePixelAtAnyAngle) {
   for (const double angle : {0.0, 12.0, 22.5, 45.0, 67.0, 90.0}) {
-    for (const double width : {0.5, 0.8}) {
+    for (const double width : {0.5, 0.9}) {
       const auto found = warnings_of(
           wall_everywhere().open(box(0, 0, 100, 100)).wall(box(0.3, 0.2, 60, width, angle)),
           px(-40, -40));
       ASSERT_EQ(found.size(), 1U) << angle << " deg, " << width << " px";
       EXPECT_TRUE(found[0].starts_with("a wall is thinner than one pixel at pixel (")) << found[0];
+      EXPECT_TRUE(found[0].ends_with(width < 0.75 ? " a fast hand may pass it, and a slow one"
+                                                  : " a fast hand may pass it"));
+      EXPECT_NEAR(measured(found[0]), width, 0.1) << found[0];
     }
     const auto thick =
         warnings_of(wall_everywhere().open(box(0, 0, 100, 100)).wall(box(0.3, 0.2, 60, 1.1, angle)),

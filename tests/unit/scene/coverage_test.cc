@@ -4,6 +4,9 @@
 
 #include <cmath>
 #include <functional>
+#include <numbers>
+
+#include "tests/support/wall_samples.h"
 
 namespace handrail {
 namespace {
@@ -136,7 +139,8 @@ TEST(Coverage, AllowsWhatIsWithinTwoOf255OfAMixtureAndNothingFurther) {
   EXPECT_EQ(error_of(with_offset(-2), rules()), "");
   EXPECT_EQ(error_of(with_offset(3), rules()),
             "pixel (20, 50) of colour #888883 is neither in the palette nor a mixture of two of "
-            "its colours around it ('paper', 'ink')");
+            "its colours around it ('paper', 'ink'); nearest is #898981, 50 % 'paper' and 50 % "
+            "'ink', off by 2.5/255");
   EXPECT_NE(error_of(with_offset(-3), rules()), "");
 }
 
@@ -147,8 +151,8 @@ TEST(Coverage, CountsWhatIsNotInThePalette) {
   EXPECT_EQ(
       error_of(image, rules()),
       "pixel (10, 7) of colour #ff0000 and more, 4 pixels in all, is neither in the palette "
-      "nor a mixture of two of its colours around it ('paper'); is it blurred, or thinner than "
-      "a pixel?");
+      "nor a mixture of two of its colours around it ('paper'); nearest is #c82878, 'lane', off "
+      "by 120/255; is it blurred, or a speck?");
 }
 
 TEST(Coverage, SaysWhatToDoWhereThreeColoursMeet) {
@@ -158,8 +162,9 @@ TEST(Coverage, SaysWhatToDoWhereThreeColoursMeet) {
   });
   EXPECT_EQ(error_of(image, rules()),
             "pixel (50, 50) of colour #907070 is neither in the palette nor a mixture of two of "
-            "its colours around it ('paper', 'ink', 'lane'); where three meet, let two of them "
-            "meet along whole pixels");
+            "its colours around it ('paper', 'ink', 'lane'); nearest is #7d7f79, 45 % 'paper' and "
+            "55 % 'ink', off by 18.6/255; where three meet, let two of them meet along whole "
+            "pixels");
 }
 
 TEST(Coverage, RefusesAMixtureFarFromItsColours) {
@@ -175,6 +180,81 @@ TEST(Coverage, RefusesAMixtureFarFromItsColours) {
                   .starts_with("pixel (2, 50) of colour #888880 and "
                                "more, 192 pixels in all"))
       << error_of(at_distance(3), rules());
+}
+
+// A strip of `in` through `around`, `width` pixels wide, turned and off the pixels' grid.
+RgbaImage strip(double width, double deg, double off, EdgeLaw law, const Colour& in = kInk,
+                const Colour& around = kPaper) {
+  const paint::Polygon p =
+      paint::rectangle(Vec2(50.3, 50.1 + off), 60.0, width, deg * std::numbers::pi / 180);
+  return image_of([=](int x, int y) {
+    const double share = paint::polygon_in_square(p, x, y);
+    return share == 0.0 ? around : share == 1.0 ? in : blend(in, around, share, law);
+  });
+}
+// All that the strip has of free space, or of wall [pixels].
+double area_of(const CoverageMap& map, bool wall) {
+  double sum = 0.0;
+  for (const std::uint16_t open : map.open) sum += open / 65535.0;
+  return wall ? static_cast<double>(map.open.size()) - sum : sum;
+}
+
+TEST(Coverage, TakesWallsAndAislesThatFillNoPixelAsTheyAre) {
+  for (const EdgeLaw law : {EdgeLaw::kSrgb, EdgeLaw::kLinear}) {
+    for (const double deg : {0.0, 9.0, 30.0, 45.0, 71.0, 90.0}) {
+      for (const double width : {0.4, 0.8, 1.0, 1.5, 1.9}) {
+        for (const double off : {0.0, 0.37}) {
+          SCOPED_TRACE(testing::Message() << deg << " deg, " << width << " px, off " << off);
+          const CoverageMap wall = map_of(strip(width, deg, off, law), rules(law));
+          EXPECT_NEAR(area_of(wall, true), 60.0 * width, 0.02 * 60.0);
+          if (width < 1.0) continue;
+          const CoverageMap aisle = map_of(strip(width, deg, off, law, kPaper, kInk), rules(law));
+          EXPECT_NEAR(area_of(aisle, false), 60.0 * width, 0.02 * 60.0);
+        }
+      }
+    }
+  }
+}
+
+TEST(Coverage, TakesThinWallsThatCrossAndKnowsWhichWallTheyAre) {
+  CoverageRules r = rules();
+  r.palette.push_back({{20, 160, 40}, true, "hedge"});
+  const Colour hedge = {20, 160, 40, 255};
+  const auto image = image_of([&](int x, int y) {
+    const bool row = y == 50 || y == 51, column = x == 30 || x == 31;
+    const double share = row && column ? 0.64 : row || column ? 0.4 : 0.0;
+    return share > 0.0 ? blend(hedge, kPaper, share, EdgeLaw::kSrgb) : kPaper;
+  });
+  const CoverageMap map = map_of(image, r);
+  EXPECT_NEAR(map.open[50 * 100 + 30] / 65535.0, 0.36, 0.004);
+  EXPECT_NEAR(map.open[50 * 100 + 60] / 65535.0, 0.6, 0.004);
+  EXPECT_EQ(map.wall[50 * 100 + 60], 3);
+}
+
+TEST(Coverage, RefusesASpeckOfAWall) {
+  const auto image = image_of([](int x, int y) {
+    return x / 2 == 20 && y / 2 == 20 ? blend(kInk, kPaper, 0.5, EdgeLaw::kSrgb) : kPaper;
+  });
+  EXPECT_EQ(error_of(image, rules()),
+            "pixel (40, 40) of colour #888880 and more, 4 pixels in all, is neither in the palette "
+            "nor a mixture of two of its colours around it ('paper'); nearest is #888880, 50 % "
+            "'paper' and 50 % 'ink', off by 0/255; is it blurred, or a speck?");
+}
+
+TEST(Coverage, RefusesAThinStripThatNoWallIsPartOf) {
+  EXPECT_EQ(error_of(strip(1.5, 30.0, 0.0, EdgeLaw::kSrgb, kInk, kLane), rules()), "");
+  EXPECT_NE(error_of(strip(1.5, 30.0, 0.0, EdgeLaw::kSrgb, kLane, kPaper), rules()), "");
+}
+
+TEST(Coverage, RefusesAnAisleThatLeavesNothingOpen) {
+  const auto image = [](double width) {
+    return strip(width, 0.0, -0.1, EdgeLaw::kSrgb, kLane, kInk);
+  };
+  EXPECT_EQ(error_of(image(1.2), rules()), "");
+  EXPECT_EQ(error_of(image(0.8), rules()),
+            "'lane' is too narrow to leave anything open: pixel (20, 49) of colour #4f2e50 and "
+            "more, 122 pixels in all, are all there is of it, 0.8 pixels wide, expected at least "
+            "2");
 }
 
 TEST(Coverage, TakesAnEdgeThatRunsAlongTheBorder) {

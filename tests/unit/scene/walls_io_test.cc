@@ -237,7 +237,8 @@ TEST_F(PaintedScene, SaysWhatIsWrongWithTheImage) {
   };
   EXPECT_EQ(error_of(), at + "pixel (7, 0) of colour #ff0000 and more, 100 pixels in all, is "
                              "neither in the palette nor a mixture of two of its colours around it "
-                             "('paper'); is it blurred, or thinner than a pixel?");
+                             "('paper'); nearest is #646a6a, 33 % 'paper' and 67 % 'ink', off by "
+                             "154.7/255; is it blurred, or a speck?");
   png_.width = 8001;
   EXPECT_EQ(error_of(), at + "8001 x 100 pixels, expected at most 8000 x 8000");
   EXPECT_EQ(error_of("", "image { file: 'b.png' size_mm: [24, 20] edges: SRGB }\n"),
