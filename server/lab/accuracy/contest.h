@@ -18,8 +18,8 @@ class Contest {
 
   // `batch` makes `calls` calls; `prepare`, untimed, goes before each of its turns.
   void add(std::function<void()> prepare, std::function<void()> batch, int calls);
-  // Goes round all entrants `turns` times, `batches` of each a turn, the first turn untimed. Ends
-  // early once `cancelled` is raised.
+  // Goes round all entrants `turns` times, `batches` of each a turn, the first turn untimed; who
+  // begins changes from turn to turn. Ends early once `cancelled` is raised.
   void run(int turns, int batches, const std::atomic<bool>& cancelled);
 
   // Of all batches of entrant `i`, without the clock's own cost, never below 0.
