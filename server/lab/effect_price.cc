@@ -89,10 +89,8 @@ std::vector<double> compare(std::vector<Tested>& all, const std::vector<HandRead
   return out;
 }
 
-}  // namespace
-
-StepPrice price_effects(const Scene& scene, const HapticCapabilities& device,
-                        const std::vector<HandReading>& motion, int rounds) {
+StepPrice price_once(const Scene& scene, const HapticCapabilities& device,
+                     const std::vector<HandReading>& motion, int rounds) {
   StepPrice out;
   std::vector<StepUnderTest> steps;
   std::vector<DeviceUnderTest> devices;
@@ -115,6 +113,26 @@ StepPrice price_effects(const Scene& scene, const HapticCapabilities& device,
   std::size_t s = 1, d = 1;
   for (EffectPrice& price : out.effects) {
     price.ns = is_of_device(price.kind) ? device_ns[d++] : step_ns[s++];
+  }
+  return out;
+}
+
+}  // namespace
+
+StepPrice price_effects(const Scene& scene, const HapticCapabilities& device,
+                        const std::vector<HandReading>& motion, int rounds, int builds) {
+  std::vector<StepPrice> all;
+  for (int i = 0; i < builds; ++i) all.push_back(price_once(scene, device, motion, rounds));
+  const auto middle = [&all](const auto& of) {
+    std::vector<double> values;
+    for (const StepPrice& price : all) values.push_back(of(price));
+    return median(std::move(values));
+  };
+  StepPrice out = all.front();
+  out.step_ns = middle([](const StepPrice& p) { return p.step_ns; });
+  out.device_ns = middle([](const StepPrice& p) { return p.device_ns; });
+  for (std::size_t i = 0; i < out.effects.size(); ++i) {
+    out.effects[i].ns = middle([i](const StepPrice& p) { return p.effects[i].ns; });
   }
   return out;
 }

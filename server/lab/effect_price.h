@@ -1,4 +1,4 @@
-// What each effect of a scene costs, measured on the machine that asks.
+// What leaving an effect out of a scene saves, measured on the machine that asks.
 #pragma once
 
 #include <vector>
@@ -10,7 +10,7 @@ namespace handrail {
 
 struct EffectPrice {
   EffectKind kind = EffectKind::kWall;
-  double ns = 0.0;  // by which a tick is shorter without it; may be below 0 by the noise
+  double ns = 0.0;  // by which a tick is shorter in the scene without it; below 0 by noise
 };
 
 struct StepPrice {
@@ -19,12 +19,14 @@ struct StepPrice {
   std::vector<EffectPrice> effects;  // in the scene's order
 };
 
-// Steps the scene over `motion`, a hand's readings of 1 ms each (not empty), with all its effects
-// and with each one left out: short blocks of the same readings in turn, `rounds` of them, so that
-// whatever slows the machine slows all alike. A price is the median over the rounds of the
-// difference. Effects of the simulated device are timed on the joystick in a hand, the others on
-// the step. May block; allocates before it measures.
+// Steps the scene over `motion`, a hand's readings of 1 ms each (not empty), and beside it one
+// scene for each effect that lists all others, made ready as the master does: short blocks of the
+// same readings in turn, `rounds` of them, so that whatever slows the machine slows all alike. A
+// price is the median over the rounds of the difference, and the median over `builds`, each with
+// everything elsewhere in memory. Effects of the simulated device are timed on the joystick in a
+// hand, the others on the step. Shares nothing with what `scene explain` measures, so that each
+// checks the other. May block; allocates before it measures.
 StepPrice price_effects(const Scene& scene, const HapticCapabilities& device,
-                        const std::vector<HandReading>& motion, int rounds = 400);
+                        const std::vector<HandReading>& motion, int rounds = 400, int builds = 5);
 
 }  // namespace handrail

@@ -12,6 +12,7 @@
 #include "server/lab/accuracy/command.h"
 #include "server/lab/hand_run.h"
 #include "server/lab/study/linear_command.h"
+#include "server/lab/walls/price_command.h"
 #include "server/lab/walls/wall_command.h"
 #include "server/scene/scene_library.h"
 
@@ -237,6 +238,12 @@ void add_gearshift(CLI::App& app, GearshiftCommand& gearshift) {
             gearshift);
 }
 
+void add_price_check(CLI::App& app, PriceCommand& prices) {
+  CLI::App* sub = app.add_subcommand(
+      "price-check", "whether leaving an effect out of a scene saves the price it is listed at");
+  sub->add_option("SCENE", prices.scene, "scene of walls")->required();
+}
+
 int run(int argc, char** argv) {
   CLI::App app{
       "Experiments in virtual time: the same master and slave steps as the daemons, "
@@ -257,6 +264,8 @@ int run(int argc, char** argv) {
   GearshiftCommand gearshift;
   add_wrench(app, wrench);
   add_gearshift(app, gearshift);
+  PriceCommand prices;
+  add_price_check(app, prices);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -270,6 +279,7 @@ int run(int argc, char** argv) {
   if (app.got_subcommand("scene-resolve")) return run_resolve_command(tool, cancelled);
   if (app.got_subcommand("wrench")) return run_wrench_command(wrench, cancelled);
   if (app.got_subcommand("gearshift")) return run_gearshift_command(gearshift, cancelled);
+  if (app.got_subcommand("price-check")) return run_price_command(prices, cancelled);
   if (app.got_subcommand("fit")) return run_fit_command(fit, cancelled);
   const std::vector<std::string> shorthands = words.settings();
   study.settings.insert(study.settings.begin(), shorthands.begin(), shorthands.end());

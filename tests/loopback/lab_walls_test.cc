@@ -159,6 +159,18 @@ TEST_F(LabWalls, BadInputIsRefusedInOneLineThatSaysWhatIsWrong) {
   }
 }
 
+TEST_F(LabWalls, PricesAreCheckedEffectByEffect) {
+  const Run lab = run({"price-check", "wrench"});
+  EXPECT_LE(lab.code, 1) << lab.output;
+  for (const char* word : {"wall  ", "progressive", "device_force_limits", "left out saves"}) {
+    EXPECT_THAT(lab.output, HasSubstr(word));
+  }
+  EXPECT_EQ(run({"price-check", "nowhere"}).code, 2);
+  const Run arm = run({"price-check", "linear-movement"});
+  EXPECT_EQ(arm.code, 2);
+  EXPECT_THAT(arm.output, HasSubstr("'linear-movement' has no walls"));
+}
+
 TEST_F(LabWalls, AFolderThatCannotBeMadeIsNamed) {
   const Run lab = run({"gearshift", "--figures", "/proc/none/here"});
   EXPECT_EQ(lab.code, 1);

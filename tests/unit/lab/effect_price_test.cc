@@ -33,7 +33,7 @@ TEST(EffectPrice, NamesEveryListedEffectOnceInTheScenesOrder) {
     motion[i].X_MH.p.x() = 0.025 * std::sin(0.0126 * static_cast<double>(i));
     motion[i].valid = true;
   }
-  const StepPrice price = price_effects(scene, joystick_capabilities(), motion, 20);
+  const StepPrice price = price_effects(scene, joystick_capabilities(), motion, 20, 2);
   ASSERT_EQ(price.effects.size(), 3u);
   EXPECT_EQ(price.effects[0].kind, EffectKind::kCoulomb);
   EXPECT_EQ(price.effects[1].kind, EffectKind::kDeviceFriction);
