@@ -1,6 +1,7 @@
 // Places that pull the hand in and lock it, as the gears of a gearshift.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
@@ -19,12 +20,14 @@ namespace handrail {
 // past its gear, into the wall at the aisle's end, is still in gear.
 class Detent {
  public:
-  // 1 to kMostDetents places, further apart than 2 r; r and peak > 0.
-  Detent(const std::vector<Vec2>& places, double radius, double peak) noexcept
-      : radius_(radius), peak_(peak) {
-    for (const Vec2& place : places) {
-      if (count_ < kMostDetents) places_[static_cast<std::size_t>(count_++)] = place;
-    }
+  // Up to kMostDetents places, further apart than 2 r; r and peak > 0.
+  Detent(const std::vector<Vec2>& places, double radius, double peak) noexcept {
+    for (const Vec2& place : places) add(place, radius, peak);
+  }
+  // Each with its own radius and peak, and further apart than both their radii.
+  Detent(const std::vector<Vec2>& places, const std::vector<double>& radii,
+         const std::vector<double>& peaks) noexcept {
+    for (std::size_t i = 0; i < places.size(); ++i) add(places[i], radii[i], peaks[i]);
   }
 
   void restart(const Vec2&) noexcept {}
@@ -33,41 +36,55 @@ class Detent {
     move_lock(in.proxy, tick);
     tick.locked = locked_ >= 0;
     for (int i = 0; i < count_; ++i) {
-      const Vec2 back = places_[static_cast<std::size_t>(i)] - in.hand;
-      const double d2 = back.squaredNorm();
-      if (d2 >= radius_ * radius_) continue;
+      const Place& place = places_[static_cast<std::size_t>(i)];
+      const Vec2 back = place.at - in.hand;
+      const double d2 = back.squaredNorm(), r = place.radius;
+      if (d2 >= r * r) continue;
       const double d = std::sqrt(d2);
-      const double slope = peak_ / (0.5 * radius_);
       const Vec2 f =
-          d <= 0.5 * radius_ ? Vec2(slope * back) : Vec2((slope * (radius_ - d) / d) * back);
-      return f - (0.75 * slope * in.dt * (1.0 - d / radius_)) * in.velocity;
+          d <= 0.5 * r ? Vec2(place.slope * back) : Vec2((place.slope * (r - d) / d) * back);
+      return f - (0.75 * place.slope * in.dt * (1.0 - d / r)) * in.velocity;
     }
     return Vec2::Zero();
   }
 
-  int locked() const noexcept { return locked_; }  // index of the place, -1: none
-  double stiffness() const noexcept { return peak_ / (0.5 * radius_); }
+  int locked() const noexcept { return locked_; }           // index of the place, -1: none
+  double stiffness() const noexcept { return stiffness_; }  // of the steepest place [N/m]
 
  private:
+  struct Place {
+    Vec2 at = Vec2::Zero();
+    double radius = 0.0;  // [m]
+    double slope = 0.0;   // [N/m]
+  };
+
+  void add(const Vec2& at, double radius, double peak) noexcept {
+    if (count_ == kMostDetents) return;
+    const double slope = peak / (0.5 * radius);
+    places_[static_cast<std::size_t>(count_++)] = {at, radius, slope};
+    stiffness_ = std::max(stiffness_, slope);
+  }
   void move_lock(const Vec2& proxy, EffectTick& tick) noexcept {
-    const auto within = [&](int i, double reach) {
-      return (places_[static_cast<std::size_t>(i)] - proxy).squaredNorm() <= reach * reach;
+    // Closer to place i than this share of its radius.
+    const auto within = [&](int i, double share) {
+      const Place& place = places_[static_cast<std::size_t>(i)];
+      const double reach = share * place.radius;
+      return (place.at - proxy).squaredNorm() <= reach * reach;
     };
-    if (locked_ >= 0 && !within(locked_, radius_)) {
+    if (locked_ >= 0 && !within(locked_, 1.0)) {
       tick.tell({EffectEvent::Kind::kUnlocked, locked_});
       locked_ = -1;
     }
     for (int i = 0; i < count_ && locked_ < 0; ++i) {
-      if (!within(i, 0.5 * radius_)) continue;
+      if (!within(i, 0.5)) continue;
       locked_ = i;
       tick.tell({EffectEvent::Kind::kLocked, i});
     }
   }
 
-  std::array<Vec2, kMostDetents> places_{};
+  std::array<Place, kMostDetents> places_{};
   int count_ = 0;
-  double radius_;  // [m]
-  double peak_;    // [N]
+  double stiffness_ = 0.0;
   int locked_ = -1;
 };
 

@@ -24,7 +24,8 @@ EffectStack::EffectStack(const std::vector<EffectSpec>& specs, const Plant& plan
         effect = ProgressiveFriction(e.c, e.at, e.clockwise, e.coupling, plant);
         break;
       case EffectKind::kDetent:
-        effect = Detent(e.places, e.radius, e.peak);
+        effect = e.radii.empty() ? Detent(e.places, e.radius, e.peak)
+                                 : Detent(e.places, e.radii, e.peaks);
         break;
       case EffectKind::kReturn:
         effect = ReturnSpring(e.at, e.stiffness, e.peak, e.radius);

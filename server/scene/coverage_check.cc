@@ -15,7 +15,8 @@ constexpr double kLeastShare = 0.01;  // of free space that the start must reach
 
 constexpr double kFirm = 0.75;  // thinner walls let slow hands pass, too [pixels]
 
-double rounded(double value, double unit) { return std::round(value / unit * 100.0) / 100.0; }
+// Adding 0 makes -0 a 0.
+double rounded(double value, double unit) { return std::round(value / unit * 100.0) / 100.0 + 0.0; }
 
 std::string place_text(const CoverageMap& map, std::size_t i) {
   const auto w = static_cast<std::size_t>(map.width);

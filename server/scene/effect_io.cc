@@ -22,8 +22,8 @@ int given(const pb::Effect& e) {
          e.has_device_friction() + e.has_device_quantisation() + e.has_device_force_limits();
 }
 
-Problem detent_from(const pb::Effect::Detent& in, EffectSpec& out) {
-  if (in.place_size() < 1 || in.place_size() > kMostDetents) {
+Problem detent_from(const pb::Effect::Detent& in, bool painted, EffectSpec& out) {
+  if (in.place_size() < (painted ? 0 : 1) || in.place_size() > kMostDetents) {
     return FieldProblem{
         "detent.place",
         std::to_string(in.place_size()) + " places, expected 1 to " + std::to_string(kMostDetents)};
@@ -47,12 +47,12 @@ Problem detent_from(const pb::Effect::Detent& in, EffectSpec& out) {
   return std::nullopt;
 }
 
-Problem effect_from(const pb::Effect& in, EffectSpec& out) {
+Problem effect_from(const pb::Effect& in, bool painted, EffectSpec& out) {
   if (given(in) != 1) {
     return FieldProblem{"",
                         std::to_string(given(in)) + " effects in one entry, expected exactly 1"};
   }
-  if (in.has_detent()) return detent_from(in.detent(), out);
+  if (in.has_detent()) return detent_from(in.detent(), painted, out);
   if (in.has_wall()) out.kind = EffectKind::kWall;
   if (in.has_viscous()) {
     out.kind = EffectKind::kViscous;
@@ -91,7 +91,7 @@ Problem effect_from(const pb::Effect& in, EffectSpec& out) {
 }  // namespace
 
 Problem effects_from(const google::protobuf::RepeatedPtrField<pb::Effect>& effects,
-                     std::vector<EffectSpec>& out) {
+                     std::vector<EffectSpec>& out, bool painted) {
   out.clear();
   if (effects.size() > kMostEffects) {
     return FieldProblem{"effect", std::to_string(effects.size()) + " effects, expected at most " +
@@ -100,7 +100,7 @@ Problem effects_from(const google::protobuf::RepeatedPtrField<pb::Effect>& effec
   for (int i = 0; i < effects.size(); ++i) {
     const std::string path = "effect[" + std::to_string(i) + "]";
     EffectSpec spec;
-    if (Problem p = effect_from(effects[i], spec)) {
+    if (Problem p = effect_from(effects[i], painted, spec)) {
       p->path = path + (p->path.empty() ? "" : "." + p->path);
       return p;
     }

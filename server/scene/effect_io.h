@@ -11,9 +11,11 @@
 namespace handrail {
 
 // Converts the list to SI in `out`, whose fields' ranges have been checked. Each entry must hold
-// exactly one effect, each kind at most once; places of a detent lie apart. Paths begin with
-// "effect[i]". Empty lists are no error: nothing is simulated.
+// exactly one effect, each kind at most once; places of a detent lie apart, and there are some
+// unless its places are `painted`, too. Paths begin with "effect[i]". Empty lists are no error:
+// nothing is simulated.
 std::optional<FieldProblem> effects_from(
-    const google::protobuf::RepeatedPtrField<pb::Effect>& effects, std::vector<EffectSpec>& out);
+    const google::protobuf::RepeatedPtrField<pb::Effect>& effects, std::vector<EffectSpec>& out,
+    bool painted = false);
 
 }  // namespace handrail

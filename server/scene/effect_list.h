@@ -40,6 +40,7 @@ struct EffectSpec {
   double radius = 0.0;                   // detent: of the pull; return: closer counts as home [m]
   std::vector<Vec2> places;              // detent [m]
   std::vector<std::string> place_names;  // detent: one for each
+  std::vector<double> radii, peaks;      // detent: of each place; empty: `radius` and `peak` of all
 };
 
 // What a scene file calls it, such as "progressive". Static storage.

@@ -1,54 +1,15 @@
 #include "server/scene/map_reach.h"
 
 #include <cmath>
+#include <utility>
 #include <vector>
+
+#include "server/scene/map_fill.h"
 
 namespace handrail {
 namespace {
 
 constexpr std::size_t kSpeck = 16;  // smaller free pieces are not worth a warning [pixels]
-
-// Fills connected pieces of free space row by row.
-class Filler {
- public:
-  Filler(const CoverageMap& map, std::uint64_t gone)
-      : map_(map), width_(static_cast<std::size_t>(map.width)), free_(map.open.size()) {
-    for (std::size_t i = 0; i < free_.size(); ++i) free_[i] = is_open(map, i, gone) ? 1 : 0;
-  }
-  bool is_free(std::size_t i) const { return free_[i] != 0; }
-
-  // Takes the piece around `start` away; calls `run(first, end)` for each of its runs.
-  template <typename Run>
-  void take(std::size_t start, const Run& run) {
-    waiting_.assign(1, start);
-    while (!waiting_.empty()) {
-      const std::size_t i = waiting_.back();
-      waiting_.pop_back();
-      if (free_[i] == 0) continue;
-      const std::size_t row = i / width_ * width_;
-      std::size_t first = i, end = i + 1;
-      while (first > row && free_[first - 1] != 0) --first;
-      while (end < row + width_ && free_[end] != 0) ++end;
-      for (std::size_t k = first; k < end; ++k) free_[k] = 0;
-      run(first, end);
-      if (row > 0) wait_for(first - width_, end - width_);
-      if (row + width_ < free_.size()) wait_for(first + width_, end + width_);
-    }
-  }
-
- private:
-  // One pixel of each free run that begins in a stretch or reaches into it.
-  void wait_for(std::size_t first, std::size_t end) {
-    for (std::size_t k = first; k < end; ++k) {
-      if (free_[k] != 0 && (k == first || free_[k - 1] == 0)) waiting_.push_back(k);
-    }
-  }
-
-  const CoverageMap& map_;
-  std::size_t width_;
-  std::vector<std::uint8_t> free_;
-  std::vector<std::size_t> waiting_;
-};
 
 }  // namespace
 
@@ -69,9 +30,11 @@ Vec2 centre_of(const CoverageMap& map, std::size_t pixel) noexcept {
 
 Reach reach_of(const CoverageMap& map, std::size_t start, std::uint64_t gone) {
   Reach out;
-  Filler filler(map, gone);
+  std::vector<std::uint8_t> free(map.open.size());
+  for (std::size_t i = 0; i < free.size(); ++i) free[i] = is_open(map, i, gone) ? 1 : 0;
+  MapFiller filler(map, std::move(free));
   for (std::size_t i = 0; i < map.open.size(); ++i) {
-    if (!filler.is_free(i)) continue;
+    if (!filler.has(i)) continue;
     ++out.open;
     ++out.region_open[map.region[i]];
   }
@@ -80,7 +43,7 @@ Reach reach_of(const CoverageMap& map, std::size_t start, std::uint64_t gone) {
     for (std::size_t k = first; k < end; ++k) ++out.region_reached[map.region[k]];
   });
   for (std::size_t i = 0; i < map.open.size(); ++i) {
-    if (!filler.is_free(i)) continue;
+    if (!filler.has(i)) continue;
     std::size_t size = 0;
     filler.take(i, [&](std::size_t first, std::size_t end) { size += end - first; });
     if (size <= kSpeck) continue;

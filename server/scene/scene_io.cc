@@ -1,12 +1,14 @@
 #include "server/scene/scene_io.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <optional>
 
 #include "server/base/units.h"
 #include "server/scene/effect_io.h"
+#include "server/scene/map_detent.h"
 #include "server/scene/scene_limits_io.h"
 #include "server/scene/text_io.h"
 #include "server/scene/tool_io.h"
@@ -144,7 +146,10 @@ Problem scene_from(const pb::Scene& in, const std::string& path, Scene& out) {
   if (!in.has_walls() && in.effect_size() > 0) {
     return FieldProblem{"effect[0]", "effects need walls, which this scene has not"};
   }
-  if (Problem p = effects_from(in.effect(), out.effects)) return p;
+  const auto& regions = in.walls().region();
+  const bool painted = std::any_of(regions.begin(), regions.end(),
+                                   [](const pb::WallRegion& r) { return r.has_detent(); });
+  if (Problem p = effects_from(in.effect(), out.effects, painted)) return p;
   return tools_from(in, out.tools);
 }
 
@@ -152,7 +157,8 @@ Problem scene_from(const pb::Scene& in, const std::string& path, Scene& out) {
 Problem complete(const pb::Scene& in, const std::string& path, Scene& out) {
   if (!out.walls) return std::nullopt;
   auto walls = std::make_shared<Walls>(*out.walls);
-  const Problem problem = complete_walls(in.walls(), path, *walls);
+  Problem problem = complete_walls(in.walls(), path, *walls);
+  if (!problem) problem = paint_detents(*walls, out.effects);
   out.walls = std::move(walls);
   return problem;
 }

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,12 @@ struct WallRegion {
   double viscosity = 0.0;       // free and aisle: against the hand's motion [N s/m]
   Vec2 one_way = Vec2::Zero();  // aisle: unit, motion against it is held; zero: both ways
   bool progressive = false;     // aisle: the progressive friction effect acts here
+  // Free and aisle, painted: each of its patches is a place of the detent effect.
+  struct Detent {
+    double radius = 0.0;  // of the pull [m]; 0: of a disc as large as the patch
+    double peak = 0.0;    // [N]; 0: the effect's
+  };
+  std::optional<Detent> detent;
 };
 
 enum class WallMethod : std::uint8_t {

@@ -1,5 +1,6 @@
 #include "server/scene/walls_io.h"
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <set>
@@ -51,7 +52,8 @@ Problem check_meaning(const pb::WallRegion& r, int i) {
               {"damping_n_s_mm", r.has_damping_n_s_mm(), wall},
               {"viscosity_n_s_m", r.has_viscosity_n_s_m(), !wall},
               {"one_way", r.one_way_size() > 0, aisle},
-              {"progressive", r.progressive(), aisle}};
+              {"progressive", r.progressive(), aisle},
+              {"detent", r.has_detent(), !wall}};
   for (const auto& use : uses) {
     if (!use.given || use.meant) continue;
     return FieldProblem{at("region", i, use.field),
@@ -99,6 +101,13 @@ Problem region_from(const pb::Walls& in, int i, Walls& out) {
     const Vec2 way = vector_of(r.one_way());
     if (way.norm() < 1e-9) return FieldProblem{at("region", i, "one_way"), "has no direction"};
     region.one_way = way.normalized();
+  }
+  if (r.has_detent()) {
+    if (!in.has_image()) {
+      return FieldProblem{at("region", i, "detent"),
+                          "only used with an image; effect { detent } takes places as well"};
+    }
+    region.detent = {r.detent().radius_mm() * kMm, r.detent().peak_n()};
   }
   return colour_from(in, i, out);
 }
@@ -224,6 +233,21 @@ Problem map_from(const pb::Walls& in, const std::string& scene_file, Walls& out)
   return std::nullopt;
 }
 
+// Most likely a typing mistake in the scene, or a layer that was not exported.
+void warn_of_unused_colours(const pb::Walls& in, Walls& out) {
+  std::array<bool, kMostRegions> used{};
+  const CoverageMap& map = *out.map;
+  for (std::size_t i = 0; i < map.open.size(); ++i) {
+    used[map.region[i]] = true;
+    if (map.open[i] != 65535) used[map.wall[i]] = true;
+  }
+  for (int i = 0; i < in.region_size(); ++i) {
+    if (used[static_cast<std::size_t>(i)]) continue;
+    out.warnings.push_back(at("region", i, "colour") + ": '" + in.region(i).colour() +
+                           "' paints nothing, so there is no '" + in.region(i).name() + "'");
+  }
+}
+
 Problem check_way(const pb::Walls& in, Walls& out) {
   const MapCheck check = check_map(out);
   for (const std::string& warning : check.warnings) out.warnings.push_back("walls: " + warning);
@@ -245,6 +269,7 @@ std::optional<FieldProblem> complete_walls(const pb::Walls& in, const std::strin
                                            Walls& out) {
   if (in.has_image()) {
     if (Problem p = map_from(in, scene_file, out)) return p;
+    warn_of_unused_colours(in, out);
     return check_way(in, out);
   }
   return check_shapes(in, out);

@@ -34,6 +34,19 @@ TEST(Detent, PullsTowardItsPlaceMostAtHalfTheRadiusAndNotBeyondIt) {
   EXPECT_EQ(feel(detent, {0.0, 0.03}).force.norm(), 0.0);
 }
 
+TEST(Detent, PlacesMayDifferInReachAndStrength) {
+  Detent detent({Vec2(-0.02, 0.03), Vec2(0.0, 0.03)}, std::vector<double>{2e-3, 8e-3},
+                std::vector<double>{3.0, 4.0});
+  EXPECT_NEAR(feel(detent, {-0.021, 0.03}).force.x(), 3.0, 1e-9);
+  EXPECT_TRUE(feel(detent, {-0.0209, 0.03}).locked);
+  EXPECT_FALSE(feel(detent, {-0.0221, 0.03}).locked);
+  EXPECT_EQ(feel(detent, {-0.0221, 0.03}).force.norm(), 0.0);
+  EXPECT_NEAR(feel(detent, {0.004, 0.03}).force.x(), -4.0, 1e-9);
+  EXPECT_EQ(detent.locked(), 1);
+  EXPECT_NEAR(feel(detent, {0.007, 0.03}).force.x(), -1.0, 1e-9);
+  EXPECT_EQ(detent.stiffness(), 3000.0);
+}
+
 TEST(Detent, TheForceIsContinuousAllTheWayThrough) {
   Detent detent = gears();
   Vec2 last = Vec2::Zero();
