@@ -127,6 +127,7 @@ int run(const pb::MasterConfig& config, bool check_only) {
   const auto settings_of = [&](const Scene& s) {
     HapticSettings out = haptic_settings(s, capabilities);
     out.walls = wall_runs.make(s, capabilities);
+    for (const std::string& text : warnings_of(s)) spdlog::warn("{}", text);
     for (const std::string& text : wall_warnings(s, capabilities)) spdlog::warn("{}", text);
     return out;
   };
