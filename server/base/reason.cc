@@ -54,6 +54,19 @@ const char* describe(Reason reason) noexcept {
     case Reason::kSceneNotLoaded: return "the slave cannot load the master's scene: its log says why";
     case Reason::kNoArmInScene: return "the scene has walls for the hand alone: no robot takes part";
     case Reason::kNoSuchStage: return "the scene's walls have no such stage";
+    case Reason::kHoming: return "getting ready: robot not placed or device not calibrated";
+    case Reason::kPresence: return "the enabling device is not held";
+    case Reason::kLinkQuality: return "the link was not good for a whole second";
+    case Reason::kLoopAge: return "commands take too long there and back: force fades";
+    case Reason::kNotConfirmed: return "the other side has not answered this session yet";
+    case Reason::kToolTube: return "kept on the active tool";
+    case Reason::kWorkspace: return "end of the workspace: move back";
+    case Reason::kJointJerk: return "joint jerk limit: following more slowly";
+    case Reason::kFollowingError: return "the robot does not follow its command";
+    case Reason::kSensorStuck: return "the force sensor repeats itself";
+    case Reason::kEncoderInvalid: return "the robot reported invalid joint positions";
+    case Reason::kThreadStalled: return "a control loop stood still";
+    case Reason::kStopInput: return "the stop circuit is open";
     case Reason::kCount: break;
   }
   return "unknown reason";

@@ -1,5 +1,5 @@
-// Why something was held, clamped or refused. Every intervention carries one of these codes into the
-// status, so that nobody has to guess why the robot is not where the hand is.
+// Why something was held, clamped or refused. Every intervention carries one of these codes into
+// the status, so that nobody has to guess why the robot is not where the hand is.
 #pragma once
 
 #include <cstdint>
@@ -10,57 +10,71 @@ enum class Reason : std::uint8_t {
   kNone = 0,
   // Session and link
   kNotEngaged,
-  kNoPeer,              // no datagram from the other side within the link's patience
-  kLinkStale,           // newest datagram older than 5 ms: slowed
-  kLinkHold,            // older than 20 ms: stopped on the path, resumes by itself
-  kLinkLost,            // older than 200 ms: latched until reset
-  kSessionClosed,       // older than 1 s, or the peer restarted
-  kHashTools,           // the two sides hold different tools
+  kNoPeer,         // no datagram from the other side within the link's patience
+  kLinkStale,      // newest datagram older than 5 ms: slowed
+  kLinkHold,       // older than 20 ms: stopped on the path, resumes by itself
+  kLinkLost,       // older than 200 ms: latched until reset
+  kSessionClosed,  // older than 1 s, or the peer restarted
+  kHashTools,      // the two sides hold different tools
   kHashMapping,
   kHashLimits,
   kHashRobot,
-  kSceneDiffers,        // the two sides hold different scenes
-  kAlignmentMismatch,   // first command too far from the held pose
-  kStopRequested,       // latched stop epoch
+  kSceneDiffers,       // the two sides hold different scenes
+  kAlignmentMismatch,  // first command too far from the held pose
+  kStopRequested,      // latched stop epoch
   kPeerFault,
   // Robot and sensor
   kRobotNotConnected,
-  kRobotSilent,         // no reply from the controller for two periods: held target sent again
-  kRobotLost,           // 100 replies missed in a row
+  kRobotSilent,  // no reply from the controller for two periods: held target sent again
+  kRobotLost,    // 100 replies missed in a row
   kRobotAlarm,
-  kRobotBadPacket,      // wrong size or type from the controller
-  kSensorMissing,       // force sensor silent or in fault: bumper inactive
-  kSensorInvalid,       // non-finite or saturated reading
+  kRobotBadPacket,  // wrong size or type from the controller
+  kSensorMissing,   // force sensor silent or in fault: bumper inactive
+  kSensorInvalid,   // non-finite or saturated reading
   // Motion limits
-  kCommandInvalid,      // non-finite or not a rotation: previous one kept
-  kOutOfReach,          // no joint solution further along the path
+  kCommandInvalid,  // non-finite or not a rotation: previous one kept
+  kOutOfReach,      // no joint solution further along the path
   kJointRange,
   kJointSpeed,
   kJointAcceleration,
   kTipSpeed,
-  kSingularity,         // near a singular pose: slowed
-  kGuard,               // the last guard changed the command
-  kBumper,              // contact force above the threshold
-  kShutdown,            // the daemon was told to end
+  kSingularity,  // near a singular pose: slowed
+  kGuard,        // the last guard changed the command
+  kBumper,       // contact force above the threshold
+  kShutdown,     // the daemon was told to end
   // Master side
   kClutched,
-  kToolBlending,        // the guide is still easing toward a new tool
-  kForceClamped,        // device force limit
-  kForceContinuous,     // continuous (thermal) force limit
-  kForceRate,           // force step limited
-  kForceBudget,         // spring reduced so that the tool keeps its share
-  kForceFaded,          // force faded because the link or the device is not to be trusted
-  kDeviceInvalid,       // the haptic device reported a non-finite pose
+  kToolBlending,     // the guide is still easing toward a new tool
+  kForceClamped,     // device force limit
+  kForceContinuous,  // continuous (thermal) force limit
+  kForceRate,        // force step limited
+  kForceBudget,      // spring reduced so that the tool keeps its share
+  kForceFaded,       // force faded because the link or the device is not to be trusted
+  kDeviceInvalid,    // the haptic device reported a non-finite pose
   kToolEndBehindStart,
   kToolDirectionZero,
-  kToolValueInvalid,    // non-finite or out of range
+  kToolValueInvalid,  // non-finite or out of range
   kNoSuchTool,
-  kBusy,                // only possible when disengaged
-  kNotStopped,          // nothing to reset
-  kNotSimulated,        // only possible with a simulated device
-  kSceneNotLoaded,      // the slave cannot load the master's scene
-  kNoArmInScene,        // the scene has walls for the hand, no robot takes part
-  kNoSuchStage,         // the scene's walls have no such stage
+  kBusy,            // only possible when disengaged
+  kNotStopped,      // nothing to reset
+  kNotSimulated,    // only possible with a simulated device
+  kSceneNotLoaded,  // the slave cannot load the master's scene
+  kNoArmInScene,    // the scene has walls for the hand, no robot takes part
+  kNoSuchStage,     // the scene's walls have no such stage
+  // Session, presence and monitors
+  kHoming,        // robot not placed or device not calibrated yet
+  kPresence,      // nobody holds the enabling device
+  kLinkQuality,   // the link was not good for a whole second
+  kLoopAge,       // a command's way there and back takes longer than the scene allows
+  kNotConfirmed,  // the other side has not answered this session yet
+  kToolTube,      // the slave moved the command onto the active tool
+  kWorkspace,     // the tip is at the end of the workspace
+  kJointJerk,
+  kFollowingError,  // the robot does not follow its command
+  kSensorStuck,     // the force sensor repeats itself
+  kEncoderInvalid,  // joint positions not finite or jumped
+  kThreadStalled,   // a control loop of this side stood still
+  kStopInput,       // the local stop circuit is open
   kCount
 };
 
