@@ -16,6 +16,7 @@ Cell::Cell(const CellOptions& options)
       client_({kMxtLong, options.rig.controller.period, 100}),
       to_slave_(options.transit, options.tick),
       to_master_(options.transit, kRepeat),
+      net_(options.net ? std::make_unique<CellNet>(*options.net) : nullptr),
       repeat_next_(kRepeat) {
   to_controller(client_.start(0));
   rig_.sensor().on_datagram(encode_rdt(RdtRequest{RdtCommand::kStream, 0}), kSlave);
@@ -23,16 +24,68 @@ Cell::Cell(const CellOptions& options)
 
 void Cell::tick(const HandReading& hand, const HapticOrder& order) noexcept {
   now_ += options_.tick;
-  sent_count_ = 0;
+  sent_count_ = target_count_ = 0;
   robot_cycle_ = false;
   run_rig();
+  if (net_) net_->deliver(now_);
+  if (!master_stalled_ && !(net_ && net_->master_stopped())) step_master(hand, order);
+  if (net_) {
+    net_->send_master(now_, haptic_out_.link);
+  } else {
+    to_slave_.send(haptic_out_.link, now_);
+  }
+}
 
+void Cell::step_master(const HandReading& hand, const HapticOrder& order) noexcept {
   haptic_in_.hand = hand;
   haptic_in_.order = order;
-  haptic_in_.slave_known |= to_master_.receive(now_, haptic_in_.slave);
-  haptic_in_.slave_age = to_master_.age(now_);
+  hear_slave();
   haptic_step(options_.haptic, haptic_in_, to_seconds(options_.tick), haptic_, haptic_out_);
-  to_slave_.send(haptic_out_.link, now_);
+}
+
+void Cell::hear_slave() noexcept {
+  if (!net_) {
+    haptic_in_.slave_known |= to_master_.receive(now_, haptic_in_.slave);
+    haptic_in_.slave_age = to_master_.age(now_);
+    return;
+  }
+  const LinkSnapshot& link = net_->master().snapshot();
+  haptic_in_.slave_known = link.peer_epoch != 0;
+  haptic_in_.slave = net_->master().newest();
+  haptic_in_.slave_age = link.age(net_->master_now(now_));
+  // Another slave counts its faults from the start: what was reset on the last one means nothing.
+  if (link.peer_epoch != slave_epoch_) haptic_.fault_reset = 0;
+  slave_epoch_ = link.peer_epoch;
+}
+
+void Cell::hear_master(Nanos at) noexcept {
+  if (!net_) {
+    follow_in_.master_known |= to_slave_.receive(at, follow_in_.master);
+    follow_in_.master_age = to_slave_.age(at);
+    return;
+  }
+  const LinkSnapshot& link = net_->slave().snapshot();
+  follow_in_.master_known = link.peer_epoch != 0;
+  follow_in_.master = net_->slave().newest();
+  follow_in_.master_age = link.age(net_->slave_now(at));
+  follow_in_.new_session = master_epoch_ != 0 && link.peer_epoch != master_epoch_;
+  master_epoch_ = link.peer_epoch;
+}
+
+void Cell::restart_master() {
+  net_->restart_master();
+  haptic_ = HapticState();
+  haptic_out_ = HapticOutput();
+  haptic_in_ = HapticInput();
+  slave_epoch_ = 0;
+}
+
+void Cell::restart_slave() {
+  net_->restart_slave();
+  follow_ = FollowState();
+  follow_in_ = FollowInput();
+  follow_out_ = FollowOutput();
+  master_epoch_ = 0;
 }
 
 // What is due until now, in the order of its time. The slave's IO comes last at any instant, after
@@ -40,14 +93,27 @@ void Cell::tick(const HandReading& hand, const HapticOrder& order) noexcept {
 void Cell::run_rig() noexcept {
   for (;;) {
     const Nanos at = rig_.next();
+    if (net_) {
+      const Nanos due = net_->next_due();
+      if (due <= at && due <= repeat_next_ && due <= now_) {
+        net_->deliver(due);
+        continue;
+      }
+    }
     if (repeat_next_ < at && repeat_next_ < now_) {
-      to_master_.send(follow_out_.link, repeat_next_);
+      if (net_) {
+        net_->deliver(repeat_next_);
+        net_->send_slave(repeat_next_, follow_out_.link);
+      } else {
+        to_master_.send(follow_out_.link, repeat_next_);
+      }
       repeat_next_ += kRepeat;
       continue;
     }
     if (at > now_) break;
     const RigEvent event = rig_.step(at);
-    if (event == RigEvent::kSensor) read_sensor();
+    if (net_ && net_->slave_stopped()) continue;
+    if (event == RigEvent::kSensor) read_sensor(at);
     if (event == RigEvent::kControl) on_control(at);
   }
 }
@@ -64,7 +130,7 @@ void Cell::on_control(Nanos at) noexcept {
   if (client_.poll(at) == RobotEvent::kSilence) to_controller(client_.packet());
 }
 
-void Cell::read_sensor() noexcept {
+void Cell::read_sensor(Nanos at) noexcept {
   const auto& record = rig_.sensor().record();
   if (!record) return;
   const auto decoded = decode_rdt_record(record->bytes);
@@ -76,15 +142,18 @@ void Cell::read_sensor() noexcept {
     follow_in_.f_E_T.force[i] = decoded->counts[k] / scale.counts_per_n;
     follow_in_.f_E_T.torque[i] = decoded->counts[k + 3] / scale.counts_per_n_m;
   }
+  if (tap_ != nullptr) tap_->on_force(at, follow_in_.f_E_T, follow_in_.wrench_valid);
 }
 
 void Cell::on_reply(const RobotReply& reply, Nanos at) noexcept {
-  if (!follow_.placed) place(options_.follow, reply.q_commanded, follow_);
-  follow_in_.q_measured = reply.q_measured;
+  RobotReply told = reply;
+  if (tap_ != nullptr) tap_->on_reply(at, told);
+  if (!follow_.placed) place(options_.follow, told.q_commanded, follow_);
+  follow_in_.q_measured = told.q_measured;
   follow_in_.robot_ready = true;
-  follow_in_.master_known |= to_slave_.receive(at, follow_in_.master);
-  follow_in_.master_age = to_slave_.age(at);
+  hear_master(at);
   follow_step(options_.follow, follow_in_, follow_, follow_out_);
+  if (target_count_ < targets_.size()) targets_[target_count_++] = follow_out_.q_target;
   to_controller(client_.send(follow_out_.q_target));
 }
 

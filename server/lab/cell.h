@@ -3,12 +3,15 @@
 #pragma once
 
 #include <array>
+#include <memory>
+#include <optional>
 #include <span>
 
 #include "devices/melfa/mxt_client.h"
 #include "devices/rig/rig.h"
 #include "server/control/follow_step.h"
 #include "server/control/haptic_step.h"
+#include "server/lab/cell_net.h"
 #include "server/lab/wire.h"
 
 namespace handrail {
@@ -20,6 +23,19 @@ struct CellOptions {
   // Of the master's loop, 0.1 to 10 ms. The smoother in `haptic` counts ticks, not time.
   Nanos tick = kMillisecond;
   Nanos transit = 0;  // one-way time of the link, on top of waiting for the next tick or cycle
+  // Instead of `transit`: the daemons' peers and datagrams over a made-up network. The tick is 1
+  // ms.
+  std::optional<CellNetOptions> net;
+};
+
+// Comes between the rig and the slave's step, to falsify what its devices say.
+class CellTap {
+ public:
+  virtual ~CellTap() = default;
+  // A reading of the force sensor, as the driver passes it on.
+  virtual void on_force(Nanos, Wrench&, bool& /*valid*/) noexcept {}
+  // A reply of the controller.
+  virtual void on_reply(Nanos, RobotReply&) noexcept {}
 };
 
 // Same options, hands and orders: same answers, bit for bit. The master sends its state once a
@@ -45,12 +61,29 @@ class Cell {
   // The joint targets in the datagrams sent to the controller during the last tick, as read back
   // from their bytes [rad].
   std::span<const JointVector> sent() const noexcept { return {sent_.data(), sent_count_}; }
+  // The targets the slave's step gave in the cycles of the last tick, before they were rounded to
+  // the packets' 32 bits [rad].
+  std::span<const JointVector> targets() const noexcept { return {targets_.data(), target_count_}; }
+
+  // Null without a net.
+  CellNet* net() noexcept { return net_.get(); }
+  const FollowOutput& follow() const noexcept { return follow_out_; }
+  // Not owned; null: none.
+  void set_tap(CellTap* tap) noexcept { tap_ = tap; }
+  // The master's haptic thread stands still while its IO thread goes on.
+  void stall_master(bool stalled) noexcept { master_stalled_ = stalled; }
+  // The program is killed and started anew, with a net only. Allocates.
+  void restart_master();
+  void restart_slave();
 
  private:
   void run_rig() noexcept;
+  void step_master(const HandReading& hand, const HapticOrder& order) noexcept;
+  void hear_slave() noexcept;
+  void hear_master(Nanos at) noexcept;
   void on_control(Nanos at) noexcept;
   void on_reply(const RobotReply& reply, Nanos at) noexcept;
-  void read_sensor() noexcept;
+  void read_sensor(Nanos at) noexcept;
   void to_controller(MxtClient::Bytes bytes) noexcept;
 
   CellOptions options_;
@@ -64,11 +97,18 @@ class Cell {
   FollowOutput follow_out_;
   Wire<MasterState> to_slave_;
   Wire<SlaveState> to_master_;
+  std::unique_ptr<CellNet> net_;
+  std::uint32_t master_epoch_ = 0;  // sessions of the master the slave has had
+  std::uint32_t slave_epoch_ = 0;
+  CellTap* tap_ = nullptr;
   std::array<JointVector, 4> sent_;
   std::size_t sent_count_ = 0;
+  std::array<JointVector, 4> targets_;
+  std::size_t target_count_ = 0;
   Nanos repeat_next_ = 0;  // when the slave's IO sends next
   Nanos robot_cycle_at_ = 0;
   bool robot_cycle_ = false;
+  bool master_stalled_ = false;
   Nanos now_ = 0;
 };
 
