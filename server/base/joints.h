@@ -16,6 +16,7 @@ struct JointLimits {
   JointVector upper = JointVector::Zero();            // [rad]
   JointVector max_speed = JointVector::Zero();        // [rad/s]
   JointVector max_acceleration = JointVector::Zero(); // [rad/s^2]
+  JointVector max_jerk = JointVector::Zero();         // [rad/s^3]
 };
 
 }  // namespace handrail

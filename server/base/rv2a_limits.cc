@@ -15,6 +15,7 @@ const JointLimits& rv2a_limits() noexcept {
     l.upper *= kDeg;
     l.max_speed *= kDeg;
     l.max_acceleration = l.max_speed / kRampTime;
+    l.max_jerk = l.max_acceleration / kJerkTime;
     return l;
   }();
   return limits;

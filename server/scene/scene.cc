@@ -16,7 +16,8 @@ SectionHashes section_hashes(const Scene& scene) noexcept {
   Fnv limits;
   const JointLimits& joints = scene.limits.joints;
   for (const JointVector* v :
-       {&joints.lower, &joints.upper, &joints.max_speed, &joints.max_acceleration}) {
+       {&joints.lower, &joints.upper, &joints.max_speed, &joints.max_acceleration,
+        &joints.max_jerk}) {
     for (int i = 0; i < kJoints; ++i) limits.f64((*v)[i]);
   }
   limits.f64(scene.limits.tip_speed).byte(scene.bumper.enabled);

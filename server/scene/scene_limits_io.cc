@@ -9,6 +9,9 @@
 namespace handrail {
 namespace {
 
+// A joint that takes longer than 80 ms to its full acceleration could hardly be stopped [1/s].
+constexpr double kLeastJerk = 12.5;
+
 using Numbers = google::protobuf::RepeatedField<double>;
 
 JointVector joints_of(const Numbers& degrees) {
@@ -31,10 +34,18 @@ std::optional<FieldProblem> limits_from(const pb::Limits& in, Scene::Limits& out
   if (in.joint_acceleration_deg_s2_size() > 0) {
     out.joints.max_acceleration = joints_of(in.joint_acceleration_deg_s2());
   }
+  out.joints.max_jerk = in.joint_jerk_deg_s3_size() > 0 ? joints_of(in.joint_jerk_deg_s3())
+                                                        : out.joints.max_acceleration / kJerkTime;
   if (in.joint_lower_deg_size() > 0) out.joints.lower = joints_of(in.joint_lower_deg());
   if (in.joint_upper_deg_size() > 0) out.joints.upper = joints_of(in.joint_upper_deg());
   const auto degrees = [](double rad) { return number_text(std::round(rad / kDeg * 1e9) / 1e9); };
   for (int i = 0; i < kJoints; ++i) {
+    const double slowest = kLeastJerk * out.joints.max_acceleration[i];
+    if (out.joints.max_jerk[i] < slowest) {
+      return FieldProblem{joint_field("joint_jerk_deg_s3", i),
+                          degrees(out.joints.max_jerk[i]) + " deg/s^3 is below " +
+                              degrees(slowest) + ", with which full acceleration takes 80 ms"};
+    }
     const double lower = out.joints.lower[i], upper = out.joints.upper[i];
     const std::string joint = {'J', static_cast<char>('1' + i)};
     if (lower < table.lower[i]) {

@@ -47,6 +47,7 @@ TEST(SceneIo, DefaultLimitsAreTheArms) {
   EXPECT_EQ(scene.limits.joints.upper, arm.upper);
   EXPECT_EQ(scene.limits.joints.max_speed, arm.max_speed);
   EXPECT_TRUE(scene.limits.joints.max_acceleration.isApprox(arm.max_acceleration, 1e-12));
+  EXPECT_TRUE(scene.limits.joints.max_jerk.isApprox(arm.max_jerk, 1e-12));
 }
 
 TEST(SceneIo, DefaultRotationTurnsRightUpAndTowardTheUser) {
@@ -69,6 +70,7 @@ TEST(SceneIo, ConvertsUnits) {
   EXPECT_TRUE(s.limits.joints.max_speed.isApprox(0.5 * rv2a_limits().max_speed));
   EXPECT_DOUBLE_EQ(s.limits.tip_speed, 0.25);
   EXPECT_DOUBLE_EQ(s.limits.joints.max_acceleration[5], 180 * kDeg);
+  EXPECT_DOUBLE_EQ(s.limits.joints.max_jerk[5], 9000 * kDeg);
   EXPECT_DOUBLE_EQ(s.tip_length, 0.085);
 }
 
@@ -122,6 +124,15 @@ TEST(SceneIo, KeepsJointRangesWithinTheTable) {
   EXPECT_EQ(error_of("limits { joint_upper_deg: [160, -45, 170, 160, 120, 200] }"),
             "/x/a.scene:2:10: field 'limits.joint_upper_deg[1]': J2 would range from -45 to -45 "
             "deg, expected lower below upper");
+}
+
+TEST(SceneIo, TakesJerksOfItsOwnAndRefusesThoseOfAnArmThatCouldHardlyStop) {
+  const Scene s = scene_of("limits { joint_jerk_deg_s3: [1e5, 1e5, 1e5, 1e5, 1e5, 2e5] }");
+  EXPECT_DOUBLE_EQ(s.limits.joints.max_jerk[0], 1e5 * kDeg);
+  EXPECT_DOUBLE_EQ(s.limits.joints.max_jerk[5], 2e5 * kDeg);
+  EXPECT_EQ(error_of("limits { joint_jerk_deg_s3: [1e5, 12499, 1e5, 1e5, 1e5, 1e5] }"),
+            "/x/a.scene:2:10: field 'limits.joint_jerk_deg_s3[1]': 12499 deg/s^3 is below 12500, "
+            "with which full acceleration takes 80 ms");
 }
 
 TEST(SceneIo, TakesOnePositionAndOneOrientationTool) {

@@ -19,6 +19,7 @@ TEST(SectionHashes, ChangeWithTheirOwnSectionOnly) {
       {[](Scene& s) { s.limits.joints.upper[0] = 1.0; }, false, true, false},
       {[](Scene& s) { s.limits.joints.max_speed[3] = 1.0; }, false, true, false},
       {[](Scene& s) { s.limits.joints.max_acceleration[2] = 1.0; }, false, true, false},
+      {[](Scene& s) { s.limits.joints.max_jerk[4] = 1.0; }, false, true, false},
       {[](Scene& s) { s.limits.tip_speed = 0.25; }, false, true, false},
       {[](Scene& s) { s.bumper.enabled = false; }, false, true, false},
       {[](Scene& s) { s.bumper.alpha = 2e-5; }, false, true, false},
