@@ -23,7 +23,18 @@ const char* name_of(SessionState state) noexcept {
     case SessionState::kClutched: return "clutched";
     case SessionState::kHold: return "hold";
     case SessionState::kFault: return "fault";
+    case SessionState::kHoming: return "homing";
     case SessionState::kCount: break;
+  }
+  return "unknown";
+}
+
+const char* name_of(LinkGrade grade) noexcept {
+  switch (grade) {
+    case LinkGrade::kPoor: return "POOR";
+    case LinkGrade::kFair: return "FAIR";
+    case LinkGrade::kGood: return "GOOD";
+    case LinkGrade::kExcellent: return "EXCELLENT";
   }
   return "unknown";
 }

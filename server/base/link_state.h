@@ -7,6 +7,7 @@
 
 #include "server/base/joints.h"
 #include "server/base/reason.h"
+#include "server/base/reason_set.h"
 #include "server/base/spatial.h"
 #include "server/base/time.h"
 #include "server/base/tool.h"
@@ -21,6 +22,7 @@ enum class SessionState : std::uint8_t {
   kClutched,  // hand free, arm holds
   kHold,      // link older than 20 ms: arm stopped on its path, resumes by itself
   kFault,     // latched; needs reset, then engage
+  kHoming,    // engage wanted; waiting for the robot or the device to be ready
   kCount
 };
 
@@ -36,6 +38,25 @@ struct SectionHashes {
   std::uint64_t mapping = 0;
   std::uint64_t limits = 0;
   std::uint64_t robot = 0;
+};
+
+// How much of what the other side sends arrives, of the last 100 datagrams: under 40, under 75,
+// under 99, and the rest.
+enum class LinkGrade : std::uint8_t { kPoor, kFair, kGood, kExcellent };
+const char* name_of(LinkGrade grade) noexcept;
+// The grade of `received_of_100`. Real-time safe.
+constexpr LinkGrade grade_of(int received_of_100) noexcept {
+  if (received_of_100 < 40) return LinkGrade::kPoor;
+  if (received_of_100 < 75) return LinkGrade::kFair;
+  return received_of_100 < 99 ? LinkGrade::kGood : LinkGrade::kExcellent;
+}
+
+// What a side knows of its link besides the age of the newest datagram.
+struct LinkView {
+  Nanos loop_age = 0;  // of the newest own datagram the other side is known to have
+  LinkGrade grade = LinkGrade::kExcellent;       // of what arrives here
+  LinkGrade peer_grade = LinkGrade::kExcellent;  // of what arrives there, as it says
+  bool confirmed = true;  // the other side has answered this session of ours, and lately
 };
 
 // Scene name, fixed capacity so that a state can be copied in a step. UTF-8, zero-terminated.
@@ -60,6 +81,18 @@ struct MasterState {
   SceneName scene{};
 };
 
+// The slave's stages between the command it took and the command it gave, in order.
+enum class FollowStage : std::uint8_t { kTube, kBumper, kReach, kLimits, kCount };
+
+// How far each stage moved the commanded tip in the newest cycle. What leads from the command
+// taken to X_ST_command; all zero while the arm does not follow.
+struct FollowLedger {
+  static constexpr int kStages = static_cast<int>(FollowStage::kCount);
+  Eigen::Matrix<float, 3, kStages> off_S = Eigen::Matrix<float, 3, kStages>::Zero();  // [m]
+  std::array<Reason, kStages> why{};
+  std::int8_t joint = -1;  // 0 to 5: the joint that limits; -1: none or all
+};
+
 // Slave to master.
 struct SlaveState {
   SessionState state = SessionState::kOff;
@@ -78,6 +111,9 @@ struct SlaveState {
   Nanos oldest_applied = 0;           // greatest age of a command any cycle has moved toward
   std::uint64_t cycles = 0;           // controller replies served since the daemon started
   std::uint64_t silences = 0;         // times the held target was sent again
+  std::uint64_t applied_sequence = 0; // of the datagram the newest cycle moved toward; 0 = none
+  ReasonSet reasons;                  // everything that acted in the newest cycle
+  FollowLedger ledger;
   SectionHashes hashes;
   SceneName scene{};
 };

@@ -24,12 +24,15 @@ struct FollowInput {
   bool robot_ready = false;
   MasterState master;  // newest from the link; meaningful when master_known
   bool master_known = false;
-  Nanos master_age = kForever;   // since that datagram came [ns]
+  Nanos master_age = kForever;        // since that datagram came [ns]
+  std::uint64_t master_sequence = 0;  // of that datagram
+  LinkView link;
   bool new_session = false;      // the master is another one than in the last cycle
   Wrench f_E_T;                  // sensor reading, axes of the tip frame
   bool wrench_valid = false;     // fresh and without a fault flag
   Reason fault = Reason::kNone;  // a fault of robot or daemon, now
   bool shutdown = false;         // come to a stop, take no more commands
+  bool stop_input = false;       // the local stop circuit is open
 };
 
 struct FollowOutput {

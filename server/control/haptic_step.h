@@ -4,7 +4,10 @@
 #include "server/base/link_state.h"
 #include "server/control/arbiter.h"
 #include "server/control/guide.h"
+#include "server/control/ladder.h"
+#include "server/control/ledger.h"
 #include "server/control/mapping.h"
+#include "server/control/presence.h"
 #include "server/control/session.h"
 
 namespace handrail {
@@ -20,7 +23,9 @@ struct HapticSettings {
   ForceLimits force;
   bool has_torque = false;  // the device can make torque
   double max_torque = 0.0;  // [N m]
-  SectionHashes hashes;     // of mapping, limits and robot; tools are hashed as they change
+  LadderSettings ladder;
+  Presence presence = Presence::kNone;
+  SectionHashes hashes;  // of mapping, limits and robot; tools are hashed as they change
   SceneName scene{};
   // A scene of walls runs in the haptic loop beside this step, and nothing engages; null: none. Not
   // owned.
@@ -55,6 +60,7 @@ struct HandReading {
   Vec3 v_MH = Vec3::Zero();    // [m/s]
   bool clutch_button = false;  // button 1, while held
   bool drop_button = false;    // button 2; acts when it goes down
+  bool enable_button = false;  // button 3, while held
   bool valid = false;
 };
 
@@ -64,22 +70,9 @@ struct HapticInput {
   SlaveState slave;  // newest from the link; meaningful when slave_known
   bool slave_known = false;
   Nanos slave_age = kForever;  // since that datagram came [ns]
-};
-
-// Reasons active in one tick, as a set.
-class ReasonSet {
- public:
-  void add(Reason reason) noexcept { bits_ |= bit(reason); }
-  void add(const ReasonSet& others) noexcept { bits_ |= others.bits_; }
-  bool has(Reason reason) const noexcept { return (bits_ & bit(reason)) != 0; }
-  std::uint64_t bits() const noexcept { return bits_; }
-
- private:
-  static_assert(static_cast<int>(Reason::kCount) <= 64);
-  static constexpr std::uint64_t bit(Reason reason) noexcept {
-    return reason == Reason::kNone ? 0 : std::uint64_t{1} << static_cast<int>(reason);
-  }
-  std::uint64_t bits_ = 0;
+  LinkView link;
+  Nanos hold_heard = kForever;  // since `engage --hold` was last heard [ns]
+  bool device_ready = true;     // false: not calibrated yet
 };
 
 struct HapticOutput {
@@ -89,6 +82,8 @@ struct HapticOutput {
   Reason reason = Reason::kNone;        // why the session is not what is wanted
   ReasonSet reasons;                    // every intervention of this tick
   ForceShares shares;                   // device force, where it came from
+  ForceLedger force;                    // the same, stage by stage
+  MotionLedger motion;                  // from the hand to the arm
   double deviation = 0.0;               // hand from the position tool's proxy, at the hand [m]
   double deviation_angle = 0.0;         // hand from the orientation tool [rad]
   bool blending = false;

@@ -9,6 +9,7 @@ constexpr SessionState kEngaged = SessionState::kEngaged;
 constexpr SessionState kClutched = SessionState::kClutched;
 constexpr SessionState kHold = SessionState::kHold;
 constexpr SessionState kFault = SessionState::kFault;
+constexpr SessionState kHoming = SessionState::kHoming;
 
 bool flowing(LinkRung link) { return link == LinkRung::kFresh || link == LinkRung::kSlow; }
 bool lost(LinkRung link) {
@@ -52,6 +53,7 @@ SessionStep next_master(SessionState state, const MasterSessionInput& in) noexce
   if (in.stop_latched) return {kFault, Reason::kStopRequested};
   switch (state) {
     case kOff:
+    case kHoming:
       if (in.desired == Desired::kOff) return {kOff, Reason::kNotEngaged};
       if (!flowing(in.link)) return {kOff, reason_of(in.link)};
       if (in.peer == kFault) return {kOff, Reason::kPeerFault};
@@ -70,7 +72,7 @@ SessionStep next_master(SessionState state, const MasterSessionInput& in) noexce
       if (lost(in.link)) return {kFault, Reason::kLinkLost};
       if (in.peer == kFault) return {kFault, Reason::kPeerFault};
       // The slave left the session without a fault: it restarted.
-      if (in.peer == kOff || in.peer == kAligning) return {kFault, Reason::kSessionClosed};
+      if (in.peer == kOff || in.peer == kAligning || in.peer == kHoming) return {kFault, Reason::kSessionClosed};
       if (!flowing(in.link) || in.peer == kHold) return {kHold, Reason::kLinkHold};
       return {driving(in.desired),
               in.desired == Desired::kClutched ? Reason::kClutched : reason_of(in.link)};
@@ -89,6 +91,7 @@ SessionStep next_slave(SessionState state, const SlaveSessionInput& in) noexcept
   if (in.shutdown && state != kFault) return {kOff, Reason::kShutdown};
   switch (state) {
     case kOff:
+    case kHoming:
       if (!in.robot_ready) return {kOff, Reason::kRobotNotConnected};
       if (!flowing(in.link)) return {kOff, reason_of(in.link)};
       if (in.desired == Desired::kOff || in.master != kAligning) return {kOff, Reason::kNotEngaged};

@@ -106,6 +106,13 @@ Reject check_enum(Enum value) {
   return require(value < Enum::kCount, Reject::kEnum);
 }
 
+Reject check_ledger(const FollowLedger& ledger) {
+  Reject cause = first_of(require(ledger.off_S.allFinite(), Reject::kNotFinite),
+                          require(ledger.joint >= -1 && ledger.joint < kJoints, Reject::kRange));
+  for (const Reason why : ledger.why) cause = first_of(cause, check_enum(why));
+  return cause;
+}
+
 }  // namespace
 
 Reject check_position_tool(const ToolDefinition& tool) noexcept {
@@ -127,7 +134,9 @@ Reject check(const SlaveState& state) noexcept {
       check_enum(state.state), check_enum(state.reason), check_enum(state.fault),
       check_pose(state.X_ST_command), check_pose(state.X_ST),
       require(state.q_measured.allFinite() && is_finite(state.f_E_S), Reject::kNotFinite),
-      require(state.oldest_applied >= 0, Reject::kRange), check_scene(state.scene));
+      require(state.oldest_applied >= 0, Reject::kRange),
+      require((state.reasons.bits() & ~ReasonSet::kBits) == 0, Reject::kEnum),
+      check_ledger(state.ledger), check_scene(state.scene));
 }
 
 }  // namespace handrail

@@ -12,10 +12,12 @@ namespace {
 
 Reject check(const DatagramHeader& h) {
   const bool times = h.sent >= 0 && h.echo_sent >= 0 && h.echo_held >= 0;
-  const bool echo = h.echo_session != 0
-                        ? h.echo_sequence != 0
-                        : h.echo_sequence == 0 && h.echo_sent == 0 && h.echo_held == 0;
-  return h.session != 0 && h.sequence != 0 && times && echo ? Reject::kNone : Reject::kHeader;
+  const bool echo = h.echo_session != 0 ? h.echo_sequence != 0
+                                        : h.echo_sequence == 0 && h.echo_sent == 0 &&
+                                              h.echo_held == 0 && h.received_of_100 == 0;
+  return h.received_of_100 <= 100 && h.session != 0 && h.sequence != 0 && times && echo
+             ? Reject::kNone
+             : Reject::kHeader;
 }
 
 template <typename Message>
@@ -27,16 +29,18 @@ void put_header(const DatagramHeader& h, Message& m) {
   m.set_echo_sequence(h.echo_sequence);
   m.set_echo_sent_ns(h.echo_sent);
   m.set_echo_held_ns(h.echo_held);
+  m.set_received_of_100(h.received_of_100);
 }
 template <typename Message>
 bool header_present(const Message& m) {
   return m.has_session() && m.has_sequence() && m.has_sent_ns() && m.has_echo_session() &&
-         m.has_echo_sequence() && m.has_echo_sent_ns() && m.has_echo_held_ns();
+         m.has_echo_sequence() && m.has_echo_sent_ns() && m.has_echo_held_ns() &&
+         m.has_received_of_100();
 }
 template <typename Message>
 DatagramHeader take_header(const Message& m) {
-  return {m.session(),       m.sequence(),     m.sent_ns(),     m.echo_session(),
-          m.echo_sequence(), m.echo_sent_ns(), m.echo_held_ns()};
+  return {m.session(),       m.sequence(),     m.sent_ns(),      m.echo_session(),
+          m.echo_sequence(), m.echo_sent_ns(), m.echo_held_ns(), m.received_of_100()};
 }
 
 template <typename State, typename Message>

@@ -12,7 +12,7 @@
 
 namespace handrail {
 
-inline constexpr std::uint8_t kWireVersion = 1;
+inline constexpr std::uint8_t kWireVersion = 2;
 
 // Largest datagram: fits the smallest MTU every IPv4 path carries (576) with IP and UDP headers.
 inline constexpr std::size_t kMaxDatagram = 548;
@@ -27,7 +27,8 @@ struct DatagramHeader {
   std::uint64_t echo_session = 0;  // 0: nothing accepted yet, and the other echoes are 0 too
   std::uint64_t echo_sequence = 0;
   Nanos echo_sent = 0;
-  Nanos echo_held = 0;  // from acceptance to this send, >= 0
+  Nanos echo_held = 0;                // from acceptance to this send, >= 0
+  std::uint32_t received_of_100 = 0;  // of the receiver's last 100 datagrams, 0 to 100
 
   friend bool operator==(const DatagramHeader&, const DatagramHeader&) = default;
 };

@@ -10,10 +10,12 @@ namespace handrail {
 namespace {
 
 using Doubles = google::protobuf::RepeatedField<double>;
+using Floats = google::protobuf::RepeatedField<float>;
 using Hashes = google::protobuf::RepeatedField<std::uint64_t>;
 
 static_assert(static_cast<int>(SessionState::kCount) == pb::LinkSessionState_ARRAYSIZE);
 static_assert(static_cast<int>(SessionState::kFault) == pb::SESSION_FAULT);
+static_assert(static_cast<int>(SessionState::kHoming) == pb::SESSION_HOMING);
 static_assert(static_cast<int>(Desired::kCount) == pb::LinkDesired_ARRAYSIZE);
 static_assert(static_cast<int>(ToolKind::kFRotation) == pb::TOOL_F_ROTATION);
 
@@ -72,6 +74,28 @@ bool take_scene(const std::string& in, SceneName& scene) {
 
 Reason reason_of(std::uint32_t code) {
   return static_cast<Reason>(std::min(code, static_cast<std::uint32_t>(Reason::kCount)));
+}
+
+// Stage by stage; a byte a reason, the first stage's lowest; joints from 1, 0 for none.
+void put(const FollowLedger& ledger, pb::SlaveDatagram& m) {
+  Floats* off = m.mutable_stage_offsets();
+  for (Eigen::Index i = 0; i < ledger.off_S.size(); ++i) off->Add(ledger.off_S.data()[i]);
+  std::uint32_t why = 0;
+  for (std::size_t i = ledger.why.size(); i-- > 0;) {
+    why = why << 8 | static_cast<std::uint32_t>(ledger.why[i]);
+  }
+  m.set_stage_reasons(why);
+  m.set_limiting_joint(static_cast<std::uint32_t>(ledger.joint + 1));
+}
+void take(const pb::SlaveDatagram& m, FollowLedger& ledger) {
+  for (Eigen::Index i = 0; i < ledger.off_S.size(); ++i) {
+    ledger.off_S.data()[i] = m.stage_offsets(static_cast<int>(i));
+  }
+  for (std::size_t i = 0; i < ledger.why.size(); ++i) {
+    ledger.why[i] = reason_of(m.stage_reasons() >> 8 * i & 0xff);
+  }
+  ledger.joint = static_cast<std::int8_t>(
+      static_cast<int>(std::min(m.limiting_joint(), static_cast<std::uint32_t>(kJoints + 1))) - 1);
 }
 
 }  // namespace
@@ -170,6 +194,9 @@ void put(const SlaveState& s, pb::SlaveDatagram& m) {
   m.set_oldest_applied_ns(s.oldest_applied);
   m.set_cycles(s.cycles);
   m.set_silences(s.silences);
+  m.set_applied_sequence(s.applied_sequence);
+  m.set_reasons(s.reasons.bits());
+  put(s.ledger, m);
   put(m.mutable_hashes(), s.hashes);
   m.mutable_scene()->assign(s.scene.data(), length_of(s.scene));
 }
@@ -180,7 +207,9 @@ bool present(const pb::SlaveDatagram& m) {
          m.wrench_size() == 6 && m.has_wrench_valid() && m.has_stop_epoch() &&
          m.has_fault_epoch() && m.has_position_tool_epoch() && m.has_orientation_tool_epoch() &&
          m.has_oldest_applied_ns() && m.has_cycles() && m.has_silences() && m.hashes_size() == 4 &&
-         m.has_scene();
+         m.has_scene() && m.has_applied_sequence() && m.has_reasons() &&
+         m.stage_offsets_size() == 3 * FollowLedger::kStages && m.has_stage_reasons() &&
+         m.has_limiting_joint();
 }
 
 bool take(const pb::SlaveDatagram& m, SlaveState& s) {
@@ -202,6 +231,9 @@ bool take(const pb::SlaveDatagram& m, SlaveState& s) {
   s.oldest_applied = m.oldest_applied_ns();
   s.cycles = m.cycles();
   s.silences = m.silences();
+  s.applied_sequence = m.applied_sequence();
+  s.reasons = ReasonSet(m.reasons());
+  take(m, s.ledger);
   s.hashes = take_hashes(m.hashes());
   return take_scene(m.scene(), s.scene);
 }

@@ -5,20 +5,6 @@
 
 namespace handrail {
 
-const char* name_of(LinkQuality quality) noexcept {
-  switch (quality) {
-    case LinkQuality::kPoor:
-      return "POOR";
-    case LinkQuality::kFair:
-      return "FAIR";
-    case LinkQuality::kGood:
-      return "GOOD";
-    case LinkQuality::kExcellent:
-      return "EXCELLENT";
-  }
-  return "unknown";
-}
-
 Nanos LinkSnapshot::age(Nanos now) const noexcept {
   return received_at == -kForever ? kForever : std::max<Nanos>(now - received_at, 0);
 }
@@ -27,10 +13,10 @@ Nanos LinkSnapshot::loop_age(Nanos now) const noexcept {
   return echoed_sent == -kForever ? kForever : std::max<Nanos>(now - echoed_sent, 0);
 }
 
+bool LinkSnapshot::confirmed(Nanos now) const noexcept { return loop_age(now) <= kConfirmedAge; }
+
 LinkQuality LinkSnapshot::quality(Nanos now) const noexcept {
-  if (age(now) > kPoorAge || received_of_100 < 40) return LinkQuality::kPoor;
-  if (received_of_100 < 75) return LinkQuality::kFair;
-  return received_of_100 < 99 ? LinkQuality::kGood : LinkQuality::kExcellent;
+  return age(now) > kPoorAge ? LinkQuality::kPoor : grade_of(received_of_100);
 }
 
 Reject PeerCore::accept_session(std::uint64_t session, Nanos now) const noexcept {
@@ -64,6 +50,8 @@ Reject PeerCore::accept(const DatagramHeader& header, Nanos now) noexcept {
     snapshot_.round_trip = -1;
   }
   peer_sent_ = header.sent;
+  snapshot_.sequence = header.sequence;
+  snapshot_.peer_received_of_100 = static_cast<int>(header.received_of_100);
   snapshot_.received_at = now;
   take_echo(header, now);
   return Reject::kNone;
@@ -90,6 +78,7 @@ DatagramHeader PeerCore::next_header(Nanos now) const noexcept {
     header.echo_sequence = arrivals_.newest();
     header.echo_sent = peer_sent_;
     header.echo_held = std::max<Nanos>(now - snapshot_.received_at, 0);
+    header.received_of_100 = static_cast<std::uint32_t>(snapshot_.received_of_100);
   }
   return header;
 }

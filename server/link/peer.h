@@ -17,12 +17,13 @@ namespace handrail {
 inline constexpr Nanos kSendPeriod = kMillisecond;
 // How long the present session must have been silent before another may take its place.
 inline constexpr Nanos kTakeoverSilence = 200 * kMillisecond;
+// How old our newest datagram that the peer answered may be while its session counts as confirmed:
+// the longest loop a scene may allow, and two seconds to spare.
+inline constexpr Nanos kConfirmedAge = 12 * kSecond;
 // With nothing fresh for longer than this the quality is POOR.
 inline constexpr Nanos kPoorAge = 20 * kMillisecond;
 
-// Share of the last 100 datagrams received: under 40 %, under 75 %, under 99 %, and the rest.
-enum class LinkQuality : std::uint8_t { kPoor, kFair, kGood, kExcellent };
-const char* name_of(LinkQuality quality) noexcept;
+using LinkQuality = LinkGrade;
 
 // What one end knows of its link at a moment. Ages grow as the reader's clock does: they are asked
 // with `now`.
@@ -33,6 +34,8 @@ struct LinkSnapshot {
   Nanos echoed_sent = -kForever;  // when the newest of our datagrams the peer confirmed was sent
   Nanos round_trip = -1;          // newest measured, without the time the peer held it; -1 = none
   int received_of_100 = 0;        // of the last 100 sequences
+  int peer_received_of_100 = 0;   // the same there, as its newest datagram says
+  std::uint64_t sequence = 0;     // of the newest accepted; 0 = none
   double loss_share = 0.0;        // of the last 100, 0 to 1
   std::uint64_t sent = 0;
   std::uint64_t unsendable = 0;  // own states check() refused: a fault of this program
@@ -44,6 +47,9 @@ struct LinkSnapshot {
   // Age of the newest own datagram the peer is known to have, however long the way there and back:
   // catches constant delay, which age() cannot. kForever when none was confirmed.
   Nanos loop_age(Nanos now) const noexcept;
+  // The peer's session has answered this session of ours, lately: it lives, and is no recording of
+  // one that spoke to somebody else. Nothing of an unconfirmed session may be obeyed.
+  bool confirmed(Nanos now) const noexcept;
   LinkQuality quality(Nanos now) const noexcept;
 };
 

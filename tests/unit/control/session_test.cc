@@ -23,6 +23,7 @@ bool master_may(SessionState from, SessionState to) {
   using enum SessionState;
   switch (from) {
     case kOff:
+    case kHoming:
       return one_of(to, {kOff, kAligning, kFault});
     case kAligning:
       return one_of(to, {kAligning, kOff, kEngaged, kClutched, kFault});
@@ -42,6 +43,7 @@ bool slave_may(SessionState from, SessionState to) {
   using enum SessionState;
   switch (from) {
     case kOff:
+    case kHoming:
       return one_of(to, {kOff, kAligning, kFault});
     case kAligning:
       return one_of(to, {kAligning, kOff, kEngaged, kFault});

@@ -58,7 +58,7 @@ TEST(Codec, TheLargestDatagramFits) {
   DatagramHeader header = sample_header(UINT64_MAX, UINT64_MAX);
   header.sent = INT64_MAX;
   const auto largest = std::max(datagram(header, master).size(), datagram(header, slave).size());
-  EXPECT_EQ(largest, 477u);
+  EXPECT_EQ(largest, 530u);
   EXPECT_LE(largest, kMaxDatagram);
 }
 
@@ -197,6 +197,48 @@ TEST(Codec, ReasonCodesOutOfRangeAreRefused) {
         codec.decode(framed(message.SerializeAsString(), DatagramKind::kSlave), header, state),
         Reject::kEnum);
   }
+}
+
+TEST(Codec, StageReasonsJointsAndReasonBitsThatAreNoCodesAreRefused) {
+  const auto bytes = datagram(sample_header(), sample_slave());
+  pb::SlaveDatagram whole;
+  ASSERT_TRUE(whole.ParseFromArray(bytes.data() + kFrameBytes,
+                                   static_cast<int>(bytes.size() - kFrameBytes)));
+  Codec codec;
+  DatagramHeader header;
+  SlaveState state;
+  const auto cause = [&](const pb::SlaveDatagram& message) {
+    return codec.decode(framed(message.SerializeAsString(), DatagramKind::kSlave), header, state);
+  };
+  ASSERT_EQ(cause(whole), Reject::kNone);
+  for (int stage = 0; stage < FollowLedger::kStages; ++stage) {
+    pb::SlaveDatagram message = whole;
+    message.set_stage_reasons(static_cast<std::uint32_t>(Reason::kCount) << 8 * stage);
+    EXPECT_EQ(cause(message), Reject::kEnum) << stage;
+  }
+  for (const std::uint64_t bits : {std::uint64_t{1}, std::uint64_t{1} << 63}) {
+    pb::SlaveDatagram message = whole;
+    message.set_reasons(bits);
+    EXPECT_EQ(cause(message), Reject::kEnum) << bits;
+  }
+  for (const std::uint32_t joint : {7u, 256u, UINT32_MAX}) {
+    pb::SlaveDatagram message = whole;
+    message.set_limiting_joint(joint);
+    EXPECT_EQ(cause(message), Reject::kRange) << joint;
+  }
+  whole.set_stage_offsets(5, std::numeric_limits<float>::infinity());
+  EXPECT_EQ(cause(whole), Reject::kNotFinite);
+}
+
+TEST(Codec, MoreThanAHundredOfAHundredAreRefused) {
+  DatagramHeader header = sample_header();
+  header.received_of_100 = 1;  // of a sender nothing came from
+  EXPECT_EQ(encode_cause(header, sample_master()), Reject::kHeader);
+  header.echo_session = header.echo_sequence = 1;
+  header.received_of_100 = 100;
+  EXPECT_EQ(encode_cause(header, sample_master()), Reject::kNone);
+  header.received_of_100 = 101;
+  EXPECT_EQ(encode_cause(header, sample_master()), Reject::kHeader);
 }
 
 TEST(Codec, HeadersThatCannotBeTrueAreRefusedBothWays) {

@@ -76,6 +76,14 @@ inline SlaveState sample_slave() {
   s.oldest_applied = 19'500'000;
   s.cycles = 141;
   s.silences = 5;
+  s.applied_sequence = 6;
+  s.reasons.add(Reason::kLinkHold);
+  s.reasons.add(Reason::kBumper);
+  s.ledger.off_S << 0, 0, -0.25f, 0.0625f,  //
+      0, 0, 0.125f, 0,                      //
+      0, 0.5f, -0.0f, -2;
+  s.ledger.why = {Reason::kNone, Reason::kBumper, Reason::kOutOfReach, Reason::kJointAcceleration};
+  s.ledger.joint = 4;
   s.hashes = sample_hashes();
   s.scene = scene_name("linear-movement");
   return s;
@@ -119,6 +127,12 @@ inline bool same(const ToolDefinition& a, const ToolDefinition& b) {
 inline bool same(const SectionHashes& a, const SectionHashes& b) {
   return a.tools == b.tools && a.mapping == b.mapping && a.limits == b.limits && a.robot == b.robot;
 }
+inline bool same(const FollowLedger& a, const FollowLedger& b) {
+  for (Eigen::Index i = 0; i < a.off_S.size(); ++i) {
+    if (!same(a.off_S.data()[i], b.off_S.data()[i])) return false;
+  }
+  return a.why == b.why && a.joint == b.joint;
+}
 inline bool same(const MasterState& a, const MasterState& b) {
   return a.desired == b.desired && a.state == b.state && same(a.X_SU, b.X_SU) &&
          a.has_command == b.has_command && a.stop_epoch == b.stop_epoch &&
@@ -135,7 +149,8 @@ inline bool same(const SlaveState& a, const SlaveState& b) {
          a.position_tool_epoch == b.position_tool_epoch &&
          a.orientation_tool_epoch == b.orientation_tool_epoch &&
          a.oldest_applied == b.oldest_applied && a.cycles == b.cycles && a.silences == b.silences &&
-         same(a.hashes, b.hashes) && a.scene == b.scene;
+         a.applied_sequence == b.applied_sequence && a.reasons.bits() == b.reasons.bits() &&
+         same(a.ledger, b.ledger) && same(a.hashes, b.hashes) && a.scene == b.scene;
 }
 
 }  // namespace handrail

@@ -1,0 +1,47 @@
+// Where force and motion of a tick went. Every entry is a difference of two successive points, so
+// the sums are exact.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "server/base/reason.h"
+#include "server/base/spatial.h"
+
+namespace handrail {
+
+// Force on the hand, frame M [N]. The others add up to `device`.
+struct ForceLedger {
+  Vec3 tool = Vec3::Zero();      // as the tool asks for
+  Vec3 walls = Vec3::Zero();     // as walls and effects ask for
+  Vec3 spring = Vec3::Zero();    // as the arm's lag asks for
+  Vec3 governor = Vec3::Zero();  // what budget, step limit and fade changed
+  Vec3 clamp = Vec3::Zero();     // what the device's peak and its heat took
+  Vec3 cue = Vec3::Zero();       // what says something to the hand
+  Vec3 device = Vec3::Zero();
+};
+
+// From the hand to the arm, in order.
+enum class MotionStage : std::uint8_t {
+  kTool,         // the hand is not where the tool allows
+  kSmoother,     // smoothing, and easing toward a new tool
+  kLink,         // the command is on its way
+  kTube,         // the slave's own tool
+  kBumper,       // contact
+  kReach,        // nearest reachable place
+  kLimits,       // speed, acceleration and jerk of joints and tip
+  kSingularity,  // near a singular pose
+  kCount
+};
+
+// How far each stage moved the tip. They add up to X_ST_command.p - X_SH.p, the hand in S.
+struct MotionLedger {
+  static constexpr int kStages = static_cast<int>(MotionStage::kCount);
+  using Offsets = Eigen::Matrix<double, 3, kStages>;
+  Offsets off_S = Offsets::Zero();  // [m]
+  std::array<Reason, static_cast<std::size_t>(kStages)> why{};
+  std::int8_t joint = -1;  // 0 to 5: the joint that limits; -1: none or all
+  bool known = false;      // false: the hand does not lead the arm, the rest means nothing
+};
+
+}  // namespace handrail
