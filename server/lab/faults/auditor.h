@@ -1,0 +1,167 @@
+// The judge of a fault run. It sees the joint commands and the network's truth, nothing of what
+// master or slave think.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "server/base/joints.h"
+#include "server/base/link_state.h"
+#include "server/constraint/position_tool.h"
+#include "server/kinematics/rv2a.h"
+#include "server/lab/virtual_link.h"
+
+namespace handrail {
+
+struct AuditLimits {
+  JointLimits joints;
+  JointVector max_jerk = JointVector::Zero();  // third difference of commands / dt^3 [rad/s^3]
+  ArmGeometry arm;
+  Nanos period = 7'100 * kMicrosecond;  // of the commands
+};
+
+// What a command can do wrong.
+enum class Breach : std::uint8_t {
+  kNotFinite,
+  kRange,
+  kSpeed,
+  kAcceleration,
+  kJerk,
+  kUnled,     // moved while nothing let it
+  kLateStop,  // still moving after the stop bound
+  kUnasked,   // the tip is where no command of the last seconds was
+  kOffTool,
+  kCount
+};
+const char* name_of(Breach breach) noexcept;
+
+// One stop, from what forced it to the last command that moved.
+struct AuditedStop {
+  Nanos took = 0;
+  Nanos allowed = 0;
+};
+
+struct AuditReport {
+  std::array<std::uint64_t, static_cast<std::size_t>(Breach::kCount)> breaches{};
+  std::uint64_t cycles = 0;
+  std::uint64_t moved = 0;    // cycles that moved a joint
+  std::uint64_t fresh = 0;    // datagrams that were the newest of the authentic master's session
+  std::uint64_t stops = 0;    // forced while moving
+  std::uint64_t resumed = 0;  // of them, went on by themselves
+  std::uint64_t latched = 0;  // links lost for so long that an operator has to engage again
+  AuditedStop worst;          // the stop with the least time left of what it was allowed
+  // Largest of any joint and cycle, 1 = the limit.
+  double speed = 0.0;
+  double acceleration = 0.0;
+  double jerk = 0.0;
+
+  std::uint64_t total() const noexcept;
+  std::uint64_t of(Breach breach) const noexcept {
+    return breaches[static_cast<std::size_t>(breach)];
+  }
+};
+
+// Call everything in the order of time. Between two events what the master sent and what was
+// delivered comes first, then the command of the cycle. Real-time safe but for construction.
+class Auditor {
+ public:
+  // How long after the last fresh datagram a stop is due, and when it needs an operator.
+  static constexpr Nanos kWatchdog = 20 * kMillisecond;
+  static constexpr Nanos kLatch = 200 * kMillisecond;
+  // Of the stop bound beside the joints' own time: one cycle and 2 ms.
+  static constexpr Nanos kOverhead = 2 * kMillisecond;
+  // A tip further from all recent commands than this goes where nobody sent it [m].
+  static constexpr double kRoom = 0.005;
+  static constexpr double kOffTool = 1e-5;  // [m]
+
+  explicit Auditor(const AuditLimits& limits);
+
+  // The authentic master, started for the `incarnation`-th time, sends its `number`-th datagram.
+  // Numbers rise by one, also over restarts.
+  void sent(std::uint64_t number, std::uint32_t incarnation, const MasterState& state) noexcept;
+  // The slave takes a datagram.
+  void delivered(const Delivery& delivery) noexcept;
+  // From now on the arm must stop, whatever is sent, until an operator engages again.
+  void must_stop(Nanos at) noexcept;
+  // The slave commands `q`, once a cycle. The arm stands on the first one.
+  void commanded(const JointVector& q, Nanos at) noexcept;
+
+  // The run is over: counts a stop that still lasts.
+  void finish() noexcept;
+
+  const AuditReport& report() const noexcept { return report_; }
+  // Tip of the newest command, and its distance from the newest command delivered [m].
+  const Vec3& tip() const noexcept { return tip_; }
+  double behind() const noexcept { return heard_ ? (tip_ - newest_.p_SU).norm() : 0.0; }
+  bool moving() const noexcept { return moving_; }
+  // Whether the arm may move toward the newest command, as of the last cycle.
+  bool led() const noexcept { return led_; }
+
+ private:
+  static constexpr std::size_t kRemembered = 8192;  // of what is replayed, 4096 back at most
+  static constexpr std::size_t kBuckets = 21;       // of the recent commands' places
+  static constexpr Nanos kBucket = 100 * kMillisecond;
+
+  struct Sent {
+    std::uint64_t number = 0;
+    std::uint32_t incarnation = 0;
+    bool drives = false;    // engaged, clutched or in hold, and wanted
+    bool stops = false;     // a stop stands
+    bool aligning = false;  // asks to engage
+    bool has_command = false;
+    Vec3 p_SU = Vec3::Zero();
+    ToolDefinition tool;
+  };
+  struct Box {
+    Nanos from = -kForever;
+    Vec3 low = Vec3::Zero();
+    Vec3 high = Vec3::Zero();
+  };
+
+  void breach(Breach kind) noexcept { ++report_.breaches[static_cast<std::size_t>(kind)]; }
+  void check_limits(const JointVector& q) noexcept;
+  void check_led(Nanos at) noexcept;
+  void begin_stop(Nanos at) noexcept;
+  void end_stop() noexcept;
+  void record_stop() noexcept;
+  void check_place(Nanos at) noexcept;
+  void check_tool() noexcept;
+  void remember_place(const Vec3& p, Nanos at) noexcept;
+
+  AuditLimits limits_;
+  double dt_;
+  AuditReport report_;
+  std::vector<Sent> sent_;
+
+  Sent newest_;  // newest fresh
+  bool heard_ = false;
+  Nanos heard_at_ = -kForever;
+  Nanos told_at_ = 0;  // when a fresh one first said no longer to move
+  bool must_stop_ = false;
+  Nanos must_stop_at_ = 0;
+  bool latched_ = false;
+
+  bool placed_ = false;
+  JointVector q_ = JointVector::Zero();
+  JointVector step_ = JointVector::Zero();
+  JointVector change_ = JointVector::Zero();
+  bool moving_ = false;
+  bool led_ = false;
+  Vec3 tip_ = Vec3::Zero();
+  Vec3 rest_ = Vec3::Zero();  // where the tip last stood
+
+  bool stopping_ = false;
+  bool stop_while_moving_ = false;
+  bool stop_needs_operator_ = false;
+  Nanos stop_from_ = 0;
+  Nanos last_moved_ = 0;
+  Nanos stop_allowed_ = 0;
+
+  std::array<Box, kBuckets> boxes_{};
+  PositionTool tool_;
+  double tool_radius_ = 0.0;
+  double tool_led_ = 0.0;  // time led since the tool came [s]
+};
+
+}  // namespace handrail

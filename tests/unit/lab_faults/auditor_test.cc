@@ -1,0 +1,271 @@
+// The auditor against command streams made by hand: sound ones pass, each wrong one is named.
+#include "server/lab/faults/auditor.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace handrail {
+namespace {
+
+constexpr Nanos kCycle = 7'100 * kMicrosecond;
+const double kDt = to_seconds(kCycle);
+
+AuditLimits limits() {
+  AuditLimits out;
+  out.joints = rv2a_limits();
+  out.max_jerk = out.joints.max_acceleration / 0.020;
+  return out;
+}
+
+// A master, the network and joint commands as the test wants them.
+class Stream {
+ public:
+  Stream() : auditor(limits()) {
+    state.desired = Desired::kEngaged;
+    state.state = SessionState::kAligning;
+    q << 0.0, 0.0, 1.5, 0.0, 1.5, 0.0;
+    state.X_SU = forward(limits().arm, q);
+    state.has_command = true;
+    cycle();
+    state.state = SessionState::kEngaged;
+    cycle();
+  }
+
+  // One controller cycle: seven datagrams arrive unless the link is down, then the command.
+  void cycle(double step_of_j1 = 0.0) {
+    for (int i = 0; i < 7; ++i) {
+      now += kMillisecond;
+      auditor.sent(++number, incarnation, state);
+      if (link) auditor.delivered({number, true, now});
+    }
+    now += kCycle - 7 * kMillisecond;
+    q[0] += step_of_j1;
+    auditor.commanded(q, now);
+  }
+
+  // Speeds J1 up or down within its limits to `speed` in rad a cycle.
+  void change_speed(double speed) {
+    const double jerk = 0.9 * limits().max_jerk[0] * kDt * kDt * kDt;
+    const double hard = 0.9 * limits().joints.max_acceleration[0] * kDt * kDt;
+    const double way = speed - v;
+    const int n = static_cast<int>(
+        std::ceil(std::max(std::sqrt(std::abs(way) / jerk), std::abs(way) / hard)));
+    const double rise = way / (n * n);
+    double change = 0.0;
+    for (int i = 0; i < 2 * n; ++i) {
+      change += i < n ? rise : -rise;
+      v += change;
+      if (i == 2 * n - 1) v = speed;
+      follow();
+    }
+  }
+  void coast(int cycles) {
+    for (int i = 0; i < cycles; ++i) follow();
+  }
+
+  const AuditReport& report() { return auditor.report(); }
+
+  Auditor auditor;
+  MasterState state;
+  JointVector q = JointVector::Zero();
+  std::uint64_t number = 0;
+  std::uint32_t incarnation = 1;
+  bool link = true;
+  Nanos now = 0;
+  double v = 0.0;
+
+ private:
+  // The command is ahead of the tip, as far as a stop takes it.
+  void follow() {
+    JointVector next = q;
+    next[0] += 10.0 * v;
+    state.X_SU = forward(limits().arm, next);
+    cycle(v);
+  }
+};
+
+constexpr double kFast = 0.003;  // of J1 in a cycle [rad]
+
+TEST(AuditorTest, ASoundDriveHasNoBreach) {
+  Stream s;
+  s.change_speed(kFast);
+  s.coast(50);
+  s.change_speed(-kFast);
+  s.change_speed(0.0);
+  EXPECT_EQ(s.report().total(), 0u);
+  EXPECT_EQ(s.report().stops, 0u);
+  EXPECT_GT(s.report().moved, 60u);
+  EXPECT_GT(s.report().jerk, 0.3);
+  EXPECT_EQ(s.report().fresh, s.number);
+}
+
+TEST(AuditorTest, NamesEachLimit) {
+  const JointLimits joints = rv2a_limits();
+  const double v = joints.max_speed[0] * kDt;
+  const double a = joints.max_acceleration[0] * kDt * kDt;
+  Stream fast;
+  fast.v = 1.01 * v;
+  fast.coast(2);
+  EXPECT_EQ(fast.report().of(Breach::kSpeed), 2u);
+  Stream hard;
+  hard.v = 1.01 * a;
+  hard.coast(2);
+  EXPECT_EQ(hard.report().of(Breach::kAcceleration), 1u);
+  EXPECT_EQ(hard.report().of(Breach::kSpeed), 0u);
+  Stream jerky;
+  jerky.v = 1.01 * limits().max_jerk[0] * kDt * kDt * kDt;
+  jerky.coast(2);
+  EXPECT_EQ(jerky.report().of(Breach::kAcceleration), 0u);
+  EXPECT_EQ(jerky.report().of(Breach::kJerk), 2u);
+  Stream far;
+  far.q[0] = joints.upper[0] + 1e-6;
+  far.cycle();
+  EXPECT_EQ(far.report().of(Breach::kRange), 1u);
+  Stream broken;
+  broken.q[0] = std::numeric_limits<double>::quiet_NaN();
+  broken.cycle();
+  EXPECT_EQ(broken.report().of(Breach::kNotFinite), 1u);
+}
+
+TEST(AuditorTest, AStopWithinItsTimeIsCountedAndOneThatLastsIsLate) {
+  Stream good;
+  good.change_speed(kFast);
+  good.link = false;
+  good.coast(3);  // 21.3 ms
+  good.change_speed(0.0);
+  good.coast(10);
+  good.auditor.finish();
+  EXPECT_EQ(good.report().total(), 0u);
+  EXPECT_EQ(good.report().stops, 1u);
+  EXPECT_LT(good.report().worst.took, good.report().worst.allowed);
+  EXPECT_GT(good.report().worst.took, 40 * kMillisecond);
+
+  Stream late;
+  late.change_speed(kFast);
+  late.link = false;
+  late.coast(40);
+  EXPECT_GT(late.report().of(Breach::kLateStop), 10u);
+}
+
+TEST(AuditorTest, TheBoundIsWatchdogCycleAndTheJointsOwnTime) {
+  Stream s;
+  s.change_speed(kFast);
+  s.link = false;
+  s.coast(4);
+  s.auditor.finish();
+  const double own = kFast / kDt / rv2a_limits().max_acceleration[0] + 2.5 * 0.020;
+  EXPECT_NEAR(to_seconds(s.report().worst.allowed), 0.020 + 0.0071 + 0.002 + own, 1e-9);
+}
+
+TEST(AuditorTest, AShortGapResumesByItself) {
+  Stream s;
+  s.change_speed(kFast);
+  s.link = false;
+  s.coast(3);
+  s.change_speed(0.0);
+  s.link = true;
+  s.coast(1);
+  s.change_speed(kFast);
+  EXPECT_EQ(s.report().total(), 0u);
+  EXPECT_EQ(s.report().resumed, 1u);
+  EXPECT_EQ(s.report().latched, 0u);
+}
+
+TEST(AuditorTest, AfterALongGapOnlyANewEngagementMayMove) {
+  for (const bool engages_again : {false, true}) {
+    Stream s;
+    s.change_speed(kFast);
+    s.link = false;
+    s.coast(3);
+    s.change_speed(0.0);
+    s.coast(30);
+    s.link = true;
+    s.coast(1);
+    if (engages_again) {
+      s.state.state = SessionState::kAligning;
+      s.coast(1);
+      s.state.state = SessionState::kEngaged;
+    }
+    s.change_speed(kFast);
+    EXPECT_EQ(s.report().latched, 1u);
+    EXPECT_EQ(s.report().of(Breach::kUnled) > 0, !engages_again);
+    EXPECT_EQ(s.report().resumed, 0u);
+  }
+}
+
+TEST(AuditorTest, StaleForgedAndForeignDatagramsDoNotLead) {
+  Stream s;
+  s.change_speed(kFast);
+  s.link = false;
+  const std::uint64_t old = s.number - 3;
+  for (int i = 0; i < 20; ++i) {
+    s.auditor.delivered({old, true, s.now});        // replayed
+    s.auditor.delivered({s.number, false, s.now});  // corrupted
+    s.auditor.delivered({1'000'000, true, s.now});  // never sent
+    s.coast(1);
+  }
+  EXPECT_GT(s.report().of(Breach::kLateStop), 0u);
+}
+
+TEST(AuditorTest, ARestartedMasterDoesNotLeadTheOldEngagement) {
+  Stream s;
+  s.change_speed(kFast);
+  ++s.incarnation;
+  s.coast(30);
+  EXPECT_GT(s.report().of(Breach::kLateStop), 0u);
+}
+
+TEST(AuditorTest, AStopIsDueWhenTheMasterSaysSoOrTheRowDoes) {
+  for (const bool by_row : {false, true}) {
+    Stream s;
+    s.change_speed(kFast);
+    if (by_row) {
+      s.auditor.must_stop(s.now);
+    } else {
+      s.state.stop_epoch = 1;
+    }
+    s.coast(1);
+    s.change_speed(0.0);
+    s.coast(5);
+    s.auditor.finish();
+    EXPECT_EQ(s.report().total(), 0u);
+    EXPECT_EQ(s.report().stops, 1u);
+    EXPECT_LT(to_seconds(s.report().worst.allowed), 0.0091 + 0.1);
+    s.change_speed(kFast);
+    EXPECT_GT(s.report().of(Breach::kUnled), 0u);
+  }
+}
+
+TEST(AuditorTest, ATipWhereNobodySentItIsFound) {
+  Stream s;
+  const Pose start = s.state.X_SU;
+  s.change_speed(kFast);
+  s.coast(5);
+  EXPECT_EQ(s.report().total(), 0u);
+  s.state.X_SU = start;
+  for (int i = 0; i < 20; ++i) s.cycle(kFast);  // the commands stay, the tip goes on
+  EXPECT_GT(s.report().of(Breach::kUnasked), 0u);
+  EXPECT_EQ(s.report().total(), s.report().of(Breach::kUnasked));
+}
+
+TEST(AuditorTest, ATipLeavingItsToolIsFound) {
+  Stream s;
+  const Vec3 p = s.state.X_SU.p;
+  ToolDefinition tool;
+  tool.kind = ToolKind::kLine;
+  tool.id = tool.epoch = 1;
+  tool.p_SA = p;
+  tool.direction_S = Vec3::UnitX();
+  s.state.position_tool = tool;
+  s.coast(60);
+  EXPECT_EQ(s.report().total(), 0u);
+  s.change_speed(0.5 * kFast);  // J1 turns the tip across
+  EXPECT_GT(s.report().of(Breach::kOffTool), 0u);
+  EXPECT_EQ(s.report().total(), s.report().of(Breach::kOffTool));
+}
+
+}  // namespace
+}  // namespace handrail
