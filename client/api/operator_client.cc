@@ -15,8 +15,10 @@
 
 namespace handrail {
 
-Result<pb::Reply> OperatorClient::call(const pb::Request& request, Nanos patience) {
+Result<pb::Reply> OperatorClient::call(const pb::Request& order, Nanos patience) {
   const Nanos deadline = monotonic_now() + patience;
+  pb::Request request = order;
+  if (!request.has_as() && !as_.empty()) request.set_as(as_);
   const std::string payload = request.SerializeAsString();
   if (payload.size() > kMaxFrame) return failure("the request is larger than 64 KiB");
   if (fd_ < 0) {

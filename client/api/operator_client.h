@@ -19,15 +19,17 @@ enum ExitCode : int { kExitDone = 0, kExitRefused = 1, kExitUsage = 2, kExitNoMa
 // opens a new one.
 class OperatorClient {
  public:
-  explicit OperatorClient(std::string socket_path) : path_(std::move(socket_path)) {}
+  // `as`: who speaks, in requests that do not say; empty: the user the master runs as.
+  explicit OperatorClient(std::string socket_path, std::string as = {})
+      : path_(std::move(socket_path)), as_(std::move(as)) {}
   ~OperatorClient() { close(); }
   OperatorClient(const OperatorClient&) = delete;
   OperatorClient& operator=(const OperatorClient&) = delete;
 
-  // Sends the request and waits for its reply, at most `patience` in all. An error means that there
+  // Sends the order and waits for its reply, at most `patience` in all. An error means that there
   // is no master or none that answers, and names socket and cause; a refusal is a Reply with done
   // false.
-  Result<pb::Reply> call(const pb::Request& request, Nanos patience);
+  Result<pb::Reply> call(const pb::Request& order, Nanos patience);
 
   void close() noexcept;
 
@@ -39,6 +41,7 @@ class OperatorClient {
   Status failure(const std::string& what);
 
   std::string path_;
+  std::string as_;
   int fd_ = -1;
 };
 

@@ -14,6 +14,7 @@ namespace handrail {
 // What the user typed, not yet understood.
 struct Options {
   std::string socket;
+  std::string as;  // who speaks; empty: the master's user
   bool json = false;
   bool watch = false;
   bool one_way = false;

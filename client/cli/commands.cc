@@ -1,6 +1,7 @@
 #include "client/cli/command.h"
 #include "client/cli/demo_command.h"
 #include "client/cli/hand_command.h"
+#include "client/cli/lease_command.h"
 #include "client/cli/scene_command.h"
 #include "client/cli/status_command.h"
 #include "client/cli/tool_command.h"
@@ -56,6 +57,17 @@ constexpr Command kCommands[] = {
     {"clutch", "on: hand free, arm holds; off: follow again", run_clutch, {.word = "on|off"}},
     {"stop", "Stop the arm now; stays stopped until reset", run_stop, {}},
     {"reset", "Release a stop or a fault", run_reset, {}},
+    {"lease show", "Who may drive, and who asks to", run_lease_show, {.json = true}},
+    {"lease take",
+     "Take a free lease, or ask its holder and wait for the answer",
+     run_lease<pb::LeaseOrder::TAKE>,
+     {}},
+    {"lease grant",
+     "Give the lease to who asks; the arm holds until they engage",
+     run_lease<pb::LeaseOrder::GRANT>,
+     {}},
+    {"lease refuse", "Keep the lease from who asks", run_lease<pb::LeaseOrder::REFUSE>, {}},
+    {"lease release", "Give the lease back; the arm holds", run_lease<pb::LeaseOrder::RELEASE>, {}},
     {"tool point",
      "Keep the tip on a point",
      run_tool<pb::Tool::POINT>,
@@ -111,6 +123,7 @@ std::span<const Command> commands() { return kCommands; }
 std::string group_help(const std::string& word) {
   if (word == "tool") return "Call and drop virtual tools (mm and directions in the robot base)";
   if (word == "scene") return "Look at scenes, load one";
+  if (word == "lease") return "Who drives: one operator at a time, by name (--as)";
   if (word == "hand") return "Move the hand of a simulated device";
   return {};
 }
@@ -122,7 +135,7 @@ ExitCode complain(const Console& console, const std::string& text) {
 
 ExitCode send_order(const Options& options, const Console& console, const pb::Request& request,
                     const std::string& done_text, Nanos patience) {
-  OperatorClient client(options.socket);
+  OperatorClient client(options.socket, options.as);
   const Result<pb::Reply> reply = client.call(request, patience);
   if (!reply) {
     console.err << "handrail: " << reply.message() << '\n';

@@ -34,7 +34,7 @@ struct DriveResult {
 // Talks to the master; the first failure is kept and ends everything after it.
 class Driver {
  public:
-  explicit Driver(const std::string& socket) : client_(socket) {}
+  explicit Driver(const Options& options) : client_(options.socket, options.as) {}
 
   bool order(const pb::Request& request) {
     if (code_ != kExitDone) return false;
@@ -233,7 +233,7 @@ void print_json(const Console& console, const DriveResult& nv, const DriveResult
 }  // namespace
 
 ExitCode run_demo(const Options& options, const Console& console) {
-  Driver driver(options.socket);
+  Driver driver(options);
   pb::Request engage, disengage;
   engage.set_engage(true);
   disengage.set_disengage(true);

@@ -76,6 +76,8 @@ ExitCode run_cli(const std::vector<std::string>& args, const Console& console) {
   app.fallthrough();
   app.add_option("--socket", options.socket, "the master's socket (or HANDRAIL_SOCKET)")
       ->type_name("PATH");
+  app.add_option("--as", options.as, "who you are; without it the master's user")
+      ->type_name("NAME");
   app.footer("Exit: 0 done, 1 refused, 2 usage or bad file, 3 no master.");
   std::map<std::string, CLI::App*> groups;
   std::vector<std::pair<CLI::App*, const Command*>> leaves;

@@ -5,8 +5,8 @@
 
 #include <atomic>
 
-#include "server/scene/json_io.h"
 #include "client/cli/status_view.h"
+#include "server/scene/json_io.h"
 
 namespace handrail {
 namespace {
@@ -38,7 +38,7 @@ void show(const pb::Status& status, const Options& options, const Console& conso
 }  // namespace
 
 ExitCode run_status(const Options& options, const Console& console) {
-  OperatorClient client(options.socket);
+  OperatorClient client(options.socket, options.as);
   pb::Request request;
   request.set_status(true);
   interrupted = false;

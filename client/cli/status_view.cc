@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <initializer_list>
 
+#include "client/cli/lease_command.h"
+
 namespace handrail {
 namespace {
 
@@ -50,6 +52,7 @@ std::string session_text(const pb::Status& s) {
   for (const std::string& text : s.interventions()) {
     if (text != s.reason()) out += line("", {"also: " + text});
   }
+  if (s.has_lease()) out += line("lease", {lease_text(s.lease())});
   out += line("scene", {s.scene().empty() ? "-" : s.scene(), labelled("slave:", s.slave_scene())});
   for (const std::string& difference : s.hash_mismatch())
     out += line("", {"differs: " + difference});

@@ -141,6 +141,7 @@ int run(const pb::MasterConfig& config, bool check_only) {
   OrderDeskOptions desk_options;
   desk_options.identity.device = capabilities.name;
   desk_options.identity.device_simulated = capabilities.simulated;
+  desk_options.user = own_user_name();
   desk_options.load_scene = [&](const std::string& name) { return library.load(name); };
   desk_options.settings_of = settings_of;
   OrderDesk desk(*boxes, *scene, desk_options);

@@ -47,12 +47,30 @@ OrderDesk::OrderDesk(MasterMailboxes& boxes, Scene scene, OrderDeskOptions optio
     : boxes_(boxes), options_(std::move(options)), scene_(std::move(scene)) {}
 
 void OrderDesk::handle(const pb::Request& request, ReplyTo reply) {
+  const std::string& who = request.has_as() ? request.as() : options_.user;
+  std::string refusal;
+  switch (request.order_case()) {
+    case pb::Request::kLease:
+      leases_.handle(request.lease(), who, now_, std::move(reply));
+      return watch_lease();
+    case pb::Request::kStatus:
+    case pb::Request::kStop:
+      break;  // anybody's, always
+    default:
+      refusal = leases_.refusal(who, request.has_engage(), now_);
+  }
+  if (!refusal.empty()) return reply(refused(refusal));
+  obey(request, std::move(reply));
+}
+
+void OrderDesk::obey(const pb::Request& request, ReplyTo reply) {
   switch (request.order_case()) {
     case pb::Request::kStatus: {
       if (!report_) return reply(refused("the haptic loop has not started yet"));
       pb::Reply answer = done();
       *answer.mutable_status() = status_report(options_.identity, *report_, slave_, link_, now_);
       name_stage(*answer.mutable_status());
+      leases_.show(now_, *answer.mutable_status()->mutable_lease());
       return reply(std::move(answer));
     }
     case pb::Request::kEngage:
@@ -80,6 +98,7 @@ void OrderDesk::handle(const pb::Request& request, ReplyTo reply) {
       return stage(request.stage(), std::move(reply));
     case pb::Request::kHand:
       return hand(request.hand(), std::move(reply));
+    case pb::Request::kLease:
     case pb::Request::ORDER_NOT_SET:
       break;
   }
@@ -157,10 +176,18 @@ void OrderDesk::tick(Nanos now, const SlaveState& slave, const LinkSnapshot& lin
   take_report();
   take_answers();
   if (!report_) return;
+  watch_lease();
   watch_engaging();
   watch_reset();
   watch_scene();
   call_scene_tools();
+}
+
+// Whoever has the lease next must engage: what the last holder engaged ends with the lease.
+void OrderDesk::watch_lease() {
+  const bool engaged = report_ && (!is_idle(report_->out.link.state) ||
+                                   report_->out.link.desired != Desired::kOff || engaging_);
+  if (leases_.tick(engaged, now_)) order(plain(OrderKind::kDisengage), [](pb::Reply) {});
 }
 
 void OrderDesk::take_report() {

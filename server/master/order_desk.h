@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "server/master/lease_desk.h"
 #include "server/master/mailboxes.h"
 #include "server/master/operator_server.h"
 #include "server/master/status_report.h"
@@ -16,14 +17,15 @@ namespace handrail {
 
 struct OrderDeskOptions {
   MasterIdentity identity;
+  std::string user = "operator";  // who speaks when a request does not say
   // A scene by name, and what it means with this device; the errors say why there is none.
   std::function<Result<Scene>(const std::string& name)> load_scene;
   std::function<HapticSettings(const Scene& scene)> settings_of;
 };
 
-// Turns requests into orders for the haptic loop and answers them once they have taken effect:
-// most in the next tick, engaging when both sides stand, a reset and a scene when the slave has
-// them too. All methods in the IO thread.
+// Turns the requests of who may drive into orders for the haptic loop and answers them once they
+// have taken effect: most in the next tick, engaging when both sides stand, a reset and a scene
+// when the slave has them too. All methods in the IO thread.
 class OrderDesk : public OperatorHandler {
  public:
   static constexpr Nanos kEngagePatience = 3 * kSecond;
@@ -53,6 +55,9 @@ class OrderDesk : public OperatorHandler {
     Until until = Until::kTaken;
   };
 
+  // The request is its sender's to make.
+  void obey(const pb::Request& request, ReplyTo reply);
+  void watch_lease();
   void order(HapticOrder order, ReplyTo reply, Until until = Until::kTaken);
   void hand(const pb::HandMove& move, ReplyTo reply);
   void tool(const pb::Tool& wanted, ReplyTo reply);
@@ -71,6 +76,7 @@ class OrderDesk : public OperatorHandler {
 
   MasterMailboxes& boxes_;
   OrderDeskOptions options_;
+  LeaseDesk leases_;
   Scene scene_;
   std::optional<HapticReport> report_;
   SlaveState slave_;
