@@ -16,9 +16,9 @@ struct Pixel {
   Vec2 at = Vec2::Zero();
 };
 
-Pixel pixel_at(const CoverageView& view, int x, int y) {
+Pixel pixel_at(const CoverageView& view, const PixelSet& explained, int x, int y) {
   Pixel out;
-  out.core = view.wall(x, y) >= kCore;
+  out.core = view.wall(x, y) >= kCore && !explained.has(x, y);
   if (!out.core) return out;
   double sum = 0.0;
   Vec2 moment = Vec2::Zero();
@@ -43,12 +43,13 @@ double CoreSegment::distance(const Vec2& p) const noexcept {
   return (p - a - t * d).norm() - kCoreRadius;
 }
 
-void find_cores(const CoverageView& view, int x, int y, std::vector<CoreSegment>& out) {
+void find_cores(const CoverageView& view, const PixelSet& explained, int x, int y,
+                std::vector<CoreSegment>& out) {
   std::array<std::array<Pixel, kAcross>, kAcross> pixels;  // [x][y]
   for (int i = 0; i < kAcross; ++i) {
     for (int j = 0; j < kAcross; ++j) {
       pixels[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] =
-          pixel_at(view, x - kMargin + i, y - kMargin + j);
+          pixel_at(view, explained, x - kMargin + i, y - kMargin + j);
     }
   }
   const auto join = [&](const Pixel& a, const Pixel& b) {

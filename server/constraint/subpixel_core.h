@@ -1,6 +1,8 @@
 // The middle of thin painted walls: what makes them stand where their faces cannot be told apart.
 #pragma once
 
+#include <cstdint>
+#include <unordered_set>
 #include <vector>
 
 #include "server/constraint/subpixel_patch.h"
@@ -19,8 +21,20 @@ struct CoreSegment {
   double distance(const Vec2& p) const noexcept;
 };
 
+// Some pixels of a map.
+class PixelSet {
+ public:
+  void add(int x, int y) { keys_.insert(key(x, y)); }
+  bool has(int x, int y) const { return keys_.count(key(x, y)) != 0; }
+
+ private:
+  static std::int64_t key(int x, int y) { return std::int64_t{y} * (std::int64_t{1} << 32) + x; }
+  std::unordered_set<std::int64_t> keys_;
+};
+
 // Appends the cores of walls around the 8 x 8 pixels from (x, y), and a pixel beyond; none where
-// all around is wall.
-void find_cores(const CoverageView& view, int x, int y, std::vector<CoreSegment>& out);
+// all around is wall, and none in pixels `explained` by surfaces known to be right.
+void find_cores(const CoverageView& view, const PixelSet& explained, int x, int y,
+                std::vector<CoreSegment>& out);
 
 }  // namespace handrail

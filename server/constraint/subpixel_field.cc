@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "server/constraint/subpixel_core.h"
+#include "server/constraint/subpixel_corner.h"
 
 namespace handrail {
 namespace {
@@ -16,9 +18,6 @@ constexpr std::uint32_t kTiles = 256;
 constexpr double kReach = 3.0;           // distances are kept to here
 constexpr double kFineReach = 1.5;       // ... in fine tiles
 constexpr double kDelicate = 3.3;        // tiles this near a delicate piece are fine
-constexpr double kMeeting = 2.2;         // pieces this near meet at a corner
-constexpr double kStraight = 0.95;       // ... unless they face the same way (cosine)
-constexpr double kCorner = 1.75;         // what a corner reaches around the middle of two pieces
 constexpr double kUnit = 1.0 / 8192;     // of a sample [pixels]
 constexpr double kFull = 0.997;          // a pixel this much wall is all wall
 constexpr int kCoarse = 10, kFine = 34;  // samples along a tile, one beyond each edge
@@ -54,11 +53,12 @@ struct SubpixelField::Build {
   std::vector<std::uint8_t> tile;     // 0 none, 1 coarse, 2 fine
   std::vector<SurfacePatch> patches;  // by cell
   std::vector<std::uint32_t> first;   // of a cell's patches; one more than cells
+  PixelSet explained;                 // by corners of free space
 };
 
 SubpixelField::SubpixelField(const CoverageMap& map, std::uint64_t gone)
     : columns_((map.width + kTile - 1) / kTile + 2), rows_((map.height + kTile - 1) / kTile + 2) {
-  Build build{CoverageView(map, gone), {}, {}, {}, {}};
+  Build build{CoverageView(map, gone), {}, {}, {}, {}, {}};
   sort_cells(build);
   find_surface(build);
   cells_.resize(build.kind.size());
@@ -105,18 +105,8 @@ void SubpixelField::sort_cells(Build& build) const {
 // The pieces of surface, and which cells become tiles.
 void SubpixelField::find_surface(Build& build) const {
   build.tile.assign(build.kind.size(), 0);
-  build.first.reserve(build.kind.size() + 1);
-  const auto mark = [&](const SurfacePatch& p, double reach, std::uint8_t as) {
-    const double px = p.across ? p.height : p.middle, py = p.across ? p.middle : p.height;
-    const auto to_cell = [](double v) { return static_cast<int>(std::floor(v / kTile)) + 1; };
-    for (int cy = std::max(to_cell(py - reach), 0); cy <= std::min(to_cell(py + reach), rows_ - 1);
-         ++cy) {
-      for (int cx = std::max(to_cell(px - reach), 0);
-           cx <= std::min(to_cell(px + reach), columns_ - 1); ++cx) {
-        build.tile[cell(cx, cy)] = std::max(build.tile[cell(cx, cy)], as);
-      }
-    }
-  };
+  std::vector<SurfacePatch> found;
+  std::vector<SurfaceEnd> ends;
   for (int cy = 0; cy < rows_; ++cy) {
     for (int cx = 0; cx < columns_; ++cx) {
       const std::uint8_t kind = build.kind[cell(cx, cy)];
@@ -127,18 +117,38 @@ void SubpixelField::find_surface(Build& build) const {
         if (nx < 0 || ny < 0 || nx >= columns_ || ny >= rows_) continue;
         edge = build.kind[cell(nx, ny)] != kind;
       }
-      build.first.push_back(static_cast<std::uint32_t>(build.patches.size()));
       if (!edge) continue;
-      if (kind == Build::kMixed)
-        build.tile[cell(cx, cy)] = std::max<std::uint8_t>(build.tile[cell(cx, cy)], 1);
-      find_patches(build.view, (cx - 1) * kTile, (cy - 1) * kTile, build.patches);
-      for (std::size_t i = build.first.back(); i < build.patches.size(); ++i) {
-        mark(build.patches[i], kReach + 1.0, 1);
-        if (build.patches[i].delicate) mark(build.patches[i], kDelicate, 2);
-      }
+      if (kind == Build::kMixed) build.tile[cell(cx, cy)] = 1;
+      find_patches(build.view, (cx - 1) * kTile, (cy - 1) * kTile, found, ends);
     }
   }
-  build.first.push_back(static_cast<std::uint32_t>(build.patches.size()));
+  build.explained = resolve_corners(build.view, ends, found);
+  const auto to_cell = [](double v) { return static_cast<int>(std::floor(v / kTile)) + 1; };
+  const auto cell_of = [&](const SurfacePatch& piece) {
+    const Vec2 p = piece.at(0.0);
+    return cell(std::clamp(to_cell(p.x()), 0, columns_ - 1),
+                std::clamp(to_cell(p.y()), 0, rows_ - 1));
+  };
+  const auto mark = [&](const Vec2& p, double reach, std::uint8_t as) {
+    for (int cy = std::max(to_cell(p.y() - reach), 0);
+         cy <= std::min(to_cell(p.y() + reach), rows_ - 1); ++cy) {
+      for (int cx = std::max(to_cell(p.x() - reach), 0);
+           cx <= std::min(to_cell(p.x() + reach), columns_ - 1); ++cx) {
+        build.tile[cell(cx, cy)] = std::max(build.tile[cell(cx, cy)], as);
+      }
+    }
+  };
+  // Sorted by cell, in two passes.
+  build.first.assign(build.kind.size() + 1, 0);
+  for (const SurfacePatch& piece : found) {
+    ++build.first[cell_of(piece) + 1];
+    mark(piece.at(0.0), kReach + 1.0, 1);
+    if (piece.delicate) mark(piece.at(0.0), kDelicate, 2);
+  }
+  std::partial_sum(build.first.begin(), build.first.end(), build.first.begin());
+  build.patches.resize(found.size());
+  std::vector<std::uint32_t> next(build.first.begin(), build.first.end() - 1);
+  for (const SurfacePatch& piece : found) build.patches[next[cell_of(piece)]++] = piece;
 }
 
 void SubpixelField::fill(const Build& build, int cx, int cy, bool fine,
@@ -160,7 +170,8 @@ void SubpixelField::fill(const Build& build, int cx, int cy, bool fine,
     for (int nx = std::max(cx - 1, 0); nx <= std::min(cx + 1, columns_ - 1); ++nx) {
       for (std::size_t k = build.first[cell(nx, ny)]; k < build.first[cell(nx, ny) + 1]; ++k) {
         const SurfacePatch& p = build.patches[k];
-        const double px = p.across ? p.height : p.middle, py = p.across ? p.middle : p.height;
+        const Vec2 middle = p.at(0.0);
+        const double px = middle.x(), py = middle.y();
         const auto low = [&](double at) {
           return std::max(static_cast<int>(std::ceil((at - reach - 0.5) / pitch)), 0);
         };
@@ -179,7 +190,6 @@ void SubpixelField::fill(const Build& build, int cx, int cy, bool fine,
       }
     }
   }
-  if (fine) sharpen(build, cx, cy, value, rank);
   // Whatever the pieces say near corners, no surface runs through a pixel all wall or all free.
   for (int j = 0; j < n; ++j) {
     for (int i = 0; i < n; ++i) {
@@ -192,7 +202,7 @@ void SubpixelField::fill(const Build& build, int cx, int cy, bool fine,
       if (w <= 1.0 - kFull) v = std::max(v, inside);
     }
   }
-  if (fine) stand_cores(build.view, cx, cy, value);
+  if (fine) stand_cores(build, cx, cy, value);
   const auto keep = [&](double v) {
     return static_cast<std::int16_t>(std::lround(std::clamp(v, -reach, reach) / kUnit));
   };
@@ -202,60 +212,22 @@ void SubpixelField::fill(const Build& build, int cx, int cy, bool fine,
   }
   for (int j = 0; j < kFine; ++j) {
     for (int i = 0; i < kFine; ++i) {
-      samples[j * kFine + i] = keep(without_nooks(value, i + kAround, j + kAround));
-    }
-  }
-}
-
-// Where two straight pieces meet at a corner, both go on up to it: free space is where both say so
-// at a corner of free space, and where either does at a corner of wall.
-void SubpixelField::sharpen(const Build& build, int cx, int cy, double* value,
-                            const double* rank) const {
-  constexpr double kPitch = 0.25;
-  constexpr double kEdge = (0.5 + kAround) * kPitch;
-  const double x0 = (cx - 1) * kTile - kEdge, y0 = (cy - 1) * kTile - kEdge;
-  std::vector<const SurfacePatch*> pieces;
-  for (int ny = std::max(cy - 1, 0); ny <= std::min(cy + 1, rows_ - 1); ++ny) {
-    for (int nx = std::max(cx - 1, 0); nx <= std::min(cx + 1, columns_ - 1); ++nx) {
-      for (std::size_t k = build.first[cell(nx, ny)]; k < build.first[cell(nx, ny) + 1]; ++k) {
-        if (build.patches[k].corner) pieces.push_back(&build.patches[k]);
-      }
-    }
-  }
-  for (const SurfacePatch* a : pieces) {
-    for (const SurfacePatch* b : pieces) {
-      const Vec2 to_b = b->centre() - a->centre();
-      if (!(a < b) || to_b.squaredNorm() > kMeeting * kMeeting) continue;
-      if (a->normal().dot(b->normal()) > kStraight) continue;
-      const double ahead = to_b.dot(a->normal()), behind = -to_b.dot(b->normal());
-      if (!(ahead * behind > 0.0)) continue;
-      const Vec2 middle = a->centre() + 0.5 * to_b - Vec2(x0, y0);
-      const auto first = [](double at) {
-        return std::max(static_cast<int>(std::ceil((at - kCorner) / kPitch)), 0);
-      };
-      const auto last = [](double at) {
-        return std::min(static_cast<int>(std::floor((at + kCorner) / kPitch)), kWide - 1);
-      };
-      for (int j = first(middle.y()); j <= last(middle.y()); ++j) {
-        for (int i = first(middle.x()); i <= last(middle.x()); ++i) {
-          const double x = x0 + i * kPitch, y = y0 + j * kPitch;
-          const SurfacePatch::Distance da = a->distance(x, y), db = b->distance(x, y);
-          if (std::min(da.rank, db.rank) > rank[j * kWide + i] + 0.3) continue;
-          value[j * kWide + i] =
-              ahead > 0.0 ? std::min(da.beyond, db.beyond) : std::max(da.beyond, db.beyond);
-        }
-      }
+      const int x = static_cast<int>(std::floor(x0 + (i + kAround) * pitch));
+      const int y = static_cast<int>(std::floor(y0 + (j + kAround) * pitch));
+      samples[j * kFine + i] =
+          keep(build.explained.has(x, y) ? value[(j + kAround) * kWide + i + kAround]
+                                         : without_nooks(value, i + kAround, j + kAround));
     }
   }
 }
 
 // Thin walls stand wherever their core does, whatever their faces look like near a junction.
-void SubpixelField::stand_cores(const CoverageView& view, int cx, int cy, double* value) const {
+void SubpixelField::stand_cores(const Build& build, int cx, int cy, double* value) const {
   constexpr double kPitch = 0.25;
   constexpr double kEdge = (0.5 + kAround) * kPitch;
   const double x0 = (cx - 1) * kTile - kEdge, y0 = (cy - 1) * kTile - kEdge;
   std::vector<CoreSegment> cores;
-  find_cores(view, (cx - 1) * kTile, (cy - 1) * kTile, cores);
+  find_cores(build.view, build.explained, (cx - 1) * kTile, (cy - 1) * kTile, cores);
   for (const CoreSegment& core : cores) {
     const Vec2 low = core.a.cwiseMin(core.b) - Vec2(x0, y0),
                high = core.a.cwiseMax(core.b) - Vec2(x0, y0);

@@ -35,8 +35,7 @@ class SubpixelField {
   void sort_cells(Build& build) const;
   void find_surface(Build& build) const;
   void fill(const Build& build, int cx, int cy, bool fine, std::int16_t* samples) const;
-  void sharpen(const Build& build, int cx, int cy, double* value, const double* rank) const;
-  void stand_cores(const CoverageView& view, int cx, int cy, double* value) const;
+  void stand_cores(const Build& build, int cx, int cy, double* value) const;
   void mark_rings();
 
   std::size_t cell(int cx, int cy) const noexcept {

@@ -12,16 +12,21 @@ constexpr int kMargin = 8;  // of the window around the tile; more than kThin at
 constexpr int kWindow = kTile + 2 * kMargin;
 constexpr int kBeside = 3;  // columns looked at to either side of the tile's
 constexpr int kColumns = kTile + 2 * kBeside;
-constexpr double kProminence = 0.3;  // coverage must change by this from free to wall
-constexpr double kFull = 0.997;      // a pixel this much wall is all wall
-constexpr int kShort = 3;            // pixels a crossing takes in a column not along it
-constexpr double kMatch = 1.5;       // heights of one surface in adjacent columns
-constexpr double kSteepest = 1.25;   // slopes beyond are for the other axis
-constexpr double kSharpest = 0.5;    // bends beyond are corners
-constexpr double kKink = 0.05;       // ... and beyond these may be beside one
-constexpr double kSmoother = 0.3;    // which shows in how much straighter one side is
-constexpr double kThin = 5.0;        // walls and gaps below need fine samples
-constexpr double kTight = 0.1;       // so do curves of less than 10 pixels
+constexpr double kProminence = 0.3;     // coverage must change by this from free to wall
+constexpr double kFull = 0.997;         // a pixel this much wall is all wall
+constexpr int kShort = 3;               // pixels a crossing takes in a column not along it
+constexpr double kMatch = 1.5;          // heights of one surface in adjacent columns
+constexpr double kSteepest = 1.25;      // slopes beyond are for the other axis
+constexpr double kSharpest = 0.5;       // bends beyond are corners
+constexpr double kKink = 0.05;          // ... and beyond these may be beside one
+constexpr double kSmoother = 0.3;       // which shows in how much straighter one side is
+constexpr double kSmooth = 0.02;        // bends of one surface in adjacent columns differ by less
+constexpr double kSmoothBend = 0.2;     // ... and by this much of the bend more
+constexpr double kStraightest = 0.004;  // bends below are noise of the coverage
+constexpr double kRoughBend = 0.2;      // a short surface beside corners looks as bent
+constexpr double kFirm = 1.8;           // pixels of a thinner wall or gap show both its faces
+constexpr double kThin = 5.0;           // walls and gaps below need fine samples
+constexpr double kTight = 0.1;          // so do curves of less than 10 pixels
 
 using Column = std::array<double, kWindow>;
 using Window = std::array<Column, kWindow>;
@@ -184,39 +189,119 @@ SurfacePatch patch_of(const std::array<Crossings, kColumns>& columns, std::size_
   p.side = c.side;
   const double stretch = 1.0 / std::sqrt(1.0 + p.slope * p.slope);
   const bool ends = before == nullptr || after == nullptr;
-  p.corner =
-      std::abs(p.bend) < kKink && (ends || std::abs(after->at + before->at - 2.0 * c.at) > kKink);
   p.delicate = ends || c.room * stretch < kThin ||
                std::abs(after->at + before->at - 2.0 * c.at) * stretch * stretch * stretch > kTight;
   return p;
 }
 
-// Where the column is not exact but two on either side are: the cubic through those.
+// Heights of the surface through `c` in the two columns to either side, before first; false where
+// one is missing or not exact.
+bool heights_around(const std::array<Crossings, kColumns>& columns, std::size_t at,
+                    const Crossing& c, std::array<double, 5>& out) {
+  if (at < 2 || at + 2 >= kColumns || !c.exact) return false;
+  out[2] = c.at;
+  for (const int way : {-1, 1}) {
+    const Crossing* last = &c;
+    for (int by = 1; by <= 2; ++by) {
+      const int column = static_cast<int>(at) + way * by;
+      last = match(columns[static_cast<std::size_t>(column)], *last);
+      if (last == nullptr || !last->exact) return false;
+      out[static_cast<std::size_t>(2 + way * by)] = last->at;
+    }
+  }
+  return true;
+}
+
+// Whether the five columns around are of one smooth surface.
+bool smooth(const std::array<Crossings, kColumns>& columns, std::size_t at, const Crossing& c) {
+  std::array<double, 5> h;
+  if (!heights_around(columns, at, c, h)) return false;
+  const double bend = h[1] - 2.0 * h[2] + h[3];
+  const double most = kSmooth + kSmoothBend * std::abs(bend);
+  return std::abs(h[0] - 2.0 * h[1] + h[2] - bend) < most &&
+         std::abs(h[2] - 2.0 * h[3] + h[4] - bend) < most;
+}
+
+// Whether the surface through `c` ends or turns in the next two columns that way.
+bool turns(const std::array<Crossings, kColumns>& columns, std::size_t at, const Crossing& c,
+           int way) {
+  const auto column = [&](int by) -> const Crossings& {
+    return columns[static_cast<std::size_t>(static_cast<int>(at) + way * by)];
+  };
+  const Crossing* next = match(column(1), c);
+  const Crossing* after = next != nullptr ? match(column(2), *next) : nullptr;
+  return after == nullptr || std::abs(c.at - 2.0 * next->at + after->at) > kKink;
+}
+
+// Appends where the smooth surface through `c` ends before or after its column. `piece`: its patch.
+void find_ends(const std::array<Crossings, kColumns>& columns, std::size_t at, const Crossing& c,
+               SurfacePatch piece, std::vector<SurfaceEnd>& out) {
+  if (c.room < kFirm * std::sqrt(1.0 + piece.slope * piece.slope)) return;
+  if (!smooth(columns, at, c)) {
+    // A surface too short for that is as good as straight.
+    if (std::abs(piece.bend) > kRoughBend) return;
+    piece.bend = 0.0;
+    for (const int way : {-1, 1}) {
+      if (turns(columns, at, c, way)) out.push_back({piece, 1.0 * way, true});
+    }
+    return;
+  }
+  std::array<double, 5> h;
+  heights_around(columns, at, c, h);
+  // The parabola nearest to the five means of columns; straight where it could be.
+  const double base = piece.height + piece.bend / 12.0 - c.at;
+  piece.slope = (-2.0 * h[0] - h[1] + h[3] + 2.0 * h[4]) / 10.0;
+  piece.bend = (2.0 * h[0] - h[1] - 2.0 * h[2] - h[3] + 2.0 * h[4]) / 14.0;
+  double height = (-3.0 * h[0] + 12.0 * h[1] + 17.0 * h[2] + 12.0 * h[3] - 3.0 * h[4]) / 35.0;
+  if (std::abs(piece.bend) < kStraightest) {
+    piece.bend = 0.0;
+    height = (h[0] + h[1] + h[2] + h[3] + h[4]) / 5.0;
+  }
+  piece.height = base + height - piece.bend / 12.0;
+  for (const int way : {-1, 1}) {
+    const std::size_t next = static_cast<std::size_t>(static_cast<int>(at) + way);
+    if (!smooth(columns, next, *match(columns[next], c))) out.push_back({piece, 1.0 * way, false});
+  }
+}
+
+// Where the column is not exact but some on either side are: the polynomial through the nearest two
+// of each side, or as many as there are.
 void mend(std::array<Crossings, kColumns>& columns, std::size_t u) {
   for (std::size_t i = 0; i < columns[u].count; ++i) {
     Crossing& c = columns[u].items[i];
     if (c.exact) continue;
-    double near = 0.0, far = 0.0;
-    bool known = true;
+    std::array<std::pair<double, double>, 4> known;  // column from here, height
+    std::size_t count = 0, sides = 0;
     for (const int way : {-1, 1}) {
-      const auto next = [&](int by) -> const Crossings& {
-        return columns[static_cast<std::size_t>(static_cast<int>(u) + way * by)];
-      };
-      const Crossing* first = match(next(1), c);
-      const Crossing* second = first != nullptr ? match(next(2), *first) : nullptr;
-      known = known && second != nullptr && first->exact && second->exact;
-      if (!known) break;
-      near += first->at;
-      far += second->at;
+      const Crossing* last = &c;
+      const std::size_t before = count;
+      for (int by = 1; by <= 2; ++by) {
+        const int next = static_cast<int>(u) + way * by;
+        if (next < 0 || next >= kColumns) break;
+        last = match(columns[static_cast<std::size_t>(next)], *last);
+        if (last == nullptr) break;
+        if (last->exact) known[count++] = {way * by, last->at};
+      }
+      sides += count > before;
     }
-    if (known) c.at = (4.0 * near - far) / 6.0;
+    if (sides < 2) continue;
+    double height = 0.0;
+    for (std::size_t k = 0; k < count; ++k) {
+      double weight = 1.0;
+      for (std::size_t other = 0; other < count; ++other) {
+        if (other != k) weight *= known[other].first / (known[other].first - known[k].first);
+      }
+      height += weight * known[k].second;
+    }
+    c.at = height;
   }
 }
 
-void find_along(const Window& w, int x, int y, bool across, std::vector<SurfacePatch>& out) {
+void find_along(const Window& w, int x, int y, bool across, std::vector<SurfacePatch>& out,
+                std::vector<SurfaceEnd>& ends) {
   std::array<Crossings, kColumns> columns;
   for (std::size_t u = 0; u < kColumns; ++u) find_crossings(w[u + kMargin - kBeside], columns[u]);
-  for (std::size_t u = 2; u + 2 < kColumns; ++u) mend(columns, u);
+  for (std::size_t u = 1; u + 1 < kColumns; ++u) mend(columns, u);
   for (std::size_t u = kBeside; u < kBeside + kTile; ++u) {
     for (std::size_t i = 0; i < columns[u].count; ++i) {
       const Crossing& c = columns[u].items[i];
@@ -228,6 +313,7 @@ void find_along(const Window& w, int x, int y, bool across, std::vector<SurfaceP
       p.middle = (across ? y : x) + static_cast<double>(u - kBeside) + 0.5;
       p.height += (across ? x : y) - kMargin;
       out.push_back(p);
+      find_ends(columns, u, c, p, ends);
     }
   }
 }
@@ -250,13 +336,16 @@ SurfacePatch::Distance SurfacePatch::distance(double x, double y) const noexcept
   const double aside = u - f;
   const double d = std::sqrt(aside * aside + off * off);
   const double straight = (off - rise * aside) * stretch;
-  const double value = side * std::copysign(d, straight);
+  double value = side * std::copysign(d, straight);
+  const double past = aside + off * rise;
+  if (f == to && past > 0.0 && past_to != 0) value = past_to * d;
+  if (f == from && past < 0.0 && past_from != 0) value = past_from * d;
   const double curve = std::clamp(-2.0 * side * bend * stretch * stretch * stretch, -0.3, 0.3);
-  return {value, d + 0.1 * (d - std::abs(straight)), curve / std::max(1.0 + curve * value, 0.3),
-          side * straight};
+  return {value, d + 0.1 * (d - std::abs(straight)), curve / std::max(1.0 + curve * value, 0.3)};
 }
 
-void find_patches(const CoverageView& view, int x, int y, std::vector<SurfacePatch>& out) {
+void find_patches(const CoverageView& view, int x, int y, std::vector<SurfacePatch>& out,
+                  std::vector<SurfaceEnd>& ends) {
   Window columns, rows;  // [u][v]
   for (std::size_t v = 0; v < kWindow; ++v) {
     for (std::size_t u = 0; u < kWindow; ++u) {
@@ -266,8 +355,8 @@ void find_patches(const CoverageView& view, int x, int y, std::vector<SurfacePat
       rows[v][u] = w;
     }
   }
-  find_along(columns, x, y, false, out);
-  find_along(rows, x, y, true, out);
+  find_along(columns, x, y, false, out, ends);
+  find_along(rows, x, y, true, out, ends);
 }
 
 }  // namespace handrail

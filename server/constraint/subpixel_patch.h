@@ -47,28 +47,47 @@ struct SurfacePatch {
   double side = 1.0;  // +1: free space toward greater v, -1: toward less
   bool across = false;
   bool delicate = false;  // a thin wall, a narrow gap, a tight curve or an end: sampled finely
+  // What is past the ends: 0 as the tangent there says, +1 free space, -1 wall.
+  std::int8_t past_from = 0, past_to = 0;
 
   // A sample at (x, y) against this piece.
   struct Distance {
-    double value;   // to the piece, positive on its free side
-    double rank;    // the piece with the least speaks for the sample
-    double bend;    // of the distance there: its Laplacian [1/pixel]
-    double beyond;  // to the piece as if it went on straight, positive on its free side
+    double value;  // to the piece, positive on its free side
+    double rank;   // the piece with the least speaks for the sample
+    double bend;   // of the distance there: its Laplacian [1/pixel]
   };
   Distance distance(double x, double y) const noexcept;
-  Vec2 centre() const noexcept { return across ? Vec2(height, middle) : Vec2(middle, height); }
-  // Out of the wall, at the middle; unit.
-  Vec2 normal() const noexcept {
-    const double stretch = side / std::sqrt(1.0 + slope * slope);
-    return across ? Vec2(stretch, -slope * stretch) : Vec2(-slope * stretch, stretch);
+  // The point of the surface at u.
+  Vec2 at(double u) const noexcept {
+    const double v = height + (slope + bend * u) * u;
+    return across ? Vec2(v, middle + u) : Vec2(middle + u, v);
   }
-  bool corner = false;  // beside a corner, where it ends or turns
+  // Along the surface toward greater u, not unit.
+  Vec2 along(double u) const noexcept {
+    const double rise = slope + 2.0 * bend * u;
+    return across ? Vec2(rise, 1.0) : Vec2(1.0, rise);
+  }
+  // Out of the wall, unit.
+  Vec2 normal(double u) const noexcept {
+    const double rise = slope + 2.0 * bend * u;
+    const double stretch = side / std::sqrt(1.0 + rise * rise);
+    return across ? Vec2(stretch, -rise * stretch) : Vec2(-rise * stretch, stretch);
+  }
+};
+
+// Where a smooth surface ends, bends away or meets another: its last smooth piece, and the way to
+// its end.
+struct SurfaceEnd {
+  SurfacePatch piece;
+  double way = 1.0;    // +1: the end is toward greater u
+  bool rough = false;  // through three columns or two, else through five
 };
 
 // Appends the pieces whose middle is in the 8 x 8 pixels from (x, y). A column's height is the sum
 // of its coverage from free to wall, exact for straight edges; heights of three columns give slope
 // and bend. Where a wall or gap is so thin that no pixel of the column is all wall or all free, its
 // two faces are half the column's sum to either side of its centroid.
-void find_patches(const CoverageView& view, int x, int y, std::vector<SurfacePatch>& out);
+void find_patches(const CoverageView& view, int x, int y, std::vector<SurfacePatch>& out,
+                  std::vector<SurfaceEnd>& ends);
 
 }  // namespace handrail

@@ -14,13 +14,15 @@ namespace {
 constexpr int kMaxWork = 192;          // probes a tick; the proxy then carries on next tick
 constexpr double kAtRest = 1e-3;       // the hand's foot is this near
 constexpr double kOnSurface = 1e-3;    // distance counts as zero
-constexpr double kLongSlide = 3.0;     // along a surface in one step
+constexpr double kLongSlide = 5.0;     // along a surface in one step
 constexpr double kShortSlide = 0.5;    // ... where walls may be one pixel thin
+constexpr double kRound = 0.7;         // ... nor turning further [rad]
 constexpr double kMiss = 0.3;          // a slide that ends further off the surface is halved
 constexpr double kTurn = 0.5;          // ... and one that turns the normal further (cosine)
 constexpr double kLongStride = 1.0;    // through free space, at least
 constexpr double kShortStride = 0.25;  // ... where walls may be one pixel thin
 constexpr double kNook = 0.2;          // an inner corner bends more
+constexpr double kOff = 0.1;           // off the surface before it is tried
 constexpr double kHop = 2.0;           // out of it
 constexpr double kGain = 0.1;          // what makes leaving it worth while
 constexpr int kSearch = 50;            // for free space around a hand inside a wall
@@ -208,7 +210,9 @@ class SubpixelWall final : public WallProxy {
     // centre, where any way round is nearer.
     double along = 0.0, drop = 0.0;
     const double left = 1.0 - bend_ * depth;
-    const double longest = std::min(limit_, fine_ ? kShortSlide : kLongSlide);
+    // Round a tip no further than the surface is known to bend there.
+    const double longest = std::min(
+        {limit_, fine_ ? kShortSlide : kLongSlide, kRound / std::max(std::abs(bend_), 1e-9)});
     if (left > 0.05) {
       const double g = std::sqrt(left * left + bend_ * bend_ * s * s);
       along = s / g;
@@ -244,11 +248,13 @@ class SubpixelWall final : public WallProxy {
     if (!fine_ || bend_ > -kNook || hand_ == stuck_) return false;
     const Rest rest{p_, n_, bend_, limit_};
     const double nearest = (hand_ - p_).squaredNorm();
+    const Vec2 off = rest.p + kOff * rest.n;
+    if (probe(off).distance < 0.0) return false;  // no room there
     for (const double turn : {0.0, 0.8, -0.8, 1.6, -1.6}) {
       const Vec2 way = Pose2::turned(rest.n, turn);
       const Vec2 hand = hand_;
       hand_ = rest.p + kHop * way;
-      p_ = rest.p + 0.1 * rest.n;
+      p_ = off;
       touching_ = false;
       clearance_ = 0.0;
       stride_ = kShortStride;

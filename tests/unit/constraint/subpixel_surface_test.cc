@@ -91,6 +91,7 @@ TEST(SubpixelSurface, WallsOfTwoPixelsAreWithinHalfAMicrometreToo) {
     const Errors errors = along_line(angle, 2.0 * kPixel, 0.5e-4);
     EXPECT_LT(errors.rms(), 0.5e-6) << angle;
     EXPECT_LT(errors.ripple(), 0.01) << angle;
+    EXPECT_LT(errors.turn, 1.0 * std::numbers::pi / 180.0) << angle;
   }
 }
 
@@ -126,7 +127,7 @@ TEST(SubpixelSurface, AHandFarBehindAConcaveWallIsStraightBehindItsProxy) {
   EXPECT_LT(around_circle(3e-3, false, 9e-3).worst, 2e-6);
 }
 
-TEST(SubpixelSurface, TheCornerOfAnAisleHoldsTheProxyWithinAPixel) {
+TEST(SubpixelSurface, TheCornerOfAnAisleHoldsTheProxyWithinHalfAPixel) {
   // A hand pushed out past the corner of a turned rectangle is nearest to the corner itself.
   for (int i = 0; i < 12; ++i) {
     const double angle = 0.13 * i;
@@ -138,7 +139,7 @@ TEST(SubpixelSurface, TheCornerOfAnAisleHoldsTheProxyWithinAPixel) {
     const Vec2 corner = Pose2::turned({4e-3, 3e-3}, angle);
     const WallContact contact = proxy->advance(1.5 * corner);
     EXPECT_TRUE(contact.touching);
-    EXPECT_LT((contact.proxy - corner).norm(), kPixel) << angle;
+    EXPECT_LT((contact.proxy - corner).norm(), 0.4 * kPixel) << angle;
   }
 }
 

@@ -59,6 +59,23 @@ TEST(SubpixelWall, TheMapsBorderIsWall) {
   EXPECT_LT((settle(*proxy, {1e3, 1e3}).proxy - Vec2(6e-3, 4e-3)).norm(), 0.5 * kPixel);
 }
 
+TEST(SubpixelWall, AProxyCaughtBetweenAThinWallAndTheBorderStaysOnItsSide) {
+  // The wall's face has a nick there, so sharp that a step along its curve would lead across.
+  const double angle = 2.2916;
+  const Vec2 off(-0.517e-3, 0.223e-3), t(std::cos(angle), std::sin(angle)), n(-t.y(), t.x());
+  const Walls walls = test::WallPainter(240, 240, kPixel)
+                          .wall(test::rectangle(off, 1.0, 1.34e-4, angle))
+                          .finish(off + 2e-3 * n);
+  const auto proxy = make_subpixel_proxy(walls);
+  for (double s = -2e-4; s < 1.5e-3; s += 1e-5) {
+    const Vec2 along = Vec2(-10.7e-3, 11.7e-3) - s * t;
+    const Vec2 face = along + (0.67e-4 - (along - off).dot(n)) * n;
+    proxy->start(face + 4e-6 * n);
+    proxy->advance(face - 2e-5 * n);
+    EXPECT_GT((settle(*proxy, {-9.26e-3, 1.4e-2}).proxy - off).dot(n), 0.0) << s;
+  }
+}
+
 TEST(SubpixelWall, AProxyRoundsAnIslandTowardTheHand) {
   const Walls walls =
       test::WallPainter(200, 200, kPixel).wall_disc(Vec2::Zero(), 3e-3).finish({8e-3, 0.0});
@@ -136,6 +153,8 @@ TEST(SubpixelWall, AHandThatIsNotFiniteHasNotMoved) {
     EXPECT_TRUE(contact.touching);
     EXPECT_EQ(contact.proxy, before);
   }
+  // Nor does the next one start from there.
+  EXPECT_LT((settle(*proxy, {2e-3, 0.0}).proxy - Vec2(2e-3, 0.5e-3)).norm(), 1e-6);
 }
 
 TEST(SubpixelWall, AdvanceDoesBoundedWorkAndCarriesOnNextTick) {
