@@ -11,7 +11,9 @@ struct ForceLimits {
   double thermal_time = 10.0;  // averaging time of the motors' heat (engineering choice) [s]
   // Largest step of the force a millisecond, beside what the hand's own motion explains [N].
   double step = 0.05;
-  double fade_out = 0.050;  // time in which any force leaves when it is no longer trusted [s]
+  // Time in which any force leaves when it is no longer trusted: after the 20 ms in which the link
+  // counts as alive, it is gone within 50 ms of the last datagram [s].
+  double fade_out = 0.025;
 };
 
 // Where the device's force came from this tick, frame M [N]. The three add up to `device`. Tool and

@@ -38,10 +38,13 @@ bool released(const FollowState& s, const MasterState& master) {
 
 void advance_session(const FollowInput& in, FollowState& s, Reason sensor_fault) {
   SlaveSessionInput session;
-  session.link = rung_of(in.master_known, in.master_age);
+  session.link = rung_of(in.master_known, in.master_age, in.link);
+  session.confirmed = in.link.confirmed;
   session.new_session = in.new_session;
   session.robot_ready = in.robot_ready && s.placed;
-  session.fault = in.fault != Reason::kNone ? in.fault : sensor_fault;
+  session.fault = in.stop_input               ? Reason::kStopInput
+                  : in.fault != Reason::kNone ? in.fault
+                                              : sensor_fault;
   session.shutdown = in.shutdown;
   if (in.master_known) {
     session.desired = in.master.desired;
@@ -54,10 +57,9 @@ void advance_session(const FollowInput& in, FollowState& s, Reason sensor_fault)
       ++s.fault_epoch;
     }
     s.master_heard = true;
-    session.fault_released = s.session == SessionState::kFault && released(s, in.master);
+    session.fault_released =
+        s.session == SessionState::kFault && in.link.confirmed && released(s, in.master);
     if (session.stop_latched) s.stop_epoch = in.master.stop_epoch;
-    s.position_tool_epoch = in.master.position_tool.epoch;
-    s.orientation_tool_epoch = in.master.orientation_tool.epoch;
   }
   const SessionState before = s.session;
   const SessionStep next = next_slave(before, session);
@@ -73,6 +75,10 @@ void advance_session(const FollowInput& in, FollowState& s, Reason sensor_fault)
     }
   }
   if (next.state != SessionState::kFault) s.fault = Reason::kNone;
+  // Nothing moves: the tools are what the master says they are.
+  if (in.master_known && !follows(s.session) && s.session != SessionState::kHold) {
+    s.tube.restart(in.master, s.motion.X_ST);
+  }
 }
 
 // Between fresh and hold the approach slows to nothing.
@@ -96,12 +102,9 @@ Reason read_force(const FollowSettings& settings, const FollowInput& in, FollowS
   return in.wrench_valid ? Reason::kSensorInvalid : Reason::kSensorMissing;
 }
 
-// On a one-way tool the command never asks the tip to go back: where limits made it turn late, it
-// is ahead of a command that has turned already, and waits there.
-Vec3 not_behind(const ToolDefinition& tool, const Vec3& p_SU, const Vec3& p_ST) {
-  if (!tool.one_way) return p_SU;
-  const double behind = (p_ST - p_SU).dot(tool.direction_S);
-  return behind > 0.0 ? Vec3(p_SU + behind * tool.direction_S) : p_SU;
+// How far the bumper may take the tip off its tool: what it yields to twice its threshold [m].
+double most_yielding(const FollowSettings& settings) {
+  return settings.bumper.alpha * std::min(settings.sensor_range, 2.0 * settings.bumper.threshold);
 }
 
 // Moves toward the newest command; returns what intervened.
@@ -110,11 +113,17 @@ Reason follow(const FollowSettings& settings, const FollowInput& in, FollowState
     brake(settings.motion, s.motion);
     return Reason::kCommandInvalid;
   }
+  if (s.tube.take(in.master, s.motion.X_ST) != Reason::kNone) {
+    brake(settings.motion, s.motion);
+    return Reason::kHashTools;
+  }
   s.oldest_applied = std::max(s.oldest_applied, in.master_age);
-  const Vec3 p_SU = not_behind(in.master.position_tool, in.master.X_SU.p, s.motion.X_ST.p);
-  const Bumped bumped = bump(settings.bumper, p_SU, s.f_E_S, s.motion.X_ST.p);
-  const Reason limit = move_toward(settings.motion, {bumped.p_SB, in.master.X_SU.q},
-                                   share_of_speed(in.master_age), s.motion);
+  if (s.session == SessionState::kEngaged) s.tube.close(settings.motion.dt);
+  const Pose X_SN = s.tube.project(in.master.X_SU, s.motion.X_ST);
+  Bumped bumped = bump(settings.bumper, X_SN.p, s.f_E_S, s.motion.X_ST.p);
+  bumped.p_SB = s.tube.bounded(bumped.p_SB, most_yielding(settings));
+  const Reason limit =
+      move_toward(settings.motion, {bumped.p_SB, X_SN.q}, share_of_speed(in.master_age), s.motion);
   return bumped.acting ? Reason::kBumper : limit;
 }
 
@@ -170,11 +179,12 @@ void follow_step(const FollowSettings& settings, const FollowInput& in, FollowSt
   if (!link.has_wrench) link.f_E_S.torque.setZero();
   link.stop_epoch = s.stop_epoch;
   link.fault_epoch = s.fault_epoch;
-  link.position_tool_epoch = s.position_tool_epoch;
-  link.orientation_tool_epoch = s.orientation_tool_epoch;
+  link.position_tool_epoch = s.tube.position_epoch();
+  link.orientation_tool_epoch = s.tube.orientation_epoch();
   link.oldest_applied = s.oldest_applied;
   link.cycles = s.cycles;
   link.hashes = settings.hashes;
+  link.hashes.tools = s.tube.hash();
   link.scene = settings.scene;
 }
 

@@ -4,8 +4,9 @@
 
 #include "server/base/link_state.h"
 #include "server/control/bumper.h"
-#include "server/control/session.h"
+#include "server/control/ladder.h"
 #include "server/control/tip_motion.h"
+#include "server/control/tool_tube.h"
 
 namespace handrail {
 
@@ -53,8 +54,7 @@ struct FollowState {
   Vec3 f_E_S = Vec3::Zero();  // last valid force [N]
   Nanos oldest_applied = 0;
   std::uint64_t cycles = 0;
-  std::uint32_t position_tool_epoch = 0;
-  std::uint32_t orientation_tool_epoch = 0;
+  ToolTube tube;
 };
 
 // Places the commands where the controller holds the arm; until then nothing is followed.

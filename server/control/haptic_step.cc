@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "server/base/fnv.h"
+#include "server/control/tool_tube.h"
 
 namespace handrail {
 namespace {
@@ -15,6 +15,8 @@ constexpr double kFarthest = 10.0;
 constexpr double kFastest = 100.0;  // nor does a hand move like this [m/s]
 // A hand silent for longer takes over again like after a clutch, wherever it comes back [s].
 constexpr double kLongestGap = 0.020;
+// Homing and aligning take no longer [s].
+constexpr double kLongestAligning = 10.0;
 
 bool plausible(const Pose& X) {
   return is_finite(X) && is_unit(X.q) && X.p.cwiseAbs().maxCoeff() <= kFarthest;
@@ -26,6 +28,13 @@ Reason first_mismatch(const HapticSettings& settings, const SlaveState& slave) {
   if (settings.hashes.limits != slave.hashes.limits) return Reason::kHashLimits;
   if (settings.hashes.robot != slave.hashes.robot) return Reason::kHashRobot;
   return Reason::kNone;
+}
+
+// The slave holds another definition of a tool it says it has taken.
+bool tools_differ(const HapticState& s, const SlaveState& slave) {
+  return slave.position_tool_epoch == s.guide.position().definition().epoch &&
+         slave.orientation_tool_epoch == s.guide.orientation().definition().epoch &&
+         slave.hashes.tools != s.tools_hash;
 }
 
 // The hand may move the command; in hold the arm catches up when the link comes back.
@@ -60,15 +69,22 @@ void drop_tools(const HapticSettings& settings, HapticState& s) {
 
 // Refused is refused: a wish that waited for the obstacle to go would engage out of the blue.
 Reason obstacle_to_engaging(const HapticSettings& settings, const HapticInput& in,
-                            const HapticState& s) {
+                            const LadderStep& ladder, const HapticState& s) {
   if (!s.hand_known || s.hand_gap > kLongestGap) return Reason::kDeviceInvalid;
-  const LinkRung link = rung_of(in.slave_known, in.slave_age);
-  if (link != LinkRung::kFresh && link != LinkRung::kSlow) return reason_of(link);
+  if (!s.present) return Reason::kPresence;
+  if (ladder.rung == LinkRung::kHold) return Reason::kLinkQuality;
+  if (ladder.rung != LinkRung::kFresh && ladder.rung != LinkRung::kSlow) {
+    return reason_of(ladder.rung);
+  }
+  if (!in.link.confirmed) return Reason::kNotConfirmed;
+  if (!ladder.held_good) return Reason::kLinkQuality;
   if (in.slave.state == SessionState::kFault) return Reason::kPeerFault;
+  if (tools_differ(s, in.slave)) return Reason::kHashTools;
   return first_mismatch(settings, in.slave);
 }
 
-Reason carry_out(const HapticSettings& settings, const HapticInput& in, HapticState& s) {
+Reason carry_out(const HapticSettings& settings, const HapticInput& in, const LadderStep& ladder,
+                 HapticState& s) {
   switch (in.order.kind) {
     case OrderKind::kNone:
       return Reason::kNone;
@@ -76,7 +92,7 @@ Reason carry_out(const HapticSettings& settings, const HapticInput& in, HapticSt
       if (settings.walls != nullptr) return Reason::kNoArmInScene;
       if (stop_latched(s)) return Reason::kStopRequested;
       if (s.session == SessionState::kFault) return s.session_reason;
-      const Reason obstacle = obstacle_to_engaging(settings, in, s);
+      const Reason obstacle = obstacle_to_engaging(settings, in, ladder, s);
       if (obstacle == Reason::kNone) s.want_engaged = true;
       return obstacle;
     }
@@ -117,14 +133,26 @@ Reason carry_out(const HapticSettings& settings, const HapticInput& in, HapticSt
   return Reason::kNone;
 }
 
-void advance_session(const HapticSettings& settings, const HapticInput& in, HapticState& s) {
+// Nobody there is as good as a clutch held; for long, the engagement ends.
+void see_presence(const HapticSettings& settings, const HapticInput& in, double dt,
+                  HapticState& s) {
+  s.present = present(settings.presence, in.hand.valid && in.hand.enable_button, in.hold_heard);
+  s.absent_for = s.present ? 0.0 : std::min(s.absent_for + dt, kAbsence);
+  if (s.absent_for >= kAbsence) s.want_engaged = s.want_clutched = false;
+}
+
+void advance_session(const HapticSettings& settings, const HapticInput& in,
+                     const LadderStep& ladder, double dt, HapticState& s) {
   MasterSessionInput session;
-  const bool clutched = s.want_clutched || in.hand.clutch_button;
+  const bool clutched = s.want_clutched || in.hand.clutch_button || !s.present;
   // Without a hand there is nothing to engage.
   session.desired = !s.want_engaged || !s.hand_known ? Desired::kOff
                     : clutched                       ? Desired::kClutched
                                                      : Desired::kEngaged;
-  session.link = rung_of(in.slave_known, in.slave_age);
+  session.link = ladder.rung;
+  session.confirmed = in.link.confirmed;
+  session.ready = in.device_ready;
+  session.overdue = s.aligning_for >= kLongestAligning;
   session.peer = in.slave.state;
   session.mismatch = first_mismatch(settings, in.slave);
   session.stop_latched = stop_latched(s);
@@ -133,6 +161,8 @@ void advance_session(const HapticSettings& settings, const HapticInput& in, Hapt
   const SessionState before = s.session;
   const SessionStep next = next_master(before, session);
   s.session = next.state;
+  const bool waiting = s.session == SessionState::kHoming || s.session == SessionState::kAligning;
+  s.aligning_for = waiting ? s.aligning_for + dt : 0.0;
   // The first cause of a fault stays, unless the operator's stop comes on top.
   if (next.state != SessionState::kFault || before != SessionState::kFault ||
       next.reason == Reason::kStopRequested) {
@@ -227,15 +257,15 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
   }
 
   const std::uint32_t epochs_before = tool_epochs(s);
-  out.order_result = carry_out(settings, in, s);
+  const LadderStep ladder =
+      ladder_step(settings.ladder, in.slave_known, in.slave_age, in.link, dt, s.ladder);
+  see_presence(settings, in, dt, s);
+  out.order_result = carry_out(settings, in, ladder, s);
   if (in.hand.drop_button && !s.button_was_down) drop_tools(settings, s);
   s.button_was_down = in.hand.drop_button;
-  advance_session(settings, in, s);
+  advance_session(settings, in, ladder, dt, s);
   if (tool_epochs(s) != epochs_before) {
-    s.tools_hash = Fnv()
-                       .u64(hash_of(s.guide.position().definition()))
-                       .u64(hash_of(s.guide.orientation().definition()))
-                       .value();
+    s.tools_hash = tools_hash(s.guide.position().definition(), s.guide.orientation().definition());
   }
 
   Vec3 f_tool = Vec3::Zero();
@@ -252,7 +282,7 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
     if (s.guide.position().active() && hand_ok) f_tool -= settings.damping * in.hand.v_MH;
     // (3.3), against the command before the bumper, so that contact is felt.
     f_spring = settings.spring_stiffness * s.engagement.to_hand(in.slave.X_ST.p - s.X_SU.p);
-    torque = torque_of(settings, s, guidance.twist_pull);
+    torque = ladder.force_share * torque_of(settings, s, guidance.twist_pull);
     out.blending = guidance.blending;
     out.deviation = s.guide.position().active() ? pull_M.norm() : 0.0;
     out.deviation_angle = s.guide.orientation().deviation(X_SH.q);
@@ -265,9 +295,9 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
   const bool in_doubt = s.session == SessionState::kHold || s.session == SessionState::kFault ||
                         (engaged && !(in.slave.has_pose && plausible(in.slave.X_ST)));
   if (!hand_ok) s.arbiter.cut();
-  out.shares = s.arbiter.share(settings.force, f_tool, f_spring,
-                               s.guide.stiffness(settings.guide) * hand_motion.norm(),
-                               hand_ok && !in_doubt, dt);
+  out.shares = s.arbiter.share(
+      settings.force, ladder.force_share * f_tool, ladder.force_share * f_spring,
+      s.guide.stiffness(settings.guide) * hand_motion.norm(), hand_ok && !in_doubt, dt);
   out.f_H_M.force = out.shares.device;
   out.f_H_M.torque = s.torque =
       limited_torque(settings, s.torque, hand_ok && !in_doubt ? torque : Vec3(Vec3::Zero()), dt);
@@ -275,11 +305,15 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
   if (out.shares.thermal) out.reasons.add(Reason::kForceContinuous);
   if (out.shares.budget) out.reasons.add(Reason::kForceBudget);
   if (out.shares.stepped) out.reasons.add(Reason::kForceRate);
-  if (s.session != SessionState::kOff && in_doubt) out.reasons.add(Reason::kForceFaded);
+  if (s.session != SessionState::kOff && (in_doubt || ladder.force_share < 1.0))
+    out.reasons.add(Reason::kForceFaded);
 
   out.reason = s.session_reason;
   if (engaged && !s.driving) out.reason = Reason::kDeviceInvalid;
+  if (s.session == SessionState::kClutched && !s.present) out.reason = Reason::kPresence;
   out.reasons.add(out.reason);
+  if (s.want_engaged && ladder.old_loop) out.reasons.add(Reason::kLoopAge);
+  if (ladder.rung != rung_of(in.slave_known, in.slave_age)) out.reasons.add(Reason::kLinkQuality);
   fill_link(settings, s, out.link);
 }
 

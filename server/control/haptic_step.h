@@ -110,6 +110,10 @@ struct HapticState {
   bool has_command = false;
   Vec3 torque = Vec3::Zero();  // last torque on the hand, frame M [N m]
   std::uint64_t tools_hash = 0;
+  LadderState ladder;
+  bool present = true;
+  double absent_for = 0.0;    // at most kAbsence [s]
+  double aligning_for = 0.0;  // homing or aligning [s]
 };
 
 // Pure and bounded: no clock, lock, log or allocation. `dt` > 0 [s]. On an invalid reading the last

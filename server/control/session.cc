@@ -56,15 +56,20 @@ SessionStep next_master(SessionState state, const MasterSessionInput& in) noexce
     case kHoming:
       if (in.desired == Desired::kOff) return {kOff, Reason::kNotEngaged};
       if (!flowing(in.link)) return {kOff, reason_of(in.link)};
+      if (!in.confirmed) return {kOff, Reason::kNotConfirmed};
       if (in.peer == kFault) return {kOff, Reason::kPeerFault};
       if (in.mismatch != Reason::kNone) return {kOff, in.mismatch};
-      return {kAligning, Reason::kNone};
+      if (in.ready) return {kAligning, Reason::kNone};
+      return {in.overdue ? kOff : kHoming, Reason::kHoming};
     case kAligning:
       if (in.desired == Desired::kOff) return {kOff, Reason::kNotEngaged};
       if (in.peer == kFault) return {kFault, Reason::kPeerFault};
       if (lost(in.link)) return {kOff, reason_of(in.link)};
       if (flowing(in.link) && follows(in.peer)) return {driving(in.desired), Reason::kNone};
-      return {kAligning, Reason::kNone};
+      if (in.overdue) {
+        return {kOff, in.peer == kHoming ? Reason::kHoming : Reason::kAlignmentMismatch};
+      }
+      return {kAligning, in.peer == kHoming ? Reason::kHoming : Reason::kNone};
     case kEngaged:
     case kClutched:
     case kHold:
@@ -72,8 +77,10 @@ SessionStep next_master(SessionState state, const MasterSessionInput& in) noexce
       if (lost(in.link)) return {kFault, Reason::kLinkLost};
       if (in.peer == kFault) return {kFault, Reason::kPeerFault};
       // The slave left the session without a fault: it restarted.
-      if (in.peer == kOff || in.peer == kAligning || in.peer == kHoming) return {kFault, Reason::kSessionClosed};
+      if (in.peer == kOff || in.peer == kAligning || in.peer == kHoming)
+        return {kFault, Reason::kSessionClosed};
       if (!flowing(in.link) || in.peer == kHold) return {kHold, Reason::kLinkHold};
+      if (!in.confirmed) return {kHold, Reason::kNotConfirmed};
       return {driving(in.desired),
               in.desired == Desired::kClutched ? Reason::kClutched : reason_of(in.link)};
     case kFault:
@@ -91,16 +98,22 @@ SessionStep next_slave(SessionState state, const SlaveSessionInput& in) noexcept
   if (in.shutdown && state != kFault) return {kOff, Reason::kShutdown};
   switch (state) {
     case kOff:
-    case kHoming:
-      if (!in.robot_ready) return {kOff, Reason::kRobotNotConnected};
+    case kHoming: {
+      const bool asked = flowing(in.link) && in.confirmed && !in.new_session &&
+                         in.desired != Desired::kOff && in.master == kAligning;
+      if (!in.robot_ready) return {asked ? kHoming : kOff, Reason::kRobotNotConnected};
       if (!flowing(in.link)) return {kOff, reason_of(in.link)};
-      if (in.desired == Desired::kOff || in.master != kAligning) return {kOff, Reason::kNotEngaged};
+      if (!in.confirmed) return {kOff, Reason::kNotConfirmed};
+      if (!asked) return {kOff, Reason::kNotEngaged};
       return {kAligning, Reason::kNone};
+    }
     case kAligning:
       if (in.new_session || in.desired == Desired::kOff || in.master == kFault) {
         return {kOff, Reason::kNotEngaged};
       }
       if (!flowing(in.link)) return {kOff, reason_of(in.link)};
+      if (!in.confirmed) return {kOff, Reason::kNotConfirmed};
+      if (!in.robot_ready) return {kOff, Reason::kRobotNotConnected};
       if (!in.aligned) return {kAligning, Reason::kAlignmentMismatch};
       return {kEngaged, Reason::kNone};
     case kEngaged:
@@ -109,6 +122,7 @@ SessionStep next_slave(SessionState state, const SlaveSessionInput& in) noexcept
       if (in.new_session) return {kOff, Reason::kSessionClosed};
       if (lost(in.link)) return {kFault, Reason::kLinkLost};
       if (!flowing(in.link)) return {kHold, Reason::kLinkHold};
+      if (!in.confirmed) return {kHold, Reason::kNotConfirmed};
       if (in.desired == Desired::kOff || in.master == kOff || in.master == kFault) {
         return {kOff, Reason::kNotEngaged};
       }

@@ -26,11 +26,15 @@ struct MasterSessionInput {
   SessionState peer = SessionState::kOff;
   Reason mismatch = Reason::kNone;  // first configuration section that differs
   bool stop_latched = false;
-  bool reset = false;  // the operator has just asked for a reset
+  bool reset = false;     // the operator has just asked for a reset
+  bool ready = true;      // the device is calibrated
+  bool confirmed = true;  // the slave has answered this session
+  bool overdue = false;   // homing and aligning have taken too long
 };
 
 // Next state of the master's session. Real-time safe.
-//   off -> aligning: engage wanted, link fresh, peer healthy, configurations equal
+//   off -> homing or aligning: engage wanted, link fresh and confirmed, peer healthy,
+//     configurations equal; homing -> aligning: the device is ready; both -> off when overdue
 //   aligning -> engaged: the slave stands on the pose it will be led from
 //   engaged <-> clutched: as desired;   engaged, clutched -> hold -> back: link age, by itself
 //   any -> fault: stop, lost link, peer in fault or gone;   fault -> off: reset
@@ -47,9 +51,11 @@ struct SlaveSessionInput {
   bool stop_latched = false;
   bool fault_released = false;  // the operator has reset the newest fault
   bool shutdown = false;        // this daemon is ending
+  bool confirmed = true;        // the master has answered this session
 };
 
-// Next state of the slave's session. Real-time safe.
+// Next state of the slave's session. Homing is becoming ready, never a motion: as aligning, but the
+// robot is not there yet. Real-time safe.
 SessionStep next_slave(SessionState state, const SlaveSessionInput& in) noexcept;
 
 // True while the slave moves toward commands.

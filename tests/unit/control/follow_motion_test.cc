@@ -105,6 +105,7 @@ TEST(FollowMotion, AOneWayToolsTipNeverGoesBackThroughHoldsAndStops) {
     rig.engage();
     const Pose A = rig.state.motion.X_ST;
     rig.in.master.position_tool = test::line_along(A.p, dice.unit(), true);
+    rig.in.master.position_tool.epoch = 1;
     const Vec3 direction = rig.in.master.position_tool.direction_S;
     double wanted = 0.0, furthest = 0.0;
     for (int i = 0; i < 300; ++i) {
@@ -131,6 +132,7 @@ TEST(FollowMotion, AOneWayToolsTipNeverGoesBackWhereItsCommandTurnsACornerAtFull
     ToolDefinition plane = test::plane_across(A.p, dice.unit());
     plane.direction_S = plane.normal_S.unitOrthogonal();
     plane.one_way = true;
+    plane.epoch = 1;
     rig.in.master.position_tool = plane;
     const Vec3 across = plane.normal_S.cross(plane.direction_S);
     double furthest = 0.0;
@@ -156,6 +158,7 @@ TEST(FollowMotion, ATipAheadOfTheCommandWhenAOneWayToolIsCalledWaitsForIt) {
   // The command has turned back before the call, the tip has not yet.
   X.p.y() = rig.tip.p.y() - 0.02;
   rig.in.master.position_tool = test::line_along(X.p, Vec3::UnitY(), true);
+  rig.in.master.position_tool.epoch = 1;
   double furthest = rig.tip.p.y();
   for (int i = 0; i < 200; ++i) {
     rig.follow(X);

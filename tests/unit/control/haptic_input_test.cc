@@ -134,7 +134,7 @@ TEST(HapticInput, ASlaveStateThatIsNoPoseGivesNoForceAndNoCommand) {
       rig.tick();
       ASSERT_TRUE(rig.finite) << bad;
       // It fades, as any force that has lost its reason.
-      ASSERT_LE(rig.force_step, 3.3 / 50.0 + 1e-12) << bad;
+      ASSERT_LE(rig.force_step, 3.3 / 25.0 + 1e-12) << bad;
     }
     EXPECT_LT(rig.out.f_H_M.force.norm(), 1e-9);
     EXPECT_TRUE(rig.out.reasons.has(Reason::kForceFaded));

@@ -9,9 +9,9 @@ namespace {
 
 constexpr LinkRung kRungs[] = {LinkRung::kNone, LinkRung::kFresh, LinkRung::kSlow,
                                LinkRung::kHold, LinkRung::kLost,  LinkRung::kClosed};
-constexpr SessionState kStates[] = {SessionState::kOff,     SessionState::kAligning,
-                                    SessionState::kEngaged, SessionState::kClutched,
-                                    SessionState::kHold,    SessionState::kFault};
+constexpr SessionState kStates[] = {
+    SessionState::kOff,  SessionState::kAligning, SessionState::kEngaged, SessionState::kClutched,
+    SessionState::kHold, SessionState::kFault,    SessionState::kHoming};
 constexpr Desired kWishes[] = {Desired::kOff, Desired::kEngaged, Desired::kClutched};
 
 bool one_of(SessionState state, std::initializer_list<SessionState> set) {
@@ -24,7 +24,7 @@ bool master_may(SessionState from, SessionState to) {
   switch (from) {
     case kOff:
     case kHoming:
-      return one_of(to, {kOff, kAligning, kFault});
+      return one_of(to, {kOff, kHoming, kAligning, kFault});
     case kAligning:
       return one_of(to, {kAligning, kOff, kEngaged, kClutched, kFault});
     case kEngaged:
@@ -44,7 +44,7 @@ bool slave_may(SessionState from, SessionState to) {
   switch (from) {
     case kOff:
     case kHoming:
-      return one_of(to, {kOff, kAligning, kFault});
+      return one_of(to, {kOff, kHoming, kAligning, kFault});
     case kAligning:
       return one_of(to, {kAligning, kOff, kEngaged, kFault});
     case kEngaged:
@@ -67,7 +67,10 @@ void for_every_master_input(F&& f) {
         for (const Reason mismatch : {Reason::kNone, Reason::kHashRobot}) {
           for (const bool stop : {false, true}) {
             for (const bool reset : {false, true}) {
-              f(MasterSessionInput{desired, link, peer, mismatch, stop, reset});
+              for (int bits = 0; bits < 8; ++bits) {
+                f(MasterSessionInput{desired, link, peer, mismatch, stop, reset, (bits & 1) != 0,
+                                     (bits & 2) != 0, (bits & 4) != 0});
+              }
             }
           }
         }
@@ -81,11 +84,11 @@ void for_every_slave_input(F&& f) {
   for (const Desired desired : kWishes) {
     for (const SessionState master : kStates) {
       for (const LinkRung link : kRungs) {
-        for (int bits = 0; bits < 128; ++bits) {
+        for (int bits = 0; bits < 256; ++bits) {
           const auto bit = [bits](int i) { return (bits >> i & 1) != 0; };
           f(SlaveSessionInput{desired, master, link, bit(0), bit(1), bit(2),
-                              bit(3) ? Reason::kRobotAlarm : Reason::kNone, bit(4), bit(5),
-                              bit(6)});
+                              bit(3) ? Reason::kRobotAlarm : Reason::kNone, bit(4), bit(5), bit(6),
+                              bit(7)});
         }
       }
     }
@@ -125,12 +128,17 @@ TEST(MasterSession, AStopFaultsFromEveryStateAndOutranksAReset) {
   }
 }
 
-TEST(MasterSession, AlignsOnlyWithAFlowingLinkAHealthyPeerAndEqualConfigurations) {
+TEST(MasterSession, AlignsOnlyWithAFlowingConfirmedLinkAHealthyPeerAndEqualConfigurations) {
   for_every_master_input([](const MasterSessionInput& in) {
     const bool may = in.desired != Desired::kOff && !in.stop_latched &&
                      (in.link == LinkRung::kFresh || in.link == LinkRung::kSlow) &&
-                     in.peer != SessionState::kFault && in.mismatch == Reason::kNone;
-    EXPECT_EQ(next_master(SessionState::kOff, in).state == SessionState::kAligning, may);
+                     in.peer != SessionState::kFault && in.mismatch == Reason::kNone &&
+                     in.confirmed;
+    for (const SessionState from : {SessionState::kOff, SessionState::kHoming}) {
+      const SessionState next = next_master(from, in).state;
+      EXPECT_EQ(next == SessionState::kAligning, may && in.ready);
+      EXPECT_EQ(next == SessionState::kHoming, may && !in.ready && !in.overdue);
+    }
   });
 }
 
@@ -164,7 +172,7 @@ TEST(MasterSession, DrivesOnlyWhileTheLinkFlowsAndThePeerFollows) {
       const SessionState next = next_master(from, in).state;
       const bool flowing = in.link == LinkRung::kFresh || in.link == LinkRung::kSlow;
       if (follows(next)) {
-        EXPECT_TRUE(flowing && follows(in.peer) && in.desired != Desired::kOff);
+        EXPECT_TRUE(flowing && in.confirmed && follows(in.peer) && in.desired != Desired::kOff);
       }
       if (in.desired == Desired::kOff && !in.stop_latched) {
         EXPECT_EQ(next, SessionState::kOff);
@@ -234,6 +242,7 @@ TEST(SlaveSession, EngagesOnlyFromAlignmentOnTheHeldPose) {
       EXPECT_EQ(from, SessionState::kAligning);
       EXPECT_TRUE(in.aligned);
       EXPECT_FALSE(in.new_session);
+      EXPECT_TRUE(in.confirmed && in.robot_ready);
       EXPECT_TRUE(in.link == LinkRung::kFresh || in.link == LinkRung::kSlow);
     });
   }
@@ -246,6 +255,7 @@ TEST(SlaveSession, FollowsOnlyAFlowingLinkAndAMasterThatWantsIt) {
       if (!follows(next_slave(from, in).state)) return;
       EXPECT_TRUE(in.link == LinkRung::kFresh || in.link == LinkRung::kSlow);
       EXPECT_NE(in.desired, Desired::kOff);
+      EXPECT_TRUE(in.confirmed);
       EXPECT_FALSE(in.new_session || in.shutdown);
       EXPECT_FALSE(in.master == SessionState::kOff || in.master == SessionState::kFault);
     });
@@ -284,6 +294,39 @@ TEST(SlaveSession, AGapOfMoreThan200MillisecondsLatches) {
   EXPECT_EQ(next_slave(SessionState::kFault, in).state, SessionState::kFault);
   in.fault_released = true;
   EXPECT_EQ(next_slave(SessionState::kFault, in).state, SessionState::kOff);
+}
+
+TEST(MasterSession, HomingAndAligningEndWhenTheyTakeTooLong) {
+  MasterSessionInput in;
+  in.desired = Desired::kEngaged;
+  in.link = LinkRung::kFresh;
+  in.ready = false;
+  EXPECT_EQ(next_master(SessionState::kOff, in).state, SessionState::kHoming);
+  in.overdue = true;
+  EXPECT_EQ(next_master(SessionState::kHoming, in).state, SessionState::kOff);
+  EXPECT_EQ(next_master(SessionState::kHoming, in).reason, Reason::kHoming);
+  in.ready = true;
+  in.peer = SessionState::kHoming;
+  EXPECT_EQ(next_master(SessionState::kAligning, in).state, SessionState::kOff);
+  EXPECT_EQ(next_master(SessionState::kAligning, in).reason, Reason::kHoming);
+}
+
+TEST(SlaveSession, HomesOnlyWhileTheRobotIsNotReadyAndSomebodyConfirmedAsks) {
+  for_every_slave_input([](const SlaveSessionInput& in) {
+    const bool homing = next_slave(SessionState::kOff, in).state == SessionState::kHoming;
+    if (!homing) return;
+    EXPECT_FALSE(in.robot_ready);
+    EXPECT_TRUE(in.confirmed && in.desired != Desired::kOff);
+    EXPECT_EQ(in.master, SessionState::kAligning);
+  });
+  SlaveSessionInput in;
+  in.desired = Desired::kEngaged;
+  in.master = SessionState::kAligning;
+  in.link = LinkRung::kFresh;
+  EXPECT_EQ(next_slave(SessionState::kOff, in).state, SessionState::kHoming);
+  EXPECT_EQ(next_slave(SessionState::kHoming, in).state, SessionState::kHoming);
+  in.robot_ready = true;
+  EXPECT_EQ(next_slave(SessionState::kHoming, in).state, SessionState::kAligning);
 }
 
 TEST(SlaveSession, AFaultIsNotReleasedWhileTheRobotIsNotReady) {

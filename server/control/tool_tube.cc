@@ -1,0 +1,113 @@
+#include "server/control/tool_tube.h"
+
+#include <algorithm>
+
+#include "server/base/fnv.h"
+#include "server/control/blend.h"
+
+namespace handrail {
+namespace {
+
+// As the master lets go of its offsets.
+constexpr double kCatchUp = 0.060;          // [m/s]
+constexpr double kCatchUpRotation = 0.262;  // [rad/s]
+// Rounding of a command that stands on its tool.
+constexpr double kOnTool = 1e-9;  // [m], [rad]
+
+// What is left of `size` after `dt`.
+double let_go(double size, double rate, double dt) {
+  Blend blend;
+  blend.absorb({size, 0.0, 0.0});
+  blend.decay(rate, dt);
+  return blend.offset().x();
+}
+
+}  // namespace
+
+std::uint64_t tools_hash(const ToolDefinition& position,
+                         const ToolDefinition& orientation) noexcept {
+  if (position.epoch == 0 && orientation.epoch == 0) return 0;
+  return Fnv().u64(hash_of(position)).u64(hash_of(orientation)).value();
+}
+
+void ToolTube::take_position(const ToolDefinition& tool, const Pose& X_ST) noexcept {
+  position_ = tool;
+  position_hash_ = hash_of(tool);
+  radius_ = distance(X_ST.p);
+}
+
+void ToolTube::take_orientation(const ToolDefinition& tool, const Pose& X_ST) noexcept {
+  orientation_ = OrientationTool(tool);
+  orientation_hash_ = hash_of(tool);
+  orientation_.start(X_ST.q);
+  angle_ = orientation_.deviation(X_ST.q);
+}
+
+void ToolTube::restart(const MasterState& master, const Pose& X_ST) noexcept {
+  take_position(master.position_tool, X_ST);
+  take_orientation(master.orientation_tool, X_ST);
+  hash_ = tools_hash(position_, orientation_.definition());
+}
+
+Reason ToolTube::take(const MasterState& master, const Pose& X_ST) noexcept {
+  const ToolDefinition& p = master.position_tool;
+  const ToolDefinition& o = master.orientation_tool;
+  const bool stale = p.epoch < position_epoch() || o.epoch < orientation_epoch() ||
+                     (p.epoch == position_epoch() && hash_of(p) != position_hash_) ||
+                     (o.epoch == orientation_epoch() && hash_of(o) != orientation_hash_);
+  if (stale) return Reason::kHashTools;
+  if (p.epoch == position_epoch() && o.epoch == orientation_epoch()) return Reason::kNone;
+  if (p.epoch != position_epoch()) take_position(p, X_ST);
+  if (o.epoch != orientation_epoch()) take_orientation(o, X_ST);
+  hash_ = tools_hash(position_, orientation_.definition());
+  return Reason::kNone;
+}
+
+void ToolTube::close(double dt) noexcept {
+  radius_ = let_go(radius_, kCatchUp, dt);
+  angle_ = let_go(angle_, kCatchUpRotation, dt);
+}
+
+Vec3 ToolTube::across(const Vec3& p) const noexcept {
+  const Vec3 d = p - position_.p_SA;
+  switch (position_.kind) {
+    case ToolKind::kPoint:
+      return d;
+    case ToolKind::kLine:
+      return d - d.dot(position_.direction_S) * position_.direction_S;
+    case ToolKind::kPlane:
+      return d.dot(position_.normal_S) * position_.normal_S;
+    default:
+      return Vec3::Zero();
+  }
+}
+
+Vec3 ToolTube::bounded(const Vec3& p, double contact) const noexcept {
+  const Vec3 off = across(p);
+  const double size = off.norm(), most = radius_ + contact;
+  return size > most + kOnTool ? Vec3(p - off * (1.0 - most / size)) : p;
+}
+
+Pose ToolTube::project(const Pose& X_SU, const Pose& X_ST) noexcept {
+  Pose X = X_SU;
+  const Vec3& along = position_.direction_S;
+  const double travel = (X.p - position_.p_SA).dot(along);
+  const double tip = (X_ST.p - position_.p_SA).dot(along);
+  double allowed = travel;
+  if (position_.has_end) allowed = std::min(allowed, std::max(position_.end, tip));
+  // Where limits made the tip turn late it is ahead of a command that has turned, and waits there.
+  if (position_.one_way) allowed = std::max(allowed, tip);
+  if (allowed != travel) X.p += (allowed - travel) * along;
+  X.p = bounded(X.p, 0.0);
+
+  if (!orientation_.active()) return X;
+  const Quat q_tool = orientation_.advance(X.q);
+  const Vec3 off = rotation_log(q_tool.conjugate() * X.q);
+  const double angle = off.norm();
+  if (angle > angle_ + kOnTool) {
+    X.q = (q_tool * rotation_exp(off * (angle_ / angle))).normalized();
+  }
+  return X;
+}
+
+}  // namespace handrail

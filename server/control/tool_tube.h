@@ -1,0 +1,62 @@
+// The slave's own hold on the active tools: whatever the master commands, the tip stays on them.
+#pragma once
+
+#include <cstdint>
+
+#include "server/base/link_state.h"
+#include "server/constraint/orientation_tool.h"
+
+namespace handrail {
+
+// Keeps commands on the tools the master has defined. Where a tool is called away from the tip, the
+// tip rides to it: commands may then be off the tool by a distance and an angle that start as the
+// tip's own and only shrink, by the law the master eases with (blend.h). Real-time safe.
+class ToolTube {
+ public:
+  // Takes over what `master` defines, whatever was before; `X_ST`: the tip as commanded.
+  void restart(const MasterState& master, const Pose& X_ST) noexcept;
+
+  // Takes over a changed tool. kHashTools, and nothing changes, when a definition is older than the
+  // one held, or another one of the same epoch: that command must not be applied.
+  Reason take(const MasterState& master, const Pose& X_ST) noexcept;
+
+  // Shrinks what commands may be off, for `dt` [s]. To be called while the hand drives.
+  void close(double dt) noexcept;
+
+  // `X_SU` on the tools as far as they must be; on a one-way tool never behind the tip, and not
+  // beyond an end. A command within a nanometre passes bit for bit.
+  Pose project(const Pose& X_SU, const Pose& X_ST) noexcept;
+
+  // `p` no further off the position tool than `contact` [m] beside what commands may be off.
+  Vec3 bounded(const Vec3& p, double contact) const noexcept;
+
+  // Distance and angle a command may be off the tools [m], [rad].
+  double radius() const noexcept { return radius_; }
+  double angle() const noexcept { return angle_; }
+  // Distance of `p` from the position tool, as a set without direction and end [m].
+  double distance(const Vec3& p) const noexcept { return across(p).norm(); }
+
+  std::uint32_t position_epoch() const noexcept { return position_.epoch; }
+  std::uint32_t orientation_epoch() const noexcept { return orientation_.definition().epoch; }
+  // Of both definitions, as the master hashes its own; 0 before the first tool.
+  std::uint64_t hash() const noexcept { return hash_; }
+
+ private:
+  Vec3 across(const Vec3& p) const noexcept;
+  void take_position(const ToolDefinition& tool, const Pose& X_ST) noexcept;
+  void take_orientation(const ToolDefinition& tool, const Pose& X_ST) noexcept;
+
+  ToolDefinition position_;
+  OrientationTool orientation_;
+  std::uint64_t position_hash_ = 0;
+  std::uint64_t orientation_hash_ = 0;
+  std::uint64_t hash_ = 0;
+  double radius_ = 0.0;
+  double angle_ = 0.0;
+};
+
+// Hash of a pair of tools, the same on both sides; 0 while neither slot has ever held one.
+std::uint64_t tools_hash(const ToolDefinition& position,
+                         const ToolDefinition& orientation) noexcept;
+
+}  // namespace handrail

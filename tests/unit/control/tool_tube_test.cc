@@ -1,0 +1,201 @@
+// The slave keeps the tip on the tools, whatever an authentic master commands.
+#include "server/control/tool_tube.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/unit/constraint/tool_samples.h"
+#include "tests/unit/control/follow_rig.h"
+
+namespace handrail {
+namespace {
+
+using test::Dice;
+using test::FollowRig;
+
+constexpr double kOnTool = 1e-5;   // [m]
+constexpr double kContact = 1e-3;  // alpha times twice the threshold [m]
+
+ToolDefinition of_epoch(ToolDefinition tool, std::uint32_t epoch) {
+  tool.epoch = epoch;
+  return tool;
+}
+
+// Distance from the set, by a formula of its own.
+double off(const ToolDefinition& tool, const Vec3& p) {
+  const Vec3 d = p - tool.p_SA;
+  switch (tool.kind) {
+    case ToolKind::kPoint:
+      return d.norm();
+    case ToolKind::kLine:
+      return d.cross(tool.direction_S).norm();
+    case ToolKind::kPlane:
+      return std::abs(d.dot(tool.normal_S));
+    default:
+      return 0.0;
+  }
+}
+
+ToolDefinition some_tool(Dice& dice, int kind, const Vec3& p) {
+  if (kind == 0) return test::point_at(p);
+  if (kind == 1) return test::line_along(p, dice.unit());
+  return test::plane_across(p, dice.unit());
+}
+
+TEST(ToolTube, AWrongMasterNeverTakesTheTipOffItsTool) {
+  Dice dice(91);
+  for (int run = 0; run < 60; ++run) {
+    FollowRig rig;
+    rig.engage();
+    const Vec3 p = rig.tip.p + (run % 2 == 0 ? Vec3(Vec3::Zero()) : dice.within(0.01));
+    const ToolDefinition tool = of_epoch(some_tool(dice, run % 3, p), 1);
+    rig.in.master.position_tool = tool;
+    double nearest = off(tool, rig.tip.p);  // a tool called elsewhere is only ever come nearer to
+    const bool pushed = run % 4 == 3;
+    for (int i = 0; i < 400; ++i) {
+      Pose X = rig.tip;
+      X.p += dice.within(i % 7 == 0 ? 0.2 : 0.01);
+      X.q = (dice.turn(0.2) * X.q).normalized();
+      if (pushed) rig.in.f_E_T.force = dice.within(200.0);
+      rig.follow(X);
+      const double now = off(tool, rig.tip.p);
+      ASSERT_LE(now, nearest + kOnTool + (pushed ? kContact : 0.0))
+          << "run " << run << " cycle " << i;
+      nearest = std::min(nearest, now);
+    }
+    EXPECT_TRUE(rig.watch.kept());
+    EXPECT_EQ(rig.state.tube.radius(), 0.0);
+    rig.in.f_E_T.force.setZero();
+    const Pose X = rig.tip;
+    for (int i = 0; i < 100; ++i) rig.follow(X);
+    EXPECT_LT(off(tool, rig.tip.p), kOnTool) << "run " << run;
+  }
+}
+
+TEST(ToolTube, AWrongMasterNeverTurnsTheTipOffItsTool) {
+  Dice dice(92);
+  for (const bool free : {false, true}) {
+    FollowRig rig;
+    rig.engage();
+    ToolDefinition tool;
+    tool.kind = free ? ToolKind::kFRotation : ToolKind::kNRotation;
+    tool.id = tool.epoch = 1;
+    const Quat q = rig.tip.q;
+    if (free) {
+      tool.normal_S = q * Vec3::UnitZ();
+      tool.axis_T = Vec3::UnitZ();
+    } else {
+      tool.q_ref = q;
+    }
+    rig.in.master.orientation_tool = tool;
+    double turned = 0.0;
+    for (int i = 0; i < 300; ++i) {
+      Pose X = rig.tip;
+      X.q = (dice.turn(1.0) * X.q).normalized();
+      rig.follow(X);
+      turned = std::max(turned, angle_between(q, rig.tip.q));
+      const double tilt =
+          free ? std::acos(std::min(1.0, (rig.tip.q * tool.axis_T).dot(tool.normal_S)))
+               : angle_between(q, rig.tip.q);
+      ASSERT_LT(tilt, 1e-4) << i;
+    }
+    EXPECT_EQ(turned > 0.05, free);
+  }
+}
+
+TEST(ToolTube, AToolCalledAwayFromTheTipIsReachedAtTheMastersPace) {
+  FollowRig rig;
+  rig.engage();
+  const Vec3 start = rig.tip.p;
+  rig.in.master.position_tool =
+      of_epoch(test::line_along(start + Vec3(0, 0, 0.006), Vec3::UnitY()), 1);
+  Pose X = rig.tip;  // a master that never comes to its own tool
+  double fastest = 0.0;
+  for (int i = 0; i < 300; ++i) {
+    const Vec3 before = rig.tip.p;
+    rig.follow(X);
+    fastest = std::max(fastest, (rig.tip.p - before).norm() / rig.settings.motion.dt);
+  }
+  EXPECT_NEAR(rig.tip.p.z(), start.z() + 0.006, 1e-6);
+  EXPECT_LT(fastest, 0.1);
+}
+
+TEST(ToolTube, NothingPullsTheTipWhileTheClutchIsHeld) {
+  FollowRig rig;
+  rig.engage();
+  const Vec3 start = rig.tip.p;
+  rig.in.master.position_tool =
+      of_epoch(test::line_along(start + Vec3(0, 0, 0.006), Vec3::UnitY()), 1);
+  rig.in.master.desired = Desired::kClutched;
+  const Pose X = rig.tip;
+  for (int i = 0; i < 100; ++i) rig.follow(X);
+  EXPECT_EQ(rig.tip.p, start);
+}
+
+TEST(ToolTube, AnEndIsKeptAndAOneWayToolNeverGoesBack) {
+  Dice dice(93);
+  FollowRig rig;
+  rig.engage();
+  const Vec3 start = rig.tip.p;
+  rig.in.master.position_tool =
+      of_epoch(test::ending_at(test::line_along(start, Vec3::UnitY(), true), 0.03), 1);
+  double travel = 0.0;
+  for (int i = 0; i < 400; ++i) {
+    Pose X = rig.tip;
+    X.p += dice.within(0.1);
+    rig.follow(X);
+    const double now = rig.tip.p.y() - start.y();
+    ASSERT_GE(now, travel - 1e-9);
+    ASSERT_LE(now, 0.03 + kOnTool);
+    travel = now;
+  }
+  EXPECT_GT(travel, 0.029);
+}
+
+TEST(ToolTube, AnotherToolOfTheSameEpochAndAnOlderOneAreNotObeyed) {
+  FollowRig rig;
+  rig.engage();
+  const ToolDefinition held = of_epoch(test::line_along(rig.tip.p, Vec3::UnitY()), 2);
+  rig.in.master.position_tool = held;
+  rig.follow(rig.tip);
+  const std::uint64_t hash = rig.out.link.hashes.tools;
+  EXPECT_EQ(hash, tools_hash(held, ToolDefinition()));
+  for (const std::uint32_t epoch : {2u, 1u}) {
+    rig.in.master.position_tool = of_epoch(test::line_along(rig.tip.p, Vec3::UnitX()), epoch);
+    Pose X = rig.tip;
+    X.p.x() += 0.01;
+    const Vec3 before = rig.tip.p;
+    for (int i = 0; i < 20; ++i) rig.follow(X);
+    EXPECT_EQ(rig.tip.p, before);
+    EXPECT_EQ(rig.out.link.reason, Reason::kHashTools);
+    EXPECT_EQ(rig.out.link.hashes.tools, hash);
+    EXPECT_EQ(rig.out.link.position_tool_epoch, 2u);
+  }
+  // A restarted master begins its epochs anew.
+  rig.in.new_session = true;
+  rig.in.master.desired = Desired::kOff;
+  rig.in.master.position_tool = ToolDefinition();
+  rig.cycle();
+  EXPECT_EQ(rig.out.link.hashes.tools, 0u);
+}
+
+TEST(ToolTube, ACommandOnTheToolPassesBitForBit) {
+  Dice dice(94);
+  for (int i = 0; i < 300; ++i) {
+    MasterState master;
+    Pose X_ST{dice.within(0.5), dice.turn(2.0)};
+    master.position_tool = of_epoch(some_tool(dice, i % 3, X_ST.p), 1);
+    ToolTube tube;
+    tube.restart(master, X_ST);
+    Pose X = X_ST;
+    X.p = tube.project({X.p + dice.within(0.05), X.q}, X_ST).p;
+    const Pose again = tube.project(X, X_ST);
+    EXPECT_EQ(again.p, X.p);
+    EXPECT_EQ(again.q.coeffs(), X.q.coeffs());
+  }
+}
+
+}  // namespace
+}  // namespace handrail
