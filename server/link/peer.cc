@@ -19,6 +19,10 @@ LinkQuality LinkSnapshot::quality(Nanos now) const noexcept {
   return age(now) > kPoorAge ? LinkQuality::kPoor : grade_of(received_of_100);
 }
 
+LinkView LinkSnapshot::view(Nanos now) const noexcept {
+  return {loop_age(now), quality(now), grade_of(peer_received_of_100), confirmed(now)};
+}
+
 Reject PeerCore::accept_session(std::uint64_t session, Nanos now) const noexcept {
   if (session == session_) return Reject::kHeader;
   if (std::find(retired_.begin(), retired_.end(), session) != retired_.end()) {
@@ -90,6 +94,16 @@ void PeerCore::after_send(Nanos now, bool sent) noexcept {
   } else {
     ++snapshot_.unsendable;
   }
+  move_schedule(now);
+}
+
+void PeerCore::withhold(Nanos now) noexcept {
+  if (!due(now)) return;
+  ++snapshot_.withheld;
+  move_schedule(now);
+}
+
+void PeerCore::move_schedule(Nanos now) noexcept {
   const Nanos late = next_due_ == -kForever ? 0 : now - next_due_;
   next_due_ = now - late % kSendPeriod + kSendPeriod;
 }

@@ -39,6 +39,7 @@ struct LinkSnapshot {
   double loss_share = 0.0;        // of the last 100, 0 to 1
   std::uint64_t sent = 0;
   std::uint64_t unsendable = 0;  // own states check() refused: a fault of this program
+  std::uint64_t withheld = 0;    // datagrams not sent because the state was no longer true
   std::uint64_t accepted = 0;
   std::uint64_t rejected = 0;
 
@@ -51,6 +52,8 @@ struct LinkSnapshot {
   // one that spoke to somebody else. Nothing of an unconfirmed session may be obeyed.
   bool confirmed(Nanos now) const noexcept;
   LinkQuality quality(Nanos now) const noexcept;
+  // What a step is told of the link.
+  LinkView view(Nanos now) const noexcept;
 };
 
 // The part of a peer that does not depend on its role. Use LinkPeer.
@@ -67,6 +70,7 @@ class PeerCore {
   DatagramHeader next_header(Nanos now) const noexcept;
   // Moves the schedule on, along its own grid, without making up for what was missed.
   void after_send(Nanos now, bool sent) noexcept;
+  void withhold(Nanos now) noexcept;
   Nanos wait_time(Nanos now) const noexcept;
 
   std::uint64_t session() const noexcept { return session_; }
@@ -74,6 +78,7 @@ class PeerCore {
   const RejectCounts& rejects() const noexcept { return rejects_; }
 
  private:
+  void move_schedule(Nanos now) noexcept;
   Reject accept_session(std::uint64_t session, Nanos now) const noexcept;
   void take_echo(const DatagramHeader& header, Nanos now) noexcept;
 
@@ -123,6 +128,9 @@ class LinkPeer {
     core_.after_send(now, size != 0);
     return size;
   }
+
+  // Lets the datagram that is due pass unsent: silence, where there is nothing true to say.
+  void withhold(Nanos now) noexcept { core_.withhold(now); }
 
   // How long poll() has nothing to do [ns]; 0 = due now.
   Nanos wait_time(Nanos now) const noexcept { return core_.wait_time(now); }

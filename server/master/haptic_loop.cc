@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/link/stall_watch.h"
 #include "server/master/haptic_settings.h"
 
 namespace handrail {
@@ -58,7 +59,7 @@ void HapticLoop::tick(Nanos now) noexcept {
   report_.walls = WallReport();
   if (settings_.walls != nullptr) feel_walls(dt);
   device_.write(report_.out.f_H_M);
-  publish();
+  publish(now);
   // After the report: whoever has the answer finds a report that shows what the order did.
   if (ticket.id != 0) (void)boxes_.answers.push({ticket.id, report_.out.order_result});
 }
@@ -82,6 +83,9 @@ void HapticLoop::take_slave(Nanos now) noexcept {
     input_.slave_known = true;
   }
   input_.slave_age = news_.link.age(now);
+  input_.link = news_.link.view(now);
+  const Nanos heard = boxes_.hold_heard.load(std::memory_order_relaxed);
+  input_.hold_heard = heard == -kForever ? kForever : now - heard;
   // Another slave counts its faults from the start: what was reset on the last one means nothing.
   if (news_.link.peer_epoch != peer_epoch_) state_.fault_reset = 0;
   peer_epoch_ = news_.link.peer_epoch;
@@ -115,7 +119,8 @@ OrderTicket HapticLoop::next_order() noexcept {
   return OrderTicket();
 }
 
-void HapticLoop::publish() noexcept {
+void HapticLoop::publish(Nanos now) noexcept {
+  report_.good_until = now + kStateStands;
   report_.X_MH = state_.X_MH;
   const SteerableHand* hand = device_.hand();
   report_.hand_moving = hand != nullptr && hand->moving();

@@ -37,7 +37,7 @@ class HapticLoop {
   void feel_walls(double dt) noexcept;
   // The next order of the queue, after those for the hand were carried out.
   OrderTicket next_order() noexcept;
-  void publish() noexcept;
+  void publish(Nanos now) noexcept;
 
   HapticDevice& device_;
   HapticSettings settings_;

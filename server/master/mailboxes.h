@@ -1,6 +1,8 @@
 // Where the master's two threads meet: newest values and short queues, nobody waits.
 #pragma once
 
+#include <atomic>
+
 #include "devices/haptic_device.h"
 #include "server/base/mailbox.h"
 #include "server/base/ring.h"
@@ -53,14 +55,16 @@ struct HapticReport {
   Nanos late_p99 = 0;
   Nanos late_p999 = 0;
   Nanos late_max = 0;
+  Nanos good_until = kForever;  // later it is no longer true: the loop stands still
 };
 
 struct MasterMailboxes {
-  Mailbox<SlaveNews> slave;          // IO to haptic
-  Mailbox<HapticSettings> settings;  // IO to haptic: another scene
-  Ring<OrderTicket, 64> orders;      // IO to haptic
-  Ring<OrderAnswer, 64> answers;     // haptic to IO
-  Mailbox<HapticReport> report;      // haptic to IO
+  Mailbox<SlaveNews> slave;                  // IO to haptic
+  Mailbox<HapticSettings> settings;          // IO to haptic: another scene
+  Ring<OrderTicket, 64> orders;              // IO to haptic
+  Ring<OrderAnswer, 64> answers;             // haptic to IO
+  std::atomic<Nanos> hold_heard{-kForever};  // IO to haptic: newest sign of `engage --hold`
+  Mailbox<HapticReport> report;              // haptic to IO
 };
 
 }  // namespace handrail

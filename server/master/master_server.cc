@@ -10,6 +10,7 @@
 
 #include "server/base/clock.h"
 #include "server/link/pump.h"
+#include "server/link/stall_watch.h"
 #include "server/link/udp_transport.h"
 
 namespace handrail {
@@ -38,10 +39,11 @@ struct MasterServer::Impl {
     receive(now);
     desk.tick(now, peer.newest(), peer.snapshot());
     if (!desk.report()) return;
-    const MasterState& state = desk.report()->out.link;
-    log_change(state.state, desk.report()->out.reason);
+    const HapticReport& report = *desk.report();
+    log_change(report.out.link.state, report.out.reason);
+    log_stall(now, report.good_until);
     const std::uint64_t unsendable = peer.snapshot().unsendable;
-    pump.send(now, state);
+    pump.send(now, report.out.link, report.good_until);
     if (unsendable == 0 && peer.snapshot().unsendable != 0) {
       spdlog::error("own state cannot be sent: {}", describe(peer.last_unsendable()));
     }
@@ -54,6 +56,15 @@ struct MasterServer::Impl {
       spdlog::info("slave connected, session {}", peer_epoch);
     }
     boxes.slave.publish({peer.newest(), peer.snapshot()});
+  }
+
+  void log_stall(Nanos now, Nanos good_until) {
+    const StallWatch::Change change = stall.step(now, good_until);
+    if (change == StallWatch::Change::kStalled) {
+      spdlog::error("the haptic loop stands still: nothing is sent, the arm holds");
+    } else if (change == StallWatch::Change::kRunsAgain) {
+      spdlog::warn("the haptic loop runs again, after {} ms", stall.stood_for() / kMillisecond);
+    }
   }
 
   void log_change(SessionState state, Reason reason) {
@@ -72,6 +83,7 @@ struct MasterServer::Impl {
   MasterPeer peer{random_session_id()};
   LinkPump<MasterState, SlaveState> pump{transport, peer};
   OperatorServer operators{io, desk};
+  StallWatch stall;
   std::uint32_t peer_epoch = 0;
   SessionState logged_state = SessionState::kOff;
   std::function<bool()> finished;

@@ -21,11 +21,17 @@ struct ForceReading {
   Nanos received_at = -kForever;
 };
 
+// What the robot loop says to the master.
+struct SlaveReport {
+  SlaveState state;
+  Nanos good_until = kForever;  // later it is no longer true: the loop stands still
+};
+
 struct SlaveMailboxes {
   Mailbox<MasterNews> master;        // IO to robot
   Mailbox<ForceReading> force;       // IO to robot
   Mailbox<FollowSettings> settings;  // IO to robot: another scene
-  Mailbox<SlaveState> state;         // robot to IO
+  Mailbox<SlaveReport> report;       // robot to IO
 };
 
 }  // namespace handrail

@@ -2,6 +2,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include "server/link/stall_watch.h"
+
 namespace handrail {
 namespace {
 
@@ -64,6 +66,8 @@ Nanos RobotLoop::turn_unconnected() {
 
 void RobotLoop::connect() {
   RobotReply first;
+  // Waiting for the controller is no stall: what was said stands meanwhile.
+  publish(kConnectPatience);
   const Status status = robot_.connect(kConnectPatience, first);
   if (!status) {
     next_attempt_ = clock_() + kRetry;
@@ -96,6 +100,8 @@ void RobotLoop::take_news(Nanos now) {
     input_.master_known = true;
   }
   input_.master_age = news_.link.age(now);
+  input_.master_sequence = news_.link.sequence;
+  input_.link = news_.link.view(now);
   input_.new_session = peer_epoch_ != 0 && news_.link.peer_epoch != peer_epoch_;
   peer_epoch_ = news_.link.peer_epoch;
   (void)boxes_.force.take(force_);
@@ -113,10 +119,12 @@ void RobotLoop::take_settings() {
   if (state_.placed) place(settings_, state_.motion.q, state_);
 }
 
-void RobotLoop::publish() {
+void RobotLoop::publish(Nanos busy_for) {
   output_.link.cycles = cycles_;
   output_.link.silences = silences_;
-  boxes_.state.publish(output_.link);
+  report_.state = output_.link;
+  report_.good_until = clock_() + kStateStands + busy_for;
+  boxes_.report.publish(report_);
 }
 
 bool RobotLoop::reset_by_operator() const noexcept {

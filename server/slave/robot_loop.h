@@ -44,7 +44,8 @@ class RobotLoop {
   void step(Nanos now, Reason fault);
   void take_news(Nanos now);
   void take_settings();
-  void publish();
+  // `busy_for`: until the loop speaks again, beyond its usual round.
+  void publish(Nanos busy_for = 0);
   bool reset_by_operator() const noexcept;
   void finish_when_standing(Nanos now);
   void finish();
@@ -56,6 +57,7 @@ class RobotLoop {
   FollowInput input_;
   FollowState state_;
   FollowOutput output_;
+  SlaveReport report_;
   MasterNews news_;
   ForceReading force_;
   FollowSettings next_settings_;

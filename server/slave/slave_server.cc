@@ -11,6 +11,7 @@
 
 #include "server/base/clock.h"
 #include "server/link/pump.h"
+#include "server/link/stall_watch.h"
 #include "server/link/udp_transport.h"
 
 namespace handrail {
@@ -44,14 +45,24 @@ struct SlaveServer::Impl {
   void tick(Nanos now) {
     receive(now);
     poll_sensor(now);
-    known = boxes.state.take(state) || known;
+    known = boxes.report.take(report) || known;
     if (!known) return;
-    SlaveState told = state;
+    log_stall(now);
+    SlaveState told = report.state;
     if (scene_missing && told.state == SessionState::kOff) told.reason = Reason::kSceneNotLoaded;
     const std::uint64_t unsendable = peer.snapshot().unsendable;
-    pump.send(now, told);
+    pump.send(now, told, report.good_until);
     if (unsendable == 0 && peer.snapshot().unsendable != 0) {
       spdlog::error("own state cannot be sent: {}", describe(peer.last_unsendable()));
+    }
+  }
+
+  void log_stall(Nanos now) {
+    const StallWatch::Change change = stall.step(now, report.good_until);
+    if (change == StallWatch::Change::kStalled) {
+      spdlog::error("the robot loop stands still: nothing is sent");
+    } else if (change == StallWatch::Change::kRunsAgain) {
+      spdlog::warn("the robot loop runs again, after {} ms", stall.stood_for() / kMillisecond);
     }
   }
 
@@ -69,6 +80,7 @@ struct SlaveServer::Impl {
   void follow_scene(Nanos now) {
     const MasterState& master = peer.newest();
     const std::string wanted(text_of(master.scene));
+    const SlaveState& state = report.state;
     const bool idle = state.state == SessionState::kOff || state.state == SessionState::kFault;
     if (!differs(master) || !same_scene(master, tried)) scene_missing = false;
     // What was not tried yet need not wait.
@@ -90,7 +102,7 @@ struct SlaveServer::Impl {
     boxes.settings.publish(*loaded);
   }
 
-  bool differs(const MasterState& master) const { return !same_scene(master, state); }
+  bool differs(const MasterState& master) const { return !same_scene(master, report.state); }
   template <typename State>
   static bool same_scene(const MasterState& master, const State& other) {
     const SectionHashes& a = master.hashes;
@@ -113,7 +125,8 @@ struct SlaveServer::Impl {
   UdpTransport transport{io};
   SlavePeer peer{random_session_id()};
   LinkPump<SlaveState, MasterState> pump{transport, peer};
-  SlaveState state;
+  SlaveReport report;
+  StallWatch stall;
   bool known = false;  // the robot loop has spoken
   Nanos next_scene_try = 0;
   MasterState tried;           // whose scene was looked for last

@@ -119,5 +119,16 @@ TEST_F(PumpTest, SendsWhatIsDueAndNoMore) {
   EXPECT_EQ(net.sent, std::vector<std::size_t>(10, 498));
 }
 
+TEST_F(PumpTest, AStateThatIsNoLongerTrueIsNotSentAndDoesNotHurryTheSchedule) {
+  pump.send(kStart, sample_slave(), kStart);
+  pump.send(kStart + kMillisecond, sample_slave(), kStart);
+  EXPECT_EQ(net.sent.size(), 1u);
+  EXPECT_EQ(peer.snapshot().withheld, 1u);
+  EXPECT_EQ(peer.snapshot().unsendable, 0u);
+  EXPECT_EQ(peer.wait_time(kStart + kMillisecond), kMillisecond);
+  pump.send(kStart + 2 * kMillisecond, sample_slave(), kStart + 2 * kMillisecond);
+  EXPECT_EQ(net.sent.size(), 2u);
+}
+
 }  // namespace
 }  // namespace handrail

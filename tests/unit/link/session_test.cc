@@ -127,6 +127,45 @@ TEST_F(SessionTest, ReorderIsNotCountedAsLoss) {
   EXPECT_DOUBLE_EQ(slave.snapshot().loss_share, 0.0);
 }
 
+// What one start of a master and a slave said to each other proves nothing to another start.
+TEST_F(SessionTest, ARecordedSessionPlayedToARestartedSlaveIsNeverConfirmed) {
+  MasterPeer master{1};
+  std::vector<std::vector<std::uint8_t>> recorded;
+  for (Nanos now = kStart; now < kStart + kSecond; now += kMillisecond) {
+    std::vector<std::uint8_t> there(kMaxDatagram), back(kMaxDatagram);
+    there.resize(master.poll(now, sample_master(), there));
+    (void)slave.on_datagram(there, now);
+    recorded.push_back(there);
+    back.resize(slave.poll(now, sample_slave(), back));
+    (void)master.on_datagram(back, now);
+  }
+  ASSERT_TRUE(slave.snapshot().confirmed(kStart + kSecond));
+  ASSERT_TRUE(master.snapshot().confirmed(kStart + kSecond));
+  SlavePeer restarted{kOwn + 1};
+  Nanos now = kStart + kSecond;
+  for (const auto& datagram : recorded) {
+    EXPECT_EQ(restarted.on_datagram(datagram, now), Reject::kNone);
+    EXPECT_FALSE(restarted.snapshot().confirmed(now));
+    now += kMillisecond;
+  }
+  EXPECT_EQ(restarted.snapshot().age(now), kMillisecond);
+  EXPECT_FALSE(restarted.snapshot().view(now).confirmed);
+}
+
+TEST_F(SessionTest, AnAnswerProvesASessionForTwelveSecondsAndAnotherSessionStartsAnew) {
+  DatagramHeader header = sample_header(1, 1);
+  std::vector<std::uint8_t> sent(kMaxDatagram);
+  ASSERT_NE(slave.poll(kStart, sample_slave(), sent), 0u);
+  header.echo_session = kOwn;
+  header.echo_sequence = 1;
+  header.echo_sent = kStart;
+  ASSERT_EQ(slave.on_datagram(datagram(header, sample_master()), kStart), Reject::kNone);
+  EXPECT_TRUE(slave.snapshot().confirmed(kStart + kConfirmedAge));
+  EXPECT_FALSE(slave.snapshot().confirmed(kStart + kConfirmedAge + 1));
+  ASSERT_EQ(receive(2, 1, kStart + kSecond), Reject::kNone);
+  EXPECT_FALSE(slave.snapshot().confirmed(kStart + kSecond));
+}
+
 TEST(RandomSessionId, DiffersFromStartToStartAndIsNeverZero) {
   const std::uint64_t a = random_session_id();
   EXPECT_NE(a, 0u);

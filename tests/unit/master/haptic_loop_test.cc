@@ -20,6 +20,11 @@ TEST_F(HapticLoopTest, ReadsTheDeviceOnceATickAndWritesWhatItReports) {
   EXPECT_EQ(report.X_MH.p, device.sample.X_MH.p);
 }
 
+TEST_F(HapticLoopTest, WhatItReportsStandsForTwentyMilliseconds) {
+  tick();
+  EXPECT_EQ(report.good_until, now + 20 * kMillisecond);
+}
+
 TEST_F(HapticLoopTest, AnswersEveryOrderByItsIdAndTakesOneATick) {
   push(7, OrderKind::kDisengage);
   push(9, OrderKind::kReset);

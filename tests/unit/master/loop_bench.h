@@ -20,6 +20,7 @@ class LoopBench : public ::testing::Test {
     news.state.X_ST_command = news.state.X_ST;
     news.state.has_pose = true;
     news.link.peer_epoch = 1;
+    news.link.received_of_100 = news.link.peer_received_of_100 = 100;
     loop.emplace(device, settings, boxes, now);
   }
 
@@ -27,7 +28,7 @@ class LoopBench : public ::testing::Test {
   const HapticReport& tick(Nanos step = kMillisecond) {
     now += step;
     if (slave_talks) {
-      news.link.received_at = now;
+      news.link.received_at = news.link.echoed_sent = now;
       boxes.slave.publish(news);
     }
     loop->tick(now);

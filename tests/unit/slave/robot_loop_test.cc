@@ -5,6 +5,7 @@
 
 #include <deque>
 
+#include "server/link/stall_watch.h"
 #include "tests/support/no_allocation.h"
 
 namespace handrail {
@@ -72,17 +73,21 @@ FollowSettings settings() {
 
 class RobotLoopTest : public ::testing::Test {
  protected:
-  RobotLoopTest() { now_value = 1000 * kSecond; }
+  RobotLoopTest() {
+    now_value = 1000 * kSecond;
+    news.link.received_of_100 = news.link.peer_received_of_100 = 100;
+  }
 
   // One turn with the master's state freshly received, and what the slave then says.
   const SlaveState& turn(bool fresh = true) {
     if (fresh) {
-      news.link.received_at = now_value + kPeriod;
+      news.link.received_at = news.link.echoed_sent = now_value + kPeriod;
       boxes.master.publish(news);
     }
     const Nanos next = loop.turn();
     now_value = std::max(now_value, next);
-    (void)boxes.state.take(state);
+    (void)boxes.report.take(report);
+    state = report.state;
     return state;
   }
 
@@ -105,8 +110,26 @@ class RobotLoopTest : public ::testing::Test {
   ScriptedRobot robot;
   RobotLoop loop{robot, settings(), boxes, manual_now};
   MasterNews news;
+  SlaveReport report;
   SlaveState state;
 };
+
+TEST_F(RobotLoopTest, WhatItSaysStandsForARoundAndThroughTheWaitForAController) {
+  turn();
+  turn();
+  EXPECT_EQ(report.good_until, now_value + kStateStands);
+  robot.present = false;
+  robot.script.push_back(RobotEvent::kLost);
+  turn();
+  news.state.fault_reset = state.fault_epoch;
+  turn();
+  now_value += RobotLoop::kRetry;
+  const Nanos asked = now_value;
+  loop.turn();
+  ASSERT_TRUE(boxes.report.take(report));
+  EXPECT_EQ(now_value, asked + RobotLoop::kConnectPatience) << "it waited for the controller";
+  EXPECT_GE(report.good_until, now_value);
+}
 
 TEST_F(RobotLoopTest, SaysThatNoRobotIsConnectedAndTriesEverySecond) {
   robot.present = false;

@@ -43,7 +43,7 @@ class SlaveServerTest : public ::testing::Test {
     previous_ = spdlog::default_logger();
     spdlog::set_default_logger(spdlog::null_logger_mt("quiet"));
     slave_state.scene = scene_name("here");
-    boxes.state.publish(slave_state);
+    boxes.report.publish({slave_state});
     ASSERT_TRUE(server.open());
     UdpTransportOptions options;
     options.peer_address = "127.0.0.1";
@@ -147,13 +147,21 @@ TEST_F(SlaveServerTest, KeepsItsSceneWhenTheMastersIsMissing) {
 
 TEST_F(SlaveServerTest, KeepsItsSceneWhileTheArmFollows) {
   slave_state.state = SessionState::kEngaged;
-  boxes.state.publish(slave_state);
+  boxes.report.publish({slave_state});
   ASSERT_TRUE(play([&] { return peer.newest().state == SessionState::kEngaged; }));
   master_state.scene = scene_name("there");
   FollowSettings settings;
   const std::uint64_t before = peer.snapshot().accepted;
   EXPECT_TRUE(play([&] { return peer.snapshot().accepted >= before + 50; }));
   EXPECT_FALSE(boxes.settings.take(settings));
+}
+
+TEST_F(SlaveServerTest, FallsSilentWhenTheRobotLoopStandsStill) {
+  ASSERT_TRUE(play([&] { return peer.snapshot().accepted >= 1; }));
+  boxes.report.publish({slave_state, monotonic_now() - 1});
+  EXPECT_TRUE(play([&] { return peer.snapshot().age(monotonic_now()) > 100 * kMillisecond; }));
+  boxes.report.publish({slave_state});
+  EXPECT_TRUE(play([&] { return peer.snapshot().age(monotonic_now()) < kPoorAge; }));
 }
 
 TEST_F(SlaveServerTest, ATermSignalIsPassedOnAndServingGoesOn) {
