@@ -41,6 +41,7 @@ ForceShares Arbiter::share(const ForceLimits& limits, Vec3 f_tool, Vec3 f_spring
     tool *= cap / wanted;
     (cap < limits.peak ? out.thermal : out.clamped) = true;
   }
+  out.peak_took = tool - f_tool;
   const double s = largest_share(tool, f_spring, cap);
   out.budget = s < 1.0;
   if (out.budget && cap < limits.peak) out.thermal = true;
@@ -57,7 +58,10 @@ ForceShares Arbiter::share(const ForceLimits& limits, Vec3 f_tool, Vec3 f_spring
   }
   // The device's own limit comes last, whatever went before; then the finite check.
   const double size = force.norm();
-  if (size > limits.peak) force *= limits.peak / size;
+  if (size > limits.peak) {
+    out.peak_took += force * (limits.peak / size - 1.0);
+    force *= limits.peak / size;
+  }
   if (!is_finite(force)) force.setZero();
   last_ = out.device = force;
   heat_ += (out.device.squaredNorm() - heat_) * std::min(dt / limits.thermal_time, 1.0);

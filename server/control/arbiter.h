@@ -23,10 +23,11 @@ struct ForceShares {
   Vec3 spring = Vec3::Zero();
   Vec3 limited = Vec3::Zero();
   Vec3 device = Vec3::Zero();
-  bool budget = false;   // the spring was reduced in favour of the tool
-  bool clamped = false;  // the tool alone exceeds the peak
-  bool thermal = false;  // the continuous limit lowers the peak
-  bool stepped = false;  // the step limit acted
+  Vec3 peak_took = Vec3::Zero();  // what the peak, or heat lowering it, took from the tool
+  bool budget = false;            // the spring was reduced in favour of the tool
+  bool clamped = false;           // the tool alone exceeds the peak
+  bool thermal = false;           // the continuous limit lowers the peak
+  bool stepped = false;           // the step limit acted
 };
 
 // Keeps the heat estimate and the previous force. Real-time safe.

@@ -36,7 +36,7 @@ bool released(const FollowState& s, const MasterState& master) {
   return master.fault_reset == s.fault_epoch;
 }
 
-void advance_session(const FollowInput& in, FollowState& s, Reason sensor_fault) {
+void advance_session(const FollowInput& in, FollowState& s, Reason own_fault) {
   SlaveSessionInput session;
   session.link = rung_of(in.master_known, in.master_age, in.link);
   session.confirmed = in.link.confirmed;
@@ -44,7 +44,7 @@ void advance_session(const FollowInput& in, FollowState& s, Reason sensor_fault)
   session.robot_ready = in.robot_ready && s.placed;
   session.fault = in.stop_input               ? Reason::kStopInput
                   : in.fault != Reason::kNone ? in.fault
-                                              : sensor_fault;
+                                              : own_fault;
   session.shutdown = in.shutdown;
   if (in.master_known) {
     session.desired = in.master.desired;
@@ -89,17 +89,36 @@ double share_of_speed(Nanos age) {
 
 // Takes over a valid reading; says what is wrong with an invalid one.
 Reason read_force(const FollowSettings& settings, const FollowInput& in, FollowState& s) {
-  const bool usable = in.wrench_valid && is_finite(in.f_E_T) &&
-                      in.f_E_T.force.cwiseAbs().maxCoeff() <= settings.sensor_range;
-  if (usable) {
+  const Reason wrong = s.wrench.judge(in.f_E_T, in.wrench_valid, settings.sensor_range);
+  if (wrong == Reason::kNone) {
     s.invalid_wrenches = 0;
     s.f_E_S = s.motion.X_ST.q * in.f_E_T.force;
     return Reason::kNone;
   }
   s.invalid_wrenches = std::min(s.invalid_wrenches + 1, kInvalidWrenches);
+  if (wrong == Reason::kSensorStuck) s.invalid_wrenches = kInvalidWrenches;
   if (s.invalid_wrenches < kInvalidWrenches) return Reason::kNone;  // the last reading stands
   s.f_E_S.setZero();
-  return in.wrench_valid ? Reason::kSensorInvalid : Reason::kSensorMissing;
+  return wrong;
+}
+
+// A fault the arm itself shows, and its joint.
+Reason judge_arm(const FollowSettings& settings, const JointVector& q_measured, FollowState& s,
+                 std::int8_t& joint) {
+  const bool lost =
+      s.placed && s.following.lost(settings.following, s.motion.q, q_measured, settings.motion.dt);
+  if (s.joints.broken()) {
+    joint = static_cast<std::int8_t>(s.joints.joint());
+    return Reason::kEncoderInvalid;
+  }
+  if (!lost) return Reason::kNone;
+  joint = static_cast<std::int8_t>(s.following.joint());
+  return Reason::kFollowingError;
+}
+
+void put_stage(FollowLedger& ledger, FollowStage stage, const Vec3& off, Reason why) {
+  ledger.off_S.col(static_cast<int>(stage)) = off.cast<float>();
+  ledger.why[static_cast<std::size_t>(stage)] = why;
 }
 
 // How far the bumper may take the tip off its tool: what it yields to twice its threshold [m].
@@ -107,8 +126,9 @@ double most_yielding(const FollowSettings& settings) {
   return settings.bumper.alpha * std::min(settings.sensor_range, 2.0 * settings.bumper.threshold);
 }
 
-// Moves toward the newest command; returns what intervened.
-Reason follow(const FollowSettings& settings, const FollowInput& in, FollowState& s) {
+// Moves toward the newest command and says by which stages; returns what intervened.
+Reason follow(const FollowSettings& settings, const FollowInput& in, FollowState& s,
+              FollowLedger& ledger) {
   if (!valid_command(in.master)) {
     brake(settings.motion, s.motion);
     return Reason::kCommandInvalid;
@@ -118,12 +138,21 @@ Reason follow(const FollowSettings& settings, const FollowInput& in, FollowState
     return Reason::kHashTools;
   }
   s.oldest_applied = std::max(s.oldest_applied, in.master_age);
+  s.applied_sequence = in.master_sequence;
   if (s.session == SessionState::kEngaged) s.tube.close(settings.motion.dt);
   const Pose X_SN = s.tube.project(in.master.X_SU, s.motion.X_ST);
   Bumped bumped = bump(settings.bumper, X_SN.p, s.f_E_S, s.motion.X_ST.p);
   bumped.p_SB = s.tube.bounded(bumped.p_SB, most_yielding(settings));
   const Reason limit =
       move_toward(settings.motion, {bumped.p_SB, X_SN.q}, share_of_speed(in.master_age), s.motion);
+  const Vec3 on_tool = X_SN.p - in.master.X_SU.p, yielded = bumped.p_SB - X_SN.p;
+  const Reason tube = on_tool.isZero(0.0)     ? Reason::kNone
+                      : s.tube.radius() > 0.0 ? Reason::kToolBlending
+                                              : Reason::kToolTube;
+  put_stage(ledger, FollowStage::kTube, on_tool, tube);
+  put_stage(ledger, FollowStage::kBumper, yielded,
+            yielded.isZero(0.0) ? Reason::kNone : Reason::kBumper);
+  put_stage(ledger, FollowStage::kLimits, s.motion.X_ST.p - bumped.p_SB, limit);
   return bumped.acting ? Reason::kBumper : limit;
 }
 
@@ -131,6 +160,8 @@ Reason follow(const FollowSettings& settings, const FollowInput& in, FollowState
 
 void place(const FollowSettings& settings, const JointVector& q, FollowState& state) noexcept {
   state.motion = standing_at(settings.motion.arm, q);
+  state.joints = JointMonitor();
+  state.following.restart(q);
   state.placed = true;
 }
 
@@ -138,16 +169,21 @@ void follow_step(const FollowSettings& settings, const FollowInput& in, FollowSt
                  FollowOutput& out) noexcept {
   ++s.cycles;
   const Reason sensor = read_force(settings, in, s);
-  advance_session(in, s, settings.sensor_required && follows(s.session) ? sensor : Reason::kNone);
+  const JointVector q_measured = s.joints.judge(in.q_measured);
+  FollowLedger ledger;
+  Reason fault = judge_arm(settings, q_measured, s, ledger.joint);
+  if (fault == Reason::kNone && settings.sensor_required && follows(s.session)) fault = sensor;
+  advance_session(in, s, fault);
 
   Reason intervention = Reason::kNone;
   if (s.placed) {
     const MotionState before = s.motion;
     if (follows(s.session)) {
-      intervention = follow(settings, in, s);
+      intervention = follow(settings, in, s, ledger);
     } else {
       brake(settings.motion, s.motion);
     }
+    const Vec3 planned = s.motion.X_ST.p;
     const Guarded safe =
         guard(settings.motion.limits, before.q, before.step, s.motion.q, settings.motion.dt);
     if (safe.reason != Reason::kNone) {
@@ -157,10 +193,16 @@ void follow_step(const FollowSettings& settings, const FollowInput& in, FollowSt
       s.motion.tip_step = {s.motion.X_ST.p - before.X_ST.p,
                            rotation_log(s.motion.X_ST.q * before.X_ST.q.conjugate())};
       intervention = safe.reason;
+      if (follows(s.session)) {
+        put_stage(ledger, FollowStage::kLimits,
+                  ledger.off_S.col(static_cast<int>(FollowStage::kLimits)).cast<double>() +
+                      s.motion.X_ST.p - planned,
+                  safe.reason);
+      }
     }
     out.q_target = s.motion.q;
   } else {
-    out.q_target = in.q_measured;
+    out.q_target = q_measured;
   }
 
   SlaveState& link = out.link;
@@ -171,9 +213,9 @@ void follow_step(const FollowSettings& settings, const FollowInput& in, FollowSt
                 : intervention != Reason::kNone     ? intervention
                                                     : sensor;
   link.X_ST_command = s.motion.X_ST;
-  link.X_ST = forward(settings.motion.arm, in.q_measured);
+  link.X_ST = forward(settings.motion.arm, q_measured);
   link.has_pose = s.placed && in.robot_ready && is_finite(link.X_ST);
-  link.q_measured = in.q_measured;
+  link.q_measured = q_measured;
   link.f_E_S = {s.f_E_S, Vec3(s.motion.X_ST.q * in.f_E_T.torque)};
   link.has_wrench = s.invalid_wrenches == 0;
   if (!link.has_wrench) link.f_E_S.torque.setZero();
@@ -183,6 +225,13 @@ void follow_step(const FollowSettings& settings, const FollowInput& in, FollowSt
   link.orientation_tool_epoch = s.tube.orientation_epoch();
   link.oldest_applied = s.oldest_applied;
   link.cycles = s.cycles;
+  link.applied_sequence = s.applied_sequence;
+  link.ledger = ledger;
+  link.reasons = ReasonSet();
+  for (const Reason why : {link.reason, s.session_reason, s.fault, intervention, sensor}) {
+    link.reasons.add(why);
+  }
+  for (const Reason why : ledger.why) link.reasons.add(why);
   link.hashes = settings.hashes;
   link.hashes.tools = s.tube.hash();
   link.scene = settings.scene;

@@ -5,6 +5,7 @@
 #include "server/base/link_state.h"
 #include "server/control/bumper.h"
 #include "server/control/ladder.h"
+#include "server/control/monitors.h"
 #include "server/control/tip_motion.h"
 #include "server/control/tool_tube.h"
 
@@ -16,7 +17,8 @@ struct FollowSettings {
   BumperSettings bumper;
   double sensor_range = 1000.0;  // a larger component is a fault of the sensor [N]
   bool sensor_required = false;  // true: without valid readings the arm holds
-  SectionHashes hashes;          // of mapping, limits and robot
+  FollowingSettings following;
+  SectionHashes hashes;  // of mapping, limits and robot
   SceneName scene{};
 };
 
@@ -55,6 +57,10 @@ struct FollowState {
   Nanos oldest_applied = 0;
   std::uint64_t cycles = 0;
   ToolTube tube;
+  WrenchMonitor wrench;
+  JointMonitor joints;
+  FollowingMonitor following;
+  std::uint64_t applied_sequence = 0;
 };
 
 // Places the commands where the controller holds the arm; until then nothing is followed.

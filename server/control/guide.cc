@@ -164,6 +164,7 @@ Guidance Guide::step(const GuideSettings& settings, const Pose& X_SH, double dt)
     command_.q = (command_.q * rotation_exp(command_turn_.offset())).normalized();
   }
   out.X_SC = command_;
+  out.p_SP = proxy_.p;
   out.pull = proxy_.p - X_SH.p + pull_offset_.offset();
   out.twist_pull = twist_offset_.offset();
   if (orientation_.active()) out.twist_pull += twist_from(X_SH.q, proxy_.q);

@@ -17,8 +17,8 @@ struct GuideSettings {
   double torque_stiffness = 0.5;     // K_N, K_F where a tool does not say [N m/rad]
   double catch_up = 0.060;           // bound on letting go of a position offset [m/s]
   double catch_up_rotation = 0.262;  // the same for orientation [rad/s]
-  // Bound on easing a tool's pull in after a change, at the hand, times the mapping's scale: the pull
-  // is in S [N/s]. With the arbiter's step limit (0.05 N a millisecond) it leaves room for the
+  // Bound on easing a tool's pull in after a change, at the hand, times the mapping's scale: the
+  // pull is in S [N/s]. With the arbiter's step limit (0.05 N a millisecond) it leaves room for the
   // spring.
   double force_rate = 50.0;
   int smoother_length = 200;  // N of (3.11)
@@ -27,6 +27,7 @@ struct GuideSettings {
 // What the guide makes of the hand this tick, frame S.
 struct Guidance {
   Pose X_SC;                       // smoothed command for the tip
+  Vec3 p_SP = Vec3::Zero();        // proxy on the tool [m]
   Vec3 pull = Vec3::Zero();        // proxy minus hand, eased across tool changes [m]
   Vec3 twist_pull = Vec3::Zero();  // rotation vector from hand to proxy, eased [rad]
   bool blending = false;           // an offset of a tool change is still being let go

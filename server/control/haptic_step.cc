@@ -193,6 +193,27 @@ void advance_session(const HapticSettings& settings, const HapticInput& in,
   s.driving = driving;
 }
 
+// What the session has just come to, for the hand to feel.
+Cue news_of(SessionState before, const HapticState& s) {
+  const bool led = may_drive(before) || before == SessionState::kClutched;
+  if (!led || s.session == before) return Cue::kNone;
+  if (s.session == SessionState::kHold) return Cue::kHold;
+  const bool lost = s.session == SessionState::kFault && s.session_reason == Reason::kLinkLost;
+  return lost ? Cue::kLost : Cue::kNone;
+}
+
+// The cue's force this tick, frame M, as far as the device has room for it.
+Vec3 play_cue(const HapticSettings& settings, Cue news, const Vec3& device, double dt,
+              HapticState& s) {
+  s.cue_age = std::min(s.cue_age + dt, 10.0);
+  if (news != Cue::kNone) {
+    s.cue = news;
+    s.cue_age = 0.0;
+  }
+  const Vec3 force(0.0, 0.0, cue_force(s.cue, s.cue_age));
+  return (device + force).norm() <= settings.force.peak ? force : Vec3(Vec3::Zero());
+}
+
 Vec3 torque_of(const HapticSettings& settings, const HapticState& s, const Vec3& twist_pull) {
   const double angle = twist_pull.norm();
   if (!settings.has_torque || angle == 0.0) return Vec3::Zero();
@@ -263,6 +284,7 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
   out.order_result = carry_out(settings, in, ladder, s);
   if (in.hand.drop_button && !s.button_was_down) drop_tools(settings, s);
   s.button_was_down = in.hand.drop_button;
+  const SessionState before = s.session;
   advance_session(settings, in, ladder, dt, s);
   if (tool_epochs(s) != epochs_before) {
     s.tools_hash = tools_hash(s.guide.position().definition(), s.guide.orientation().definition());
@@ -273,6 +295,7 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
   Vec3 torque = Vec3::Zero();
   out.deviation = out.deviation_angle = 0.0;
   out.blending = false;
+  out.motion = MotionLedger();
   if (s.driving) {
     const Pose X_SH = s.engagement.to_slave(s.X_MH);
     const Guidance guidance = s.guide.step(settings.guide, X_SH, dt);
@@ -285,6 +308,7 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
     torque = ladder.force_share * torque_of(settings, s, guidance.twist_pull);
     out.blending = guidance.blending;
     out.deviation = s.guide.position().active() ? pull_M.norm() : 0.0;
+    if (in.slave.has_pose) out.motion = account(X_SH.p, guidance.p_SP, s.X_SU.p, in.slave);
     out.deviation_angle = s.guide.orientation().deviation(X_SH.q);
     if (guidance.blending) out.reasons.add(Reason::kToolBlending);
   }
@@ -298,6 +322,11 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
   out.shares = s.arbiter.share(
       settings.force, ladder.force_share * f_tool, ladder.force_share * f_spring,
       s.guide.stiffness(settings.guide) * hand_motion.norm(), hand_ok && !in_doubt, dt);
+  const Vec3 cue = hand_ok ? play_cue(settings, news_of(before, s), out.shares.device, dt, s)
+                           : Vec3(Vec3::Zero());
+  out.shares.device += cue;
+  out.shares.limited += cue;
+  out.force = account(out.shares, f_tool, Vec3::Zero(), f_spring, cue);
   out.f_H_M.force = out.shares.device;
   out.f_H_M.torque = s.torque =
       limited_torque(settings, s.torque, hand_ok && !in_doubt ? torque : Vec3(Vec3::Zero()), dt);

@@ -5,8 +5,10 @@
 #include <array>
 #include <cstdint>
 
+#include "server/base/link_state.h"
 #include "server/base/reason.h"
 #include "server/base/spatial.h"
+#include "server/control/arbiter.h"
 
 namespace handrail {
 
@@ -20,6 +22,11 @@ struct ForceLedger {
   Vec3 cue = Vec3::Zero();       // what says something to the hand
   Vec3 device = Vec3::Zero();
 };
+
+// Where `shares.device`, with `cue` in it, came from. Wanted forces that are not finite count as
+// none, as they do to the arbiter. Real-time safe.
+ForceLedger account(const ForceShares& shares, const Vec3& tool, const Vec3& walls,
+                    const Vec3& spring, const Vec3& cue) noexcept;
 
 // From the hand to the arm, in order.
 enum class MotionStage : std::uint8_t {
@@ -43,5 +50,10 @@ struct MotionLedger {
   std::int8_t joint = -1;  // 0 to 5: the joint that limits; -1: none or all
   bool known = false;      // false: the hand does not lead the arm, the rest means nothing
 };
+
+// From the hand at `p_SH` over the tool's proxy and the command `p_SU` to where the slave says that
+// it commands the arm. Real-time safe.
+MotionLedger account(const Vec3& p_SH, const Vec3& p_SP, const Vec3& p_SU,
+                     const SlaveState& slave) noexcept;
 
 }  // namespace handrail

@@ -104,6 +104,8 @@ void wall_step(const WallSettings& settings, const WallInput& in, double dt, Wal
 
   out.shares = s.arbiter.share(settings.force, Vec3(force.x(), force.y(), 0.0), Vec3::Zero(),
                                allowed, hand_ok && !in.release, dt);
+  out.ledger = account(out.shares, Vec3::Zero(), Vec3(force.x(), force.y(), 0.0), Vec3::Zero(),
+                       Vec3::Zero());
   out.f_H_M.force = out.shares.device;
   out.f_H_M.torque.setZero();
   if (out.shares.clamped) out.reasons.add(Reason::kForceClamped);

@@ -7,6 +7,7 @@
 #include "server/constraint/wall_proxy.h"
 #include "server/control/arbiter.h"
 #include "server/control/haptic_step.h"
+#include "server/control/ledger.h"
 #include "server/effects/effect_stack.h"
 
 namespace handrail {
@@ -30,6 +31,7 @@ struct WallOutput {
   WallContact contact;       // frame of the walls
   EffectTick effects;        // before the limits, frame of the walls
   ForceShares shares;        // `tool` is what walls and effects got
+  ForceLedger ledger;        // the same, stage by stage
   ReasonSet reasons;         // every intervention of this tick
   int stage = 0;
 };

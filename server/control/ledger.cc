@@ -1,0 +1,65 @@
+#include "server/control/ledger.h"
+
+namespace handrail {
+namespace {
+
+// What moves a stage by less is rounding [m].
+constexpr double kNothing = 1e-6;
+
+Vec3 finite_or_none(const Vec3& f) { return is_finite(f) ? f : Vec3(Vec3::Zero()); }
+
+MotionStage stage_of(FollowStage stage, Reason why) {
+  switch (stage) {
+    case FollowStage::kTube:
+      return MotionStage::kTube;
+    case FollowStage::kBumper:
+      return MotionStage::kBumper;
+    case FollowStage::kReach:
+      return MotionStage::kReach;
+    case FollowStage::kLimits:
+    case FollowStage::kCount:
+      break;
+  }
+  return why == Reason::kSingularity ? MotionStage::kSingularity : MotionStage::kLimits;
+}
+
+}  // namespace
+
+ForceLedger account(const ForceShares& shares, const Vec3& tool, const Vec3& walls,
+                    const Vec3& spring, const Vec3& cue) noexcept {
+  ForceLedger out;
+  out.tool = finite_or_none(tool);
+  out.walls = finite_or_none(walls);
+  out.spring = finite_or_none(spring);
+  out.clamp = shares.peak_took;
+  out.cue = cue;
+  out.device = shares.device;
+  out.governor = out.device - out.tool - out.walls - out.spring - out.clamp - out.cue;
+  return out;
+}
+
+MotionLedger account(const Vec3& p_SH, const Vec3& p_SP, const Vec3& p_SU,
+                     const SlaveState& slave) noexcept {
+  MotionLedger out;
+  const auto put = [&out](MotionStage stage, const Vec3& off, Reason why) {
+    out.off_S.col(static_cast<int>(stage)) = off;
+    if (off.squaredNorm() > kNothing * kNothing) out.why[static_cast<std::size_t>(stage)] = why;
+  };
+  put(MotionStage::kTool, p_SP - p_SH, Reason::kToolTube);
+  put(MotionStage::kSmoother, p_SU - p_SP, Reason::kToolBlending);
+  Vec3 there = Vec3::Zero();
+  for (int i = 0; i < FollowLedger::kStages; ++i) {
+    const Reason why = slave.ledger.why[static_cast<std::size_t>(i)];
+    const Vec3 off = slave.ledger.off_S.col(i).cast<double>();
+    put(stage_of(static_cast<FollowStage>(i), why), off, why);
+    there += off;
+  }
+  // What neither side's stages explain is on its way.
+  put(MotionStage::kLink, slave.X_ST_command.p - p_SU - there,
+      slave.state == SessionState::kEngaged ? Reason::kLoopAge : slave.reason);
+  out.joint = slave.ledger.joint;
+  out.known = true;
+  return out;
+}
+
+}  // namespace handrail

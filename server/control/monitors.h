@@ -1,0 +1,69 @@
+// What says that a sensor, an encoder or the arm itself is not to be trusted.
+#pragma once
+
+#include "server/base/joints.h"
+#include "server/base/reason.h"
+#include "server/base/spatial.h"
+
+namespace handrail {
+
+// Judges the force sensor, once a cycle of about 7 ms. Real-time safe.
+class WrenchMonitor {
+ public:
+  // What is wrong with the newest reading: kSensorMissing (not `fresh`), kSensorInvalid (not
+  // finite, a component over `range` [N], or a jump of over 100 N that has only just come),
+  // kSensorStuck (the same bits for 70 ms from a sensor that never repeated itself for a second:
+  // one without noise cannot be checked), else kNone.
+  Reason judge(const Wrench& f, bool fresh, double range) noexcept;
+
+ private:
+  Wrench last_;  // newest reading with sound numbers
+  bool known_ = false;
+  bool jumped_ = false;
+  int changing_ = 0;   // readings in a row that differ from the one before
+  int repeating_ = 0;  // readings in a row that do not
+  bool noisy_ = false;
+};
+
+// Judges the measured joints, once a cycle. Real-time safe.
+class JointMonitor {
+ public:
+  // The joints to believe: `q`, or the last sound ones where `q` is not finite or jumps by over
+  // 0.1 rad a cycle. The third in a row is `broken`, at `joint`; then a finite `q` is a new start.
+  const JointVector& judge(const JointVector& q) noexcept;
+  bool broken() const noexcept { return bad_ >= 3; }
+  int joint() const noexcept { return joint_; }
+
+ private:
+  JointVector q_ = JointVector::Zero();
+  bool known_ = false;
+  int bad_ = 0;
+  int joint_ = -1;
+};
+
+// How an arm may follow its commands.
+struct FollowingSettings {
+  bool checked = true;
+  double slowest = 0.100;  // time constant of the slowest sound arm, after a cycle's delay [s]
+  double room = 0.05;      // beside it [rad]
+};
+
+// Judges whether the arm follows: the measured joints lie between the command and its image behind
+// a lag of `slowest`. Real-time safe.
+class FollowingMonitor {
+ public:
+  void restart(const JointVector& q) noexcept;
+  // One cycle of `dt` [s]: what was measured after `q_command` was the newest. True from the second
+  // cycle in a row outside, with the joint furthest out in joint().
+  bool lost(const FollowingSettings& settings, const JointVector& q_command,
+            const JointVector& q_measured, double dt) noexcept;
+  int joint() const noexcept { return joint_; }
+
+ private:
+  JointVector slow_ = JointVector::Zero();
+  JointVector last_ = JointVector::Zero();
+  int outside_ = 0;
+  int joint_ = -1;
+};
+
+}  // namespace handrail

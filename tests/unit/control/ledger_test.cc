@@ -1,0 +1,170 @@
+// Where force and motion went, against the same told by the whole loop.
+#include "server/control/ledger.h"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <vector>
+
+#include "tests/unit/constraint/tool_samples.h"
+#include "tests/unit/control/follow_rig.h"
+#include "tests/unit/control/haptic_rig.h"
+
+namespace handrail {
+namespace {
+
+using test::Dice;
+using test::FollowRig;
+using test::HapticRig;
+
+constexpr int kThere = 20, kBack = 10;  // ticks of transit
+
+// Both steps with a constant delay between them; the slave has a cycle every seven ticks.
+struct Loop {
+  HapticRig master;
+  FollowRig slave;
+  std::vector<MasterState> sent;
+  std::deque<SlaveState> back;
+
+  Loop() {
+    master.play_slave = false;
+    slave.cycle();
+    master.in.slave = slave.out.link;
+  }
+  void tick() {
+    master.tick();
+    sent.push_back(master.out.link);
+    const std::size_t now = sent.size();
+    if (now % 7 == 0 && now > kThere) {
+      slave.in.master_known = true;
+      slave.in.master_age = 0;
+      slave.in.master_sequence = now - kThere;
+      slave.in.master = sent[now - kThere];
+      slave.cycle();
+    }
+    back.push_back(slave.out.link);
+    if (back.size() > kBack) {
+      master.in.slave = back.front();
+      back.pop_front();
+    }
+  }
+  Vec3 stage(MotionStage s) const { return master.out.motion.off_S.col(static_cast<int>(s)); }
+};
+
+TEST(Ledger, TheStagesLeadFromTheHandToTheArmAndTheLinksIsWhatIsOnItsWay) {
+  Loop loop;
+  loop.master.order(OrderKind::kEngage);
+  for (int i = 0; i < 200; ++i) loop.tick();
+  ASSERT_EQ(loop.master.session(), SessionState::kEngaged);
+  loop.master.call(test::line_call({0, 1, 0}));
+  Dice dice(11);
+  test::Wander wander;
+  double largest_tool = 0.0, largest_link = 0.0, largest_limits = 0.0;
+  for (int i = 0; i < 4000; ++i) {
+    wander.move(dice, 0.1, 0.1, 1e-3, loop.master.in.hand.X_MH);
+    const SlaveState seen = loop.master.in.slave;
+    loop.tick();
+    if (i < 100) continue;
+    const MotionLedger& ledger = loop.master.out.motion;
+    ASSERT_TRUE(ledger.known);
+    const Vec3 hand = loop.master.state->engagement.to_slave(loop.master.in.hand.X_MH).p;
+    ASSERT_LT((ledger.off_S.rowwise().sum() - (seen.X_ST_command.p - hand)).norm(), 1e-12);
+    const Vec3 applied = loop.sent[seen.applied_sequence].X_SU.p;
+    ASSERT_LT((loop.stage(MotionStage::kLink) - (applied - loop.master.command().p)).norm(), 1e-7)
+        << i;
+    largest_tool = std::max(largest_tool, loop.stage(MotionStage::kTool).norm());
+    largest_link = std::max(largest_link, loop.stage(MotionStage::kLink).norm());
+    largest_limits = std::max(largest_limits, loop.stage(MotionStage::kLimits).norm());
+  }
+  EXPECT_GT(largest_tool, 1e-3);
+  EXPECT_GT(largest_link, 1e-4);
+  EXPECT_GT(largest_limits, 1e-5);
+}
+
+TEST(Ledger, ATipHeldBackByContactAndByTheToolIsTheirs) {
+  FollowRig rig;
+  rig.engage();
+  ToolDefinition tool = test::line_along(rig.tip.p, Vec3::UnitY());
+  tool.epoch = 1;
+  rig.in.master.position_tool = tool;
+  Pose X = rig.tip;
+  X.p.z() -= 0.02;
+  rig.in.f_E_T.force.z() = -30.0;  // the environment pushes up
+  rig.in.master_sequence = 77;
+  for (int i = 0; i < 50; ++i) rig.follow(X);
+  const FollowLedger& ledger = rig.out.link.ledger;
+  const auto stage = [&](FollowStage s) {
+    return Vec3(ledger.off_S.col(static_cast<int>(s)).cast<double>());
+  };
+  EXPECT_LT((stage(FollowStage::kTube) - Vec3(0, 0, 0.02)).norm(), 1e-7);
+  EXPECT_EQ(ledger.why[0], Reason::kToolTube);
+  EXPECT_LT((stage(FollowStage::kBumper) - Vec3(0, 0, 3e-4)).norm(), 1e-7);
+  EXPECT_EQ(ledger.why[1], Reason::kBumper);
+  EXPECT_LT(stage(FollowStage::kLimits).norm(), 1e-7);
+  EXPECT_TRUE(rig.out.link.reasons.has(Reason::kToolTube));
+  EXPECT_EQ(rig.out.link.applied_sequence, 77u);
+}
+
+TEST(Ledger, TheForcesAddUpAndEachIsWhatItsStageDid) {
+  HapticRig rig;
+  rig.spring_slack = false;
+  rig.engage();
+  Dice dice(12);
+  test::Wander wander;
+  for (int i = 0; i < 5000; ++i) {
+    if (i == 1000) rig.call(test::line_call({0, 1, 0}));
+    wander.move(dice, 0.2, 0.1, 1e-3, rig.in.hand.X_MH);
+    rig.tick();
+    const ForceLedger& f = rig.out.force;
+    ASSERT_LT(
+        (f.tool + f.walls + f.spring + f.governor + f.clamp + f.cue - rig.out.f_H_M.force).norm(),
+        1e-12);
+    ASSERT_EQ(f.device, rig.out.f_H_M.force);
+    if (rig.out.motion.known && i < 1000) {
+      ASSERT_EQ(f.tool, Vec3(Vec3::Zero()));
+    }
+    if (!rig.out.shares.clamped && !rig.out.shares.thermal) {
+      ASSERT_LT(f.clamp.norm(), 1e-9);
+    }
+  }
+}
+
+TEST(Cue, ComesAfterTheForceHasLeftPushesNowhereAndStaysWithinTheStepLimit) {
+  for (const Cue cue : {Cue::kHold, Cue::kLost}) {
+    double last = 0.0, sum = 0.0, largest = 0.0;
+    for (int ms = 0; ms < 1000; ++ms) {
+      const double f = cue_force(cue, ms * 1e-3);
+      if (ms <= 50) {
+        EXPECT_EQ(f, 0.0);
+      }
+      EXPECT_LT(std::abs(f - last), 0.05);
+      largest = std::max(largest, std::abs(f));
+      sum += f * 1e-3;
+      last = f;
+    }
+    EXPECT_NEAR(sum, 0.0, 1e-6);
+    EXPECT_GT(largest, 0.1);
+  }
+}
+
+TEST(Cue, ALostLinkIsFeltOnceAndThenThereIsNoForce) {
+  HapticRig rig;
+  rig.engage();
+  double hold = 0.0, lost = 0.0, after = 0.0;
+  for (int ms = 1; ms <= 2000; ++ms) {
+    rig.in.slave_age = ms * kMillisecond;
+    rig.tick();
+    const double f = rig.out.f_H_M.force.norm();
+    double& most = ms <= 200 ? hold : ms <= 900 ? lost : after;
+    most = std::max(most, f);
+    if (ms == 71) {
+      EXPECT_LT(f, 1e-9);
+    }
+  }
+  EXPECT_GT(hold, 0.1);
+  EXPECT_GT(lost, 0.1);
+  EXPECT_EQ(after, 0.0);
+}
+
+}  // namespace
+}  // namespace handrail

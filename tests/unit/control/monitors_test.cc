@@ -1,0 +1,193 @@
+// What says that sensor, encoder or arm are not to be trusted.
+#include "server/control/monitors.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tests/unit/constraint/tool_samples.h"
+#include "tests/unit/control/follow_rig.h"
+
+namespace handrail {
+namespace {
+
+using test::Dice;
+using test::FollowRig;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kRange = 1000.0;
+constexpr double kCycle = 0.0071;
+
+// Noise of a few counts, as a real sensor's.
+Wrench noise(Dice& dice, const Vec3& force = Vec3::Zero()) {
+  return {force + dice.within(0.05), dice.within(1e-3)};
+}
+
+TEST(WrenchMonitor, ANoisySensorThatRepeatsItselfIsStuckWithinATenthOfASecond) {
+  Dice dice(1);
+  WrenchMonitor monitor;
+  for (int i = 0; i < 200; ++i) {
+    ASSERT_EQ(monitor.judge(noise(dice), true, kRange), Reason::kNone);
+  }
+  const Wrench stuck = noise(dice);
+  int cycles = 0;
+  while (monitor.judge(stuck, true, kRange) == Reason::kNone) ASSERT_LT(++cycles, 100);
+  EXPECT_LE((cycles + 1) * kCycle, 0.1);
+  EXPECT_EQ(monitor.judge(noise(dice), true, kRange), Reason::kNone);
+}
+
+TEST(WrenchMonitor, AnHourOfACleanSensorIsSilent) {
+  Dice dice(2);
+  WrenchMonitor monitor;
+  for (int i = 0; i < static_cast<int>(3600.0 / kCycle); ++i) {
+    // In counts of 1 uN and 1 uNm, with contacts that come and go.
+    Wrench f = noise(dice, i / 1000 % 2 == 0 ? Vec3(0, 0, 40) : Vec3(Vec3::Zero()));
+    for (Vec3* v : {&f.force, &f.torque}) *v = (*v * 1e6).array().round() / 1e6;
+    ASSERT_EQ(monitor.judge(f, true, kRange), Reason::kNone) << i;
+  }
+}
+
+TEST(WrenchMonitor, ASensorWithoutNoiseIsNotCalledStuck) {
+  WrenchMonitor monitor;
+  const Wrench still{{1, 2, 3}, {0, 0, 0}};
+  for (int i = 0; i < 1000; ++i) ASSERT_EQ(monitor.judge(still, true, kRange), Reason::kNone);
+}
+
+TEST(WrenchMonitor, ASpikeOfOneReadingIsDroppedAndAForceThatStaysIsBelieved) {
+  Dice dice(3);
+  WrenchMonitor monitor;
+  (void)monitor.judge(noise(dice), true, kRange);
+  EXPECT_EQ(monitor.judge(noise(dice, {0, 0, 300}), true, kRange), Reason::kSensorInvalid);
+  EXPECT_EQ(monitor.judge(noise(dice), true, kRange), Reason::kNone);
+  EXPECT_EQ(monitor.judge(noise(dice, {0, 0, 300}), true, kRange), Reason::kSensorInvalid);
+  EXPECT_EQ(monitor.judge(noise(dice, {0, 0, 300}), true, kRange), Reason::kNone);
+}
+
+TEST(JointMonitor, ABadReadingIsHeldOverAndTheThirdNamesItsJoint) {
+  for (const double bad : {kNaN, std::numeric_limits<double>::infinity(), 1e300, 2.0}) {
+    JointMonitor monitor;
+    JointVector q = JointVector::Constant(0.5);
+    EXPECT_EQ(monitor.judge(q), q);
+    JointVector broken = q;
+    broken[3] = bad;
+    EXPECT_EQ(monitor.judge(broken), q);
+    EXPECT_FALSE(monitor.broken());
+    q[0] += 0.03;
+    EXPECT_EQ(monitor.judge(q), q);
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(monitor.judge(broken), q);
+    EXPECT_TRUE(monitor.broken());
+    EXPECT_EQ(monitor.joint(), 3);
+    EXPECT_EQ(monitor.judge(q), q);
+    EXPECT_FALSE(monitor.broken());
+  }
+}
+
+// An arm behind a first-order lag, its command a sine of the joints' greatest speed and
+// acceleration; after `until` it stops.
+int cycles_to_alarm(double lag, int until, int cycles, Dice& dice) {
+  FollowingMonitor monitor;
+  const FollowingSettings settings;
+  JointVector q = JointVector::Zero(), last = q, arm = q;
+  monitor.restart(q);
+  for (int i = 0; i < cycles; ++i) {
+    const double t = i * kCycle, speed = 4.0, acceleration = 26.0, w = acceleration / speed;
+    if (i < until) arm += (last - arm) * (1.0 - std::exp(-kCycle / lag));
+    if (monitor.lost(settings, q,
+                     arm + JointVector(JointVector::Constant(dice.between(-1e-4, 1e-4))), kCycle)) {
+      return i;
+    }
+    last = q;
+    q.setZero();
+    q[1] = speed / w * std::sin(w * t);
+  }
+  return cycles;
+}
+
+TEST(FollowingMonitor, AnArmOfAnySoundLagIsSilentForTenMinutes) {
+  Dice dice(4);
+  for (const double lag : {0.001, 0.025, 0.045, 0.070, 0.090}) {
+    const int cycles = static_cast<int>(600.0 / kCycle);
+    EXPECT_EQ(cycles_to_alarm(lag, cycles, cycles, dice), cycles) << lag;
+  }
+}
+
+TEST(FollowingMonitor, AnArmThatStopsOnItsWayIsSeen) {
+  Dice dice(5);
+  for (int until = 200; until < 400; until += 7) {
+    EXPECT_LT(cycles_to_alarm(0.045, until, until + 60, dice), until + 60) << until;
+  }
+}
+
+TEST(FollowMonitors, OneNonFiniteJointReadingChangesNothingAndThreeAreAFault) {
+  FollowRig rig;
+  rig.engage();
+  Pose X = rig.tip;
+  for (int i = 0; i < 30; ++i) {
+    X.p.y() += 1e-3;
+    if (i % 5 == 0) rig.in.q_measured[2] = kNaN;
+    rig.follow(X);
+    ASSERT_EQ(rig.out.link.state, SessionState::kEngaged);
+    ASSERT_TRUE(rig.out.link.q_measured.allFinite() && is_finite(rig.out.link.X_ST));
+  }
+  for (int i = 0; i < 3; ++i) {
+    rig.in.q_measured[2] = kNaN;
+    rig.follow(X);
+  }
+  EXPECT_EQ(rig.out.link.state, SessionState::kFault);
+  EXPECT_EQ(rig.out.link.fault, Reason::kEncoderInvalid);
+  EXPECT_EQ(rig.out.link.ledger.joint, 2);
+  EXPECT_TRUE(rig.watch.kept());
+}
+
+TEST(FollowMonitors, AnArmThatDoesNotMoveIsAFault) {
+  FollowRig rig;
+  rig.engage();
+  const JointVector held = rig.joints();
+  Pose X = rig.tip;
+  int i = 0;
+  for (; i < 200 && rig.out.link.state == SessionState::kEngaged; ++i) {
+    X.p.y() += 3e-3;
+    rig.in.q_measured = held;
+    rig.follow(X);
+  }
+  EXPECT_LT(i, 100);
+  EXPECT_EQ(rig.out.link.fault, Reason::kFollowingError);
+  EXPECT_TRUE(rig.watch.kept());
+}
+
+TEST(FollowMonitors, AStuckSensorIsAFaultWhereTheSensorIsRequired) {
+  for (const bool required : {false, true}) {
+    Dice dice(6);
+    FollowRig rig;
+    rig.settings.sensor_required = required;
+    rig.engage();
+    for (int i = 0; i < 300; ++i) {
+      rig.in.f_E_T = noise(dice);
+      rig.cycle();
+      ASSERT_EQ(rig.out.link.state, SessionState::kEngaged);
+    }
+    for (int i = 0; i < 14; ++i) rig.cycle();  // 100 ms of the same reading
+    EXPECT_EQ(rig.out.link.state, required ? SessionState::kFault : SessionState::kEngaged);
+    EXPECT_EQ(rig.out.link.reason, Reason::kSensorStuck);
+    EXPECT_FALSE(rig.out.link.has_wrench);
+  }
+}
+
+TEST(FollowMonitors, AnOpenStopCircuitIsAFaultThatAResetReleasesOnlyOnceItIsClosed) {
+  FollowRig rig;
+  rig.engage();
+  rig.in.stop_input = true;
+  rig.cycle();
+  EXPECT_EQ(rig.out.link.fault, Reason::kStopInput);
+  rig.in.master.desired = Desired::kOff;
+  rig.in.master.state = SessionState::kOff;
+  rig.in.master.fault_reset = rig.out.link.fault_epoch;
+  rig.cycle();
+  EXPECT_EQ(rig.out.link.state, SessionState::kFault);
+  rig.in.stop_input = false;
+  rig.cycle();
+  EXPECT_EQ(rig.out.link.state, SessionState::kOff);
+}
+
+}  // namespace
+}  // namespace handrail
