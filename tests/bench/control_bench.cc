@@ -4,6 +4,7 @@
 
 #include "server/constraint/position_tool.h"
 #include "server/control/guard.h"
+#include "server/control/ledger.h"
 #include "tests/bench/percentile.h"
 #include "tests/unit/constraint/tool_samples.h"
 #include "tests/unit/control/follow_rig.h"
@@ -13,6 +14,7 @@ namespace handrail::bench {
 namespace {
 
 constexpr double kToolTarget = 50.0;      // [ns]
+constexpr double kLedgerTarget = 50.0;    // [ns]
 constexpr double kHapticTarget = 1000.0;  // [ns]
 constexpr double kFollowTarget = 2000.0;  // [ns]
 constexpr int kBatch = 20;
@@ -111,6 +113,28 @@ struct GuardCall {
   }
 };
 
+// Both ledgers of a tick, from the same points as in the step.
+struct Ledgers {
+  Hand hand{0.05};
+  ForceShares shares;
+  SlaveState slave;
+  ForceLedger force;
+  MotionLedger motion;
+  Ledgers() {
+    slave.ledger.off_S.setConstant(1e-3f);
+    slave.ledger.why[3] = Reason::kSingularity;
+  }
+  Vec3 operator()() {
+    const Vec3& p = hand.next();
+    shares.device = p;
+    force = account(shares, p, p, p, p);
+    motion = account(p, 2.0 * p, 3.0 * p, slave);
+    benchmark::DoNotOptimize(force);
+    benchmark::DoNotOptimize(motion);
+    return motion.off_S.col(0);
+  }
+};
+
 void exact_line(benchmark::State& s) {
   run(s, "tool/line exact", kBatch, kToolTarget, ToolAdvance(line(), GuidanceMethod::kExact));
 }
@@ -142,6 +166,9 @@ void follow_limited(benchmark::State& s) {
 void guard_pass(benchmark::State& s) { run(s, "guard/passes", kBatch, 0.0, GuardCall(true)); }
 void guard_limit(benchmark::State& s) { run(s, "guard/limits", kBatch, 0.0, GuardCall(false)); }
 
+void ledgers(benchmark::State& s) { run(s, "ledger", kBatch, kLedgerTarget, Ledgers()); }
+
+BENCHMARK(ledgers)->Name("ledger");
 BENCHMARK(exact_line)->Name("tool_line_exact");
 BENCHMARK(exact_one_way)->Name("tool_one_way_line_exact");
 BENCHMARK(exact_plane)->Name("tool_plane_exact");

@@ -115,6 +115,13 @@ SlaveState any_slave() {
   s.oldest_applied = *rc::gen::inRange<Nanos>(0, INT64_MAX);
   s.cycles = u64();
   s.silences = u64();
+  s.applied_sequence = u64();
+  s.reasons = ReasonSet(u64() & ReasonSet::kBits);
+  for (int i = 0; i < s.ledger.off_S.size(); ++i) {
+    s.ledger.off_S.data()[i] = static_cast<float>(real(-1.0, 1.0));
+  }
+  for (Reason& why : s.ledger.why) why = any_of<Reason>();
+  s.ledger.joint = *rc::gen::inRange<std::int8_t>(-1, kJoints);
   s.hashes = any_hashes();
   s.scene = any_scene();
   return s;

@@ -188,6 +188,20 @@ TEST_F(PeerTest, QualityFollowsTheShareReceived) {
   EXPECT_NEAR(slave.snapshot().loss_share, 0.02, 1e-12);
 }
 
+TEST_F(PeerTest, EachSideHearsHowMuchOfItsOwnArrivesThere) {
+  Nanos now = kStart;
+  for (int i = 0; i < 200; ++i, now += kMillisecond) {
+    const Packet there = from_master(now), back = from_slave(now);
+    if (i % 4 != 0) (void)slave.on_datagram(there.span(), now);
+    (void)master.on_datagram(back.span(), now);
+  }
+  EXPECT_EQ(master.snapshot().received_of_100, 100);
+  EXPECT_EQ(master.snapshot().peer_received_of_100, 75);
+  EXPECT_EQ(master.snapshot().sequence, 200u);
+  EXPECT_EQ(slave.snapshot().sequence, 200u);
+  EXPECT_EQ(slave.snapshot().received_of_100, 75);
+}
+
 TEST_F(PeerTest, SilenceBeyondTwentyMillisecondsIsPoor) {
   Nanos now = kStart;
   for (int i = 0; i < 100; ++i, now += kMillisecond) {
