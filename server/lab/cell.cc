@@ -8,6 +8,15 @@ namespace {
 constexpr PeerId kSlave = 1;
 constexpr Nanos kRepeat = kMillisecond;  // between two sends of the slave's IO, as in its daemon
 
+LinkView view_of(const LinkSnapshot& link, Nanos now) {
+  LinkView view;
+  view.loop_age = link.loop_age(now);
+  view.grade = link.quality(now);
+  view.peer_grade = grade_of(link.peer_received_of_100);
+  view.confirmed = link.confirmed(now);
+  return view;
+}
+
 }  // namespace
 
 Cell::Cell(const CellOptions& options)
@@ -30,13 +39,14 @@ void Cell::tick(const HandReading& hand, const HapticOrder& order) noexcept {
   if (net_) net_->deliver(now_);
   if (!master_stalled_ && !(net_ && net_->master_stopped())) step_master(hand, order);
   if (net_) {
-    net_->send_master(now_, haptic_out_.link);
+    net_->send_master(now_, instead_ != nullptr ? *instead_ : haptic_out_.link, haptic_made_);
   } else {
     to_slave_.send(haptic_out_.link, now_);
   }
 }
 
 void Cell::step_master(const HandReading& hand, const HapticOrder& order) noexcept {
+  haptic_made_ = now_;
   haptic_in_.hand = hand;
   haptic_in_.order = order;
   hear_slave();
@@ -53,6 +63,7 @@ void Cell::hear_slave() noexcept {
   haptic_in_.slave_known = link.peer_epoch != 0;
   haptic_in_.slave = net_->master().newest();
   haptic_in_.slave_age = link.age(net_->master_now(now_));
+  haptic_in_.link = view_of(link, net_->master_now(now_));
   // Another slave counts its faults from the start: what was reset on the last one means nothing.
   if (link.peer_epoch != slave_epoch_) haptic_.fault_reset = 0;
   slave_epoch_ = link.peer_epoch;
@@ -68,6 +79,8 @@ void Cell::hear_master(Nanos at) noexcept {
   follow_in_.master_known = link.peer_epoch != 0;
   follow_in_.master = net_->slave().newest();
   follow_in_.master_age = link.age(net_->slave_now(at));
+  follow_in_.master_sequence = link.sequence;
+  follow_in_.link = view_of(link, net_->slave_now(at));
   follow_in_.new_session = master_epoch_ != 0 && link.peer_epoch != master_epoch_;
   master_epoch_ = link.peer_epoch;
 }
@@ -103,7 +116,7 @@ void Cell::run_rig() noexcept {
     if (repeat_next_ < at && repeat_next_ < now_) {
       if (net_) {
         net_->deliver(repeat_next_);
-        net_->send_slave(repeat_next_, follow_out_.link);
+        net_->send_slave(repeat_next_, follow_out_.link, follow_made_);
       } else {
         to_master_.send(follow_out_.link, repeat_next_);
       }
@@ -152,7 +165,9 @@ void Cell::on_reply(const RobotReply& reply, Nanos at) noexcept {
   follow_in_.q_measured = told.q_measured;
   follow_in_.robot_ready = true;
   hear_master(at);
+  follow_made_ = at;
   follow_step(options_.follow, follow_in_, follow_, follow_out_);
+  follow_in_.stop_input = stop_open_;
   if (target_count_ < targets_.size()) targets_[target_count_++] = follow_out_.q_target;
   to_controller(client_.send(follow_out_.q_target));
 }

@@ -72,6 +72,13 @@ class Cell {
   void set_tap(CellTap* tap) noexcept { tap_ = tap; }
   // The master's haptic thread stands still while its IO thread goes on.
   void stall_master(bool stalled) noexcept { master_stalled_ = stalled; }
+  // Goes out instead of what the master's step gives, while not null. Not owned.
+  void send_instead(const MasterState* state) noexcept { instead_ = state; }
+  // The slave's local stop circuit. Opened between two cycles it counts for the next one.
+  void open_stop_circuit(bool open) noexcept {
+    stop_open_ = open;
+    follow_in_.stop_input |= open;
+  }
   // The program is killed and started anew, with a net only. Allocates.
   void restart_master();
   void restart_slave();
@@ -101,14 +108,18 @@ class Cell {
   std::uint32_t master_epoch_ = 0;  // sessions of the master the slave has had
   std::uint32_t slave_epoch_ = 0;
   CellTap* tap_ = nullptr;
+  const MasterState* instead_ = nullptr;
   std::array<JointVector, 4> sent_;
   std::size_t sent_count_ = 0;
   std::array<JointVector, 4> targets_;
   std::size_t target_count_ = 0;
+  Nanos haptic_made_ = 0;  // when the newest states were made
+  Nanos follow_made_ = 0;
   Nanos repeat_next_ = 0;  // when the slave's IO sends next
   Nanos robot_cycle_at_ = 0;
   bool robot_cycle_ = false;
   bool master_stalled_ = false;
+  bool stop_open_ = false;
   Nanos now_ = 0;
 };
 

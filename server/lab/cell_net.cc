@@ -1,5 +1,7 @@
 #include "server/lab/cell_net.h"
 
+#include "server/link/stall_watch.h"
+
 namespace handrail {
 
 CellNet::CellNet(const CellNetOptions& options)
@@ -34,16 +36,16 @@ void CellNet::deliver(Nanos now) noexcept {
   if (!slave_stopped_) (void)slave_pump_->receive(slave_now(now));
 }
 
-void CellNet::send_master(Nanos now, const MasterState& state) noexcept {
+void CellNet::send_master(Nanos now, const MasterState& state, Nanos made) noexcept {
   if (master_stopped_) return;
   link_.at(now);
-  master_pump_->send(master_now(now), state);
+  master_pump_->send(master_now(now), state, master_now(made) + kStateStands);
 }
 
-void CellNet::send_slave(Nanos now, const SlaveState& state) noexcept {
+void CellNet::send_slave(Nanos now, const SlaveState& state, Nanos made) noexcept {
   if (slave_stopped_) return;
   link_.at(now);
-  slave_pump_->send(slave_now(now), state);
+  slave_pump_->send(slave_now(now), state, slave_now(made) + kStateStands);
 }
 
 }  // namespace handrail

@@ -26,8 +26,9 @@ class CellNet {
   void deliver(Nanos now) noexcept;
   Nanos next_due() const noexcept { return link_.next_due(); }
 
-  void send_master(Nanos now, const MasterState& state) noexcept;
-  void send_slave(Nanos now, const SlaveState& state) noexcept;
+  // `made`: when the program's loop made the state; one that stood still for long is not sent on.
+  void send_master(Nanos now, const MasterState& state, Nanos made) noexcept;
+  void send_slave(Nanos now, const SlaveState& state, Nanos made) noexcept;
 
   // SIGSTOP and SIGCONT: a stopped program takes and sends nothing; its socket fills.
   void stop_master(bool stopped) noexcept { master_stopped_ = stopped; }

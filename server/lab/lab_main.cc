@@ -10,6 +10,7 @@
 
 #include "devices/hand/recorded_hand_io.h"
 #include "server/lab/accuracy/command.h"
+#include "server/lab/faults/fault_command.h"
 #include "server/lab/hand_run.h"
 #include "server/lab/study/linear_command.h"
 #include "server/lab/walls/price_command.h"
@@ -244,6 +245,19 @@ void add_price_check(CLI::App& app, PriceCommand& prices) {
   sub->add_option("SCENE", prices.scene, "scene of walls")->required();
 }
 
+void add_faults(CLI::App& app, FaultCommand& faults) {
+  CLI::App* sub = app.add_subcommand(
+      "faults",
+      "put faults into network, programs and devices; an auditor judges what the arm does");
+  sub->add_option("--row", faults.row, "one row of the matrix, such as N2");
+  sub->add_option("--seed", faults.seed, "other networks, hands and moments")
+      ->capture_default_str();
+  sub->add_option("--threads", faults.threads, "0: one a core; results do not depend on it")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  sub->add_flag("--json", faults.json, "print the rows as JSON");
+}
+
 int run(int argc, char** argv) {
   CLI::App app{
       "Experiments in virtual time: the same master and slave steps as the daemons, "
@@ -264,6 +278,8 @@ int run(int argc, char** argv) {
   GearshiftCommand gearshift;
   add_wrench(app, wrench);
   add_gearshift(app, gearshift);
+  FaultCommand faults;
+  add_faults(app, faults);
   PriceCommand prices;
   add_price_check(app, prices);
   try {
@@ -280,6 +296,7 @@ int run(int argc, char** argv) {
   if (app.got_subcommand("wrench")) return run_wrench_command(wrench, cancelled);
   if (app.got_subcommand("gearshift")) return run_gearshift_command(gearshift, cancelled);
   if (app.got_subcommand("price-check")) return run_price_command(prices, cancelled);
+  if (app.got_subcommand("faults")) return run_fault_command(faults, cancelled);
   if (app.got_subcommand("fit")) return run_fit_command(fit, cancelled);
   const std::vector<std::string> shorthands = words.settings();
   study.settings.insert(study.settings.begin(), shorthands.begin(), shorthands.end());

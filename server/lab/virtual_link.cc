@@ -70,6 +70,14 @@ void LinkWay::send(std::span<const std::uint8_t> bytes, Nanos now) noexcept {
   replay(now);
 }
 
+void LinkWay::inject(std::span<const std::uint8_t> bytes, Nanos now) noexcept {
+  Datagram datagram;
+  datagram.size = std::min(bytes.size(), datagram.bytes.size());
+  std::copy_n(bytes.begin(), datagram.size, datagram.bytes.begin());
+  datagram.authentic = false;
+  launch(datagram, now);
+}
+
 void LinkWay::remember(const Datagram& datagram) noexcept {
   history_[remembered_++ % kHistory] = datagram;
 }

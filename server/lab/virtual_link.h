@@ -62,6 +62,8 @@ class LinkWay {
   LinkFaults faults;
 
   void send(std::span<const std::uint8_t> bytes, Nanos now) noexcept;
+  // Somebody else's datagram, arriving at once.
+  void inject(std::span<const std::uint8_t> bytes, Nanos now) noexcept;
   // Moves what arrives by `now` into the receiver's queue.
   void advance(Nanos now) noexcept;
   // When the next datagram arrives; kForever if none is under way.

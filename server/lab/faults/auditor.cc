@@ -53,8 +53,8 @@ std::uint64_t AuditReport::total() const noexcept {
 Auditor::Auditor(const AuditLimits& limits)
     : limits_(limits), dt_(to_seconds(limits.period)), sent_(kRemembered) {}
 
-void Auditor::sent(std::uint64_t number, std::uint32_t incarnation,
-                   const MasterState& state) noexcept {
+void Auditor::sent(std::uint64_t number, std::uint32_t incarnation, const MasterState& state,
+                   bool repeated) noexcept {
   Sent& entry = sent_[number % kRemembered];
   entry.number = number;
   entry.incarnation = incarnation;
@@ -62,6 +62,7 @@ void Auditor::sent(std::uint64_t number, std::uint32_t incarnation,
   entry.stops = state.stop_epoch != state.released_epoch;
   entry.aligning = state.desired != Desired::kOff && state.state == SessionState::kAligning;
   entry.has_command = state.has_command;
+  entry.repeated = repeated;
   entry.p_SU = state.X_SU.p;
   entry.tool = state.position_tool;
 }
@@ -80,7 +81,7 @@ void Auditor::delivered(const Delivery& delivery) noexcept {
   if (drove && !(entry.drives && !entry.stops)) told_at_ = delivery.at;
   newest_ = entry;
   heard_ = true;
-  heard_at_ = delivery.at;
+  if (!entry.repeated) heard_at_ = delivery.at;
   if (entry.aligning) latched_ = must_stop_ = false;
   if (entry.has_command) remember_place(entry.p_SU, delivery.at);
   if (entry.tool.epoch != tool_.definition().epoch) {

@@ -78,8 +78,10 @@ class Auditor {
   explicit Auditor(const AuditLimits& limits);
 
   // The authentic master, started for the `incarnation`-th time, sends its `number`-th datagram.
-  // Numbers rise by one, also over restarts.
-  void sent(std::uint64_t number, std::uint32_t incarnation, const MasterState& state) noexcept;
+  // Numbers rise by one, also over restarts. `repeated`: its haptic loop has made no state since
+  // the last datagram, so this one proves nobody alive.
+  void sent(std::uint64_t number, std::uint32_t incarnation, const MasterState& state,
+            bool repeated = false) noexcept;
   // The slave takes a datagram.
   void delivered(const Delivery& delivery) noexcept;
   // From now on the arm must stop, whatever is sent, until an operator engages again.
@@ -110,6 +112,7 @@ class Auditor {
     bool stops = false;     // a stop stands
     bool aligning = false;  // asks to engage
     bool has_command = false;
+    bool repeated = false;
     Vec3 p_SU = Vec3::Zero();
     ToolDefinition tool;
   };

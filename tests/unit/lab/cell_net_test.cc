@@ -104,7 +104,7 @@ TEST(CellNetTest, AStoppedMasterIsHeldAndWhatWaitedInItsSocketIsDropped) {
   run(*cell, 150 * kMillisecond);
   EXPECT_EQ(cell->slave().state, SessionState::kHold);
   cell->net()->stop_master(false);
-  run(*cell, 30 * kMillisecond);
+  run(*cell, 100 * kMillisecond);
   EXPECT_EQ(cell->slave().state, SessionState::kEngaged);
   EXPECT_GT(cell->net()->master().rejects()[static_cast<std::size_t>(Reject::kAfterStall)], 100u);
 }

@@ -1,0 +1,215 @@
+#include "server/lab/faults/fault_run.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "devices/omni/omni_data.h"
+#include "server/base/units.h"
+#include "server/master/haptic_settings.h"
+#include "server/slave/follow_settings.h"
+
+namespace handrail {
+namespace {
+
+constexpr Nanos kPatience = 10 * kSecond;
+// An operator's hand is on the keyboard this long after anything.
+constexpr Nanos kOperatorDelay = 300 * kMillisecond;
+constexpr Nanos kResumePatience = 500 * kMillisecond;
+
+Scene plain_scene() {
+  Scene scene;
+  scene.name = "faults";
+  scene.limits.joints = rv2a_limits();
+  return scene;
+}
+
+std::unique_ptr<Cell> make_cell(std::uint64_t seed, Nanos master_clock, Nanos slave_clock) {
+  const Scene scene = plain_scene();
+  auto options = std::make_unique<CellOptions>();
+  options->haptic = haptic_settings(scene, omni_capabilities(false));
+  options->follow = follow_settings(scene, options->rig.controller.period, true, 1000.0);
+  options->rig.controller.arm.geometry.d6 = scene.tip_length;
+  options->rig.controller.arm.seed = seed;
+  options->rig.sensor.seed = seed + 1;
+  options->net = CellNetOptions{seed + 2, master_clock, slave_clock};
+  return std::make_unique<Cell>(*options);
+}
+
+AuditLimits audit_limits() {
+  const Scene scene = plain_scene();
+  AuditLimits limits;
+  limits.joints = scene.limits.joints;
+  limits.max_jerk = scene.limits.joints.max_jerk;
+  limits.arm.d6 = scene.tip_length;
+  return limits;
+}
+
+HapticOrder order_of(OrderKind kind) {
+  HapticOrder order;
+  order.kind = kind;
+  return order;
+}
+
+}  // namespace
+
+void find(FaultOutcome& outcome, std::uint64_t count, const char* what) {
+  if (count == 0) return;
+  outcome.violations += count;
+  if (!outcome.found.empty()) outcome.found += ", ";
+  outcome.found += fmt::format("{} x {}", count, what);
+}
+
+void measure(FaultOutcome& outcome, double worst, double bound) {
+  outcome.measured = true;
+  outcome.worst = worst;
+  outcome.bound = bound;
+}
+
+// Three translations and a turn, each a sine of 0.3 to 0.9 Hz: up to 18 mm and 0.15 rad.
+FaultRun::FaultRun(std::uint64_t seed, Nanos master_clock, Nanos slave_clock)
+    : random_(seed ^ 0xfa17ULL),
+      cell_(make_cell(seed, master_clock, slave_clock)),
+      auditor_(audit_limits()) {
+  for (std::size_t k = 0; k < 4; ++k) {
+    hand_[k] = (k < 3 ? 18.0 * kMm : 0.15) * (0.5 + 0.5 * random_.uniform());
+    hand_[k + 4] = 2.0 * std::numbers::pi * (0.3 + 0.6 * random_.uniform());
+    hand_[k + 8] = 2.0 * std::numbers::pi * random_.uniform();
+  }
+  cell_->set_tap(&layers_);
+}
+
+void FaultRun::set_network(const LinkFaults& faults) {
+  to_slave() = faults;
+  to_master() = faults;
+}
+
+HandReading FaultRun::hand_now() {
+  const double t = to_seconds(now() + kMillisecond);
+  HandReading hand;
+  for (int k = 0; k < 3; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    hand.X_MH.p[k] = hand_[i] * std::sin(hand_[i + 4] * t + hand_[i + 8]);
+    hand.v_MH[k] = hand_[i] * hand_[i + 4] * std::cos(hand_[i + 4] * t + hand_[i + 8]);
+  }
+  hand.X_MH.q =
+      Quat(Eigen::AngleAxisd(hand_[3] * std::sin(hand_[7] * t + hand_[11]), Vec3(0.6, 0.0, 0.8)));
+  hand.valid = true;
+  if (layers_.hand) layers_.hand(now(), hand);
+  return hand;
+}
+
+void FaultRun::tick(const HapticOrder& order) {
+  cell_->net()->link().to_slave().clear_deliveries();
+  cell_->net()->link().to_master().clear_deliveries();
+  cell_->tick(hand_now(), order);
+  feed_auditor();
+  const bool should = auditor_.led();
+  if (!should || engaged()) led_since_ = now();
+  if (now() - led_since_ > kResumePatience) ++not_resumed_;
+}
+
+void FaultRun::feed_auditor() {
+  LinkWay& way = cell_->net()->link().to_slave();
+  const auto deliveries = way.deliveries();
+  std::size_t next = 0;
+  const auto take = [&](Nanos until) {
+    for (; next < deliveries.size() && deliveries[next].at <= until; ++next) {
+      auditor_.delivered(deliveries[next]);
+      if (auditor_.report().fresh == fresh_) continue;
+      fresh_ = auditor_.report().fresh;
+      if (last_fresh_ >= 0) {
+        longest_gap_ = std::max(longest_gap_, deliveries[next].at - last_fresh_);
+      }
+      last_fresh_ = deliveries[next].at;
+    }
+  };
+  if (!cell_->targets().empty()) {
+    take(cell_->robot_cycle_at());
+    for (const JointVector& q : cell_->targets()) {
+      auditor_.commanded(q, cell_->robot_cycle_at());
+    }
+  }
+  take(now());
+  // What was sent in this tick is delivered in the next at the earliest.
+  for (; sent_ < way.counters().sent;) {
+    auditor_.sent(++sent_, incarnation_, instead_ != nullptr ? *instead_ : cell_->master().link,
+                  stalled_);
+  }
+  for (const Delivery& back : cell_->net()->link().to_master().deliveries()) {
+    master_heard_ = back.at;
+  }
+}
+
+bool FaultRun::engaged() const {
+  const SessionState state = cell_->slave().state;
+  return state == SessionState::kEngaged || state == SessionState::kClutched;
+}
+
+bool FaultRun::engage() {
+  const Nanos patience = now() + kPatience;
+  while (!(engaged() && cell_->master_state().session == SessionState::kEngaged)) {
+    if (now() > patience) return false;
+    tick(order_of(OrderKind::kEngage));
+  }
+  run(kSecond);
+  last_fresh_ = -1;
+  longest_gap_ = 0;
+  return true;
+}
+
+void FaultRun::run(Nanos span) {
+  for (const Nanos end = now() + span; now() < end;) tick();
+}
+
+void FaultRun::drive(Nanos span) {
+  for (const Nanos end = now() + span; now() < end;) {
+    const SessionState session = cell_->master_state().session;
+    HapticOrder order;
+    const bool idle = session == SessionState::kFault || session == SessionState::kOff;
+    if (!idle) next_order_ = now() + kOperatorDelay;
+    if (idle && now() >= next_order_) {
+      const bool fault = session == SessionState::kFault ||
+                         cell_->master().order_result == Reason::kPeerFault ||
+                         cell_->net()->master().newest().state == SessionState::kFault;
+      order = order_of(fault ? OrderKind::kReset : OrderKind::kEngage);
+      if (fault) next_order_ = now() + kOperatorDelay;
+    }
+    tick(order);
+  }
+}
+
+void FaultRun::stall_master(bool stalled) {
+  stalled_ = stalled;
+  cell_->stall_master(stalled);
+}
+
+void FaultRun::restart_master() {
+  ++incarnation_;
+  cell_->restart_master();
+}
+
+void FaultRun::send_instead(const MasterState* state) {
+  instead_ = state;
+  cell_->send_instead(state);
+}
+
+FaultOutcome FaultRun::outcome() {
+  auditor_.finish();
+  const AuditReport& report = auditor_.report();
+  FaultOutcome out;
+  if (report.stops > 0) {
+    measure(out, to_seconds(report.worst.took) * 1e3, to_seconds(report.worst.allowed) * 1e3);
+  }
+  for (std::size_t i = 0; i < report.breaches.size(); ++i) {
+    find(out, report.breaches[i], name_of(static_cast<Breach>(i)));
+  }
+  find(out, report.worst.took > report.worst.allowed && report.of(Breach::kLateStop) == 0,
+       name_of(Breach::kLateStop));
+  find(out, not_resumed_, "ms not engaged with a link that had come back");
+  return out;
+}
+
+}  // namespace handrail

@@ -1,0 +1,105 @@
+// One run of a fault row: a cell over a made-up network, a hand that moves, an operator, an
+// auditor.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+
+#include "server/lab/cell.h"
+#include "server/lab/faults/auditor.h"
+
+namespace handrail {
+
+// What a run has come to. `worst` and `bound` are in the row's unit and mean something if
+// `measured`; violations count whatever the auditor and the row's own judge found.
+struct FaultOutcome {
+  std::uint64_t violations = 0;
+  bool measured = false;  // a run without a stop has no time to stop
+  double worst = 0.0;
+  double bound = 0.0;
+  std::string found;  // names of the violations, for people
+};
+
+// Faults of the devices: called with what the device says and when, they may change it. Empty:
+// none.
+struct FaultLayers final : public CellTap {
+  std::function<void(Nanos, Wrench&, bool&)> force;
+  std::function<void(Nanos, RobotReply&)> reply;
+  std::function<void(Nanos, HandReading&)> hand;
+
+  void on_force(Nanos at, Wrench& f, bool& valid) noexcept override {
+    if (force) force(at, f, valid);
+  }
+  void on_reply(Nanos at, RobotReply& told) noexcept override {
+    if (reply) reply(at, told);
+  }
+};
+
+// Same seed, same calls: same bits. The hand's motion and the network are drawn from the seed.
+class FaultRun {
+ public:
+  explicit FaultRun(std::uint64_t seed, Nanos master_clock = 0, Nanos slave_clock = 0);
+
+  LinkFaults& to_slave() { return cell_->net()->link().to_slave().faults; }
+  LinkFaults& to_master() { return cell_->net()->link().to_master().faults; }
+  // Both ways alike.
+  void set_network(const LinkFaults& faults);
+
+  // Engages, with patience for ten seconds, and drives for a second. False: it did not.
+  bool engage();
+  // Lets `span` pass. drive(): with an operator who resets and engages again whenever needed.
+  void run(Nanos span);
+  void drive(Nanos span);
+  void tick(const HapticOrder& order = {});
+
+  void stall_master(bool stalled);
+  void restart_master();
+  // Goes out instead of what the master's step gives, while not null. Not owned.
+  void send_instead(const MasterState* state);
+  Random& random() { return random_; }
+
+  Cell& cell() { return *cell_; }
+  Auditor& auditor() { return auditor_; }
+  FaultLayers& layers() { return layers_; }
+  Nanos now() const { return cell_->now(); }
+  // When the newest datagram of the slave reached the master.
+  Nanos master_heard() const { return master_heard_; }
+  // Ticks in which the arm was not engaged although the auditor had let it move for half a second.
+  std::uint64_t not_resumed() const { return not_resumed_; }
+  // Longest time between two fresh datagrams at the slave since engage().
+  Nanos longest_gap() const { return longest_gap_; }
+  bool engaged() const;
+
+  // The stop with the least time left [ms], and everything found so far.
+  FaultOutcome outcome();
+
+ private:
+  void feed_auditor();
+  HandReading hand_now();
+
+  Random random_;
+  std::unique_ptr<Cell> cell_;
+  Auditor auditor_;
+  FaultLayers layers_;
+  std::array<double, 12> hand_{};  // amplitudes, rates and phases
+  std::uint32_t incarnation_ = 1;
+  std::uint64_t sent_ = 0;
+  bool stalled_ = false;
+  const MasterState* instead_ = nullptr;
+  Nanos next_order_ = 0;
+  Nanos master_heard_ = 0;
+  Nanos last_fresh_ = -1;
+  std::uint64_t fresh_ = 0;
+  Nanos longest_gap_ = 0;
+  Nanos led_since_ = -1;
+  std::uint64_t not_resumed_ = 0;
+};
+
+// What the run has measured, in the row's unit.
+void measure(FaultOutcome& outcome, double worst, double bound);
+
+// Adds `count` violations called `what`.
+void find(FaultOutcome& outcome, std::uint64_t count, const char* what);
+
+}  // namespace handrail

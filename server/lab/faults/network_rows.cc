@@ -1,0 +1,238 @@
+#include <algorithm>
+#include <array>
+
+#include "server/lab/faults/fault_rows.h"
+
+namespace handrail {
+namespace {
+
+double in_ms(Nanos span) { return to_seconds(span) * 1e3; }
+
+// The slave took what was fresh and nothing else.
+void judge_order(FaultRun& run, FaultOutcome& out) {
+  const std::uint64_t accepted = run.cell().net()->slave().snapshot().accepted;
+  const std::uint64_t fresh = run.auditor().report().fresh;
+  find(out, accepted > fresh ? accepted - fresh : fresh - accepted, "not the newest applied");
+}
+
+void judge_never_tripped(FaultRun& run, FaultOutcome& out) {
+  find(out, run.auditor().report().stops, "trips");
+  find(out, run.auditor().report().latched, "latched");
+  find(out, !run.engaged(), "not engaged at the end");
+}
+
+// Ten minutes of independent loss each way.
+FaultOutcome n1(std::uint64_t seed, double loss, bool may_trip) {
+  FaultRun run(seed);
+  if (!run.engage()) return not_engaged();
+  LinkFaults faults;
+  faults.loss = loss;
+  run.set_network(faults);
+  run.run(600 * kSecond);
+  FaultOutcome out = run.outcome();
+  judge_order(run, out);
+  find(out, run.auditor().report().latched, "latched");
+  if (!may_trip) judge_never_tripped(run, out);
+  measure(out, in_ms(run.longest_gap()), in_ms(may_trip ? Auditor::kLatch : Auditor::kWatchdog));
+  return out;
+}
+FaultOutcome n1a(std::uint64_t seed, int) { return n1(seed, 0.1, false); }
+FaultOutcome n1b(std::uint64_t seed, int) { return n1(seed, 0.3, true); }
+
+// Bursts of loss of 2 to 200 ms, 5 % of the time.
+FaultOutcome n2(std::uint64_t seed, int index) {
+  constexpr std::array<double, 5> kMeans = {2.0, 5.0, 10.0, 50.0, 200.0};
+  FaultRun run(seed);
+  if (!run.engage()) return not_engaged();
+  LinkFaults faults;
+  const double mean = kMeans[static_cast<std::size_t>(index) % kMeans.size()];
+  faults.burst_leave = 1.0 / mean;
+  faults.burst_enter = 0.05 / 0.95 / mean;
+  run.set_network(faults);
+  run.drive(60 * kSecond);
+  FaultOutcome out = run.outcome();
+  judge_order(run, out);
+  return out;
+}
+
+// A constant delay one way, up to 500 ms: slow to feel, but drivable.
+FaultOutcome n3(std::uint64_t seed, int index) {
+  constexpr std::array<int, 6> kDelays = {0, 10, 50, 100, 200, 500};
+  FaultRun run(seed);
+  LinkFaults faults;
+  faults.delay = kDelays[static_cast<std::size_t>(index) % kDelays.size()] * kMillisecond;
+  run.set_network(faults);
+  if (!run.engage()) return not_engaged();
+  run.run(20 * kSecond);
+  FaultOutcome out = run.outcome();
+  judge_order(run, out);
+  judge_never_tripped(run, out);
+  measure(out, in_ms(run.longest_gap()), in_ms(Auditor::kWatchdog));
+  return out;
+}
+
+// Jitter of 1 to 50 ms on 50 ms, order kept as a queue keeps it.
+FaultOutcome n4(std::uint64_t seed, int index) {
+  constexpr std::array<int, 4> kJitters = {1, 5, 20, 50};
+  FaultRun run(seed);
+  LinkFaults faults;
+  faults.delay = 50 * kMillisecond;
+  faults.jitter = kJitters[static_cast<std::size_t>(index) % kJitters.size()] * kMillisecond;
+  faults.reorder = index % 8 < 4 ? 0.0 : 1.0;  // every second time each takes its own way
+  run.set_network(faults);
+  if (!run.engage()) return not_engaged();
+  run.drive(20 * kSecond);
+  FaultOutcome out = run.outcome();
+  judge_order(run, out);
+  measure(out, run.auditor().report().jerk, 1.0);
+  return out;
+}
+
+// What the network may do to the order, with the count of what must not be applied.
+FaultOutcome order_row(std::uint64_t seed, const LinkFaults& faults, Nanos span) {
+  FaultRun run(seed);
+  if (!run.engage()) return not_engaged();
+  run.set_network(faults);
+  run.run(span);
+  FaultOutcome out = run.outcome();
+  judge_order(run, out);
+  judge_never_tripped(run, out);
+  const std::uint64_t accepted = run.cell().net()->slave().snapshot().accepted;
+  const std::uint64_t fresh = run.auditor().report().fresh;
+  measure(out, accepted > fresh ? static_cast<double>(accepted - fresh) : 0.0, 0.0);
+  return out;
+}
+
+FaultOutcome n5(std::uint64_t seed, int index) {
+  constexpr std::array<double, 3> kShares = {0.01, 0.1, 0.5};
+  LinkFaults faults;
+  faults.reorder = kShares[static_cast<std::size_t>(index) % kShares.size()];
+  faults.reorder_by = 5 * kMillisecond;
+  return order_row(seed, faults, 20 * kSecond);
+}
+
+// Duplicates; the last level replays ten old datagrams for each new one: in 100 s a million.
+FaultOutcome n6(std::uint64_t seed, int index) {
+  constexpr std::array<double, 3> kShares = {0.01, 0.25, 1.0};
+  LinkFaults faults;
+  if (index % 4 == 3) {
+    faults.replay = 10.0;
+    return order_row(seed, faults, 100 * kSecond);
+  }
+  faults.duplicate = kShares[static_cast<std::size_t>(index) % kShares.size()];
+  return order_row(seed, faults, 20 * kSecond);
+}
+
+// Blackouts of 10 ms to 60 s.
+FaultOutcome n9(std::uint64_t seed, int index) {
+  constexpr std::array<int, 5> kSpans = {10, 21, 100, 1000, 60'000};
+  const Nanos span = kSpans[static_cast<std::size_t>(index) % kSpans.size()] * kMillisecond;
+  FaultRun run(seed);
+  if (!run.engage()) return not_engaged();
+  run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
+  LinkFaults dark;
+  dark.loss = 1.0;
+  run.set_network(dark);
+  run.run(span);
+  run.set_network({});
+  // Nobody engages for a second: what was latched must not move, the rest goes on by itself.
+  run.run(kSecond);
+  const bool latched = run.auditor().report().latched > 0;
+  const bool heard = run.cell().net()->slave().snapshot().age(
+                         run.cell().net()->slave_now(run.now())) < 5 * kMillisecond;
+  if (latched) run.drive(5 * kSecond);
+  const bool engaged = run.engaged();
+  FaultOutcome out = run.outcome();
+  find(out, !heard, "not heard within a second");
+  find(out, !engaged, "not engaged again");
+  find(out, latched != (span > Auditor::kLatch), "latched by another gap");
+  return out;
+}
+
+// One direction alone goes dark: the slave stops, the master's force goes.
+FaultOutcome n10(std::uint64_t seed, bool to_slave) {
+  constexpr Nanos kForceGone = 50 * kMillisecond;
+  FaultRun run(seed);
+  if (!run.engage()) return not_engaged();
+  run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
+  (to_slave ? run.to_slave() : run.to_master()).loss = 1.0;
+  run.tick();
+  Nanos last_force = run.master_heard();
+  const Nanos heard = run.master_heard();
+  for (int i = 0; i < 1000; ++i) {
+    run.tick();
+    if (run.cell().master().f_H_M.force.norm() > 1e-9) last_force = run.now();
+  }
+  FaultOutcome out = run.outcome();
+  find(out, run.auditor().moving(), "moving at the end");
+  if (to_slave) return out;
+  measure(out, in_ms(last_force - heard), in_ms(kForceGone));
+  find(out, out.worst > out.bound, "force stayed");
+  return out;
+}
+FaultOutcome n10a(std::uint64_t seed, int) { return n10(seed, true); }
+FaultOutcome n10b(std::uint64_t seed, int) { return n10(seed, false); }
+
+// A narrow way with a queue of a second.
+FaultOutcome n11(std::uint64_t seed, int index) {
+  constexpr std::array<int, 4> kRates = {64'000, 256'000, 1'000'000, 2'000'000};
+  FaultRun run(seed);
+  if (!run.engage()) return not_engaged();
+  LinkFaults faults;
+  faults.rate_bps = kRates[static_cast<std::size_t>(index) % kRates.size()];
+  run.set_network(faults);
+  run.drive(20 * kSecond);
+  run.set_network({});
+  run.drive(5 * kSecond);
+  const bool engaged = run.engaged();
+  FaultOutcome out = run.outcome();
+  judge_order(run, out);
+  find(out, !engaged, "not engaged again");
+  return out;
+}
+
+// Half an hour of everything at once.
+FaultOutcome n13(std::uint64_t seed, int index) {
+  FaultRun run(seed);
+  LinkFaults faults;
+  const bool first = index % 2 == 0;
+  faults.delay = (first ? 250 : 100) * kMillisecond;
+  faults.jitter = (first ? 250 : 50) * kMillisecond;
+  faults.loss = first ? 0.05 : 0.25;
+  faults.duplicate = first ? 0.1 : 0.25;
+  faults.reorder = 1.0;
+  if (!run.engage()) return not_engaged();
+  run.set_network(faults);
+  run.drive(1800 * kSecond);
+  FaultOutcome out = run.outcome();
+  judge_order(run, out);
+  return out;
+}
+
+}  // namespace
+
+FaultOutcome not_engaged() {
+  FaultOutcome out;
+  find(out, 1, "did not engage");
+  return out;
+}
+
+const std::vector<FaultRow>& network_rows() {
+  static const std::vector<FaultRow> rows = {
+      {"N1a", "10 % loss each way for 10 minutes: no trip", "ms gap", 1, n1a},
+      {"N1b", "30 % loss each way for 10 minutes: nothing latches", "ms gap", 1, n1b},
+      {"N2", "bursts of loss of 2 to 200 ms: every stop in its bound", "ms to stop", 20, n2},
+      {"N3", "delays up to 500 ms one way: drivable", "ms gap", 6, n3},
+      {"N4", "jitter up to 50 ms on 50 ms: jerk within its limit", "of the jerk limit", 8, n4},
+      {"N5", "reordering: nothing stale applied", "stale applied", 6, n5},
+      {"N6", "duplicates and a million replays: nothing applied twice", "stale applied", 4, n6},
+      {"N9", "blackouts of 10 ms to 60 s", "ms to stop", 10, n9},
+      {"N10a", "nothing reaches the slave", "ms to stop", 10, n10a},
+      {"N10b", "nothing reaches the master: its force goes", "ms to no force", 10, n10b},
+      {"N11", "64 kbit/s to 2 Mbit/s with a queue of a second", "ms to stop", 4, n11},
+      {"N13", "delay, jitter, loss and duplicates for half an hour", "ms to stop", 2, n13},
+  };
+  return rows;
+}
+
+}  // namespace handrail

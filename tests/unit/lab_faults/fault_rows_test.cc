@@ -1,0 +1,113 @@
+// The fault matrix as a program: its rows, what it prints, and that a seed repeats a run.
+#include "server/lab/faults/fault_rows.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+
+#include "server/lab/faults/fault_command.h"
+
+namespace handrail {
+namespace {
+
+using ::testing::HasSubstr;
+
+const std::atomic<bool> kGoOn = false;
+
+FaultOutcome odd_ones_fail(std::uint64_t, int index) {
+  FaultOutcome out;
+  measure(out, 10.0 * index, 25.0);
+  find(out, index % 2 == 1 ? 2 : 0, "oddities");
+  return out;
+}
+FaultOutcome never_measured(std::uint64_t, int) { return {}; }
+
+TEST(FaultRowsTest, EveryRowHasANameOfItsOwnAndRuns) {
+  std::set<std::string> names;
+  for (const FaultRow& row : fault_rows()) {
+    EXPECT_TRUE(names.insert(row.id).second) << row.id;
+    EXPECT_GT(row.runs, 0);
+  }
+  for (const char* id : {"N2", "N3", "N4", "N5", "N6", "N9", "N11", "N13", "P1", "P5", "C2", "S4",
+                         "S5", "X2", "X9"}) {
+    EXPECT_EQ(names.count(id), 1u) << id;
+  }
+}
+
+TEST(FaultRowsTest, TheWorstRunIsTheOneNearestToItsBound) {
+  const std::vector<FaultRow> rows = {{"T1", "a test", "ms", 5, odd_ones_fail},
+                                      {"T2", "another", "N", 2, never_measured}};
+  const auto results = run_faults(rows, 1, 2, kGoOn);
+  ASSERT_EQ(results.size(), 2u);
+  EXPECT_EQ(results[0].runs, 5);
+  EXPECT_EQ(results[0].violations, 4u);
+  EXPECT_EQ(results[0].worst, 40.0);
+  EXPECT_EQ(results[0].shown_index, 1);
+  EXPECT_EQ(results[0].found, "2 x oddities");
+  EXPECT_FALSE(results[1].measured);
+  EXPECT_EQ(fault_json(results),
+            "{\"rows\": [\n"
+            "  {\"row\": \"T1\", \"runs\": 5, \"violations\": 4, \"worst\": 40, \"bound\": 25, "
+            "\"unit\": \"ms\"},\n"
+            "  {\"row\": \"T2\", \"runs\": 2, \"violations\": 0, \"worst\": 0, \"bound\": 0, "
+            "\"unit\": \"N\"}\n]}\n");
+  EXPECT_THAT(fault_table(results), HasSubstr("run 1: 2 x oddities"));
+}
+
+TEST(FaultRowsTest, NoSuchRowIsBadUsage) {
+  FaultCommand command;
+  command.row = "N99";
+  EXPECT_EQ(run_fault_command(command, kGoOn), 2);
+}
+
+TEST(FaultRowsTest, ResultsDependOnTheSeedAndNotOnThreads) {
+  std::vector<FaultRow> rows;
+  for (const FaultRow& row : fault_rows()) {
+    if (std::string(row.id) == "N10a") rows.push_back(row);
+  }
+  const std::string one = fault_json(run_faults(rows, 1, 1, kGoOn));
+  EXPECT_EQ(fault_json(run_faults(rows, 1, 2, kGoOn)), one);
+  EXPECT_NE(fault_json(run_faults(rows, 2, 2, kGoOn)), one);
+}
+
+// Nothing is held against a quiet run, and its hand does move the arm.
+TEST(FaultRowsTest, ARunWithoutFaultsIsDrivenAndStaysEngaged) {
+  FaultRun run(1);
+  ASSERT_TRUE(run.engage());
+  run.run(5 * kSecond);
+  const AuditReport& report = run.auditor().report();
+  EXPECT_TRUE(run.engaged());
+  EXPECT_EQ(report.stops, 0u);
+  EXPECT_EQ(report.of(Breach::kUnled) + report.of(Breach::kUnasked) + report.of(Breach::kSpeed),
+            0u);
+  EXPECT_GT(report.moved, 600u);
+  EXPECT_EQ(run.longest_gap(), kMillisecond);
+  EXPECT_EQ(report.fresh, run.cell().net()->slave().snapshot().accepted);
+}
+
+// A guard that is not there is found: a stalled thread whose datagrams go on proves nobody alive.
+TEST(FaultRowsTest, RepeatedStatesDoNotLeadTheArm) {
+  FaultRun run(1);
+  ASSERT_TRUE(run.engage());
+  EXPECT_TRUE(run.auditor().led());
+  run.stall_master(true);
+  run.run(40 * kMillisecond);
+  EXPECT_FALSE(run.auditor().led());
+}
+
+TEST(FaultRowsTest, AnotherMastersDatagramsAreNotTheAuthenticOnes) {
+  LinkWay way(1);
+  const std::array<std::uint8_t, 3> bytes{1, 2, 3};
+  way.inject(bytes, 0);
+  way.advance(0);
+  std::array<std::uint8_t, 8> out{};
+  EXPECT_EQ(way.receive(out, 0), 3u);
+  ASSERT_EQ(way.deliveries().size(), 1u);
+  EXPECT_FALSE(way.deliveries()[0].authentic);
+  EXPECT_EQ(way.counters().sent, 0u);
+}
+
+}  // namespace
+}  // namespace handrail
