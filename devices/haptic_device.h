@@ -32,7 +32,7 @@ struct HapticCapabilities {
 struct HapticSample {
   Pose X_MH;                          // stylus tip
   Vec3 v_MH = Vec3::Zero();           // velocity of the tip [m/s]
-  std::uint32_t buttons = 0;          // bit 0 = button 1 (clutch), bit 1 = button 2 (drop the tool)
+  std::uint32_t buttons = 0;          // bits 0 to 2 = buttons 1 (clutch), 2 (drop the tool), 3 (enable)
   bool valid = false;                 // false: nothing else in the sample may be used
 };
 

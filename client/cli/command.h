@@ -18,6 +18,7 @@ struct Options {
   bool json = false;
   bool watch = false;
   bool one_way = false;
+  bool hold = false;
   std::optional<std::string> at, end, direction, normal, axis, stiffness;  // tools
   std::optional<std::string> by, rotate, seconds;                          // hand
   std::optional<std::string> out, accuracy, budget;                        // scene tools
@@ -37,6 +38,7 @@ struct Takes {
   bool watch = false;
   const char* tool = nullptr;  // the tool options that mean something, by name
   bool hand = false;
+  bool hold = false;           // --hold
   const char* file = nullptr;  // what --out writes
   bool wish = false;           // --accuracy and --budget
   const char* word = nullptr;  // name of the positional argument

@@ -1,5 +1,6 @@
 #include "client/cli/command.h"
 #include "client/cli/demo_command.h"
+#include "client/cli/engage_command.h"
 #include "client/cli/hand_command.h"
 #include "client/cli/lease_command.h"
 #include "client/cli/scene_command.h"
@@ -9,14 +10,6 @@
 namespace handrail {
 namespace {
 
-// Engaging waits for a good link and for both sides to stand on the same pose.
-constexpr Nanos kEngagePatience = 30 * kSecond;
-
-ExitCode run_engage(const Options& o, const Console& c) {
-  pb::Request r;
-  r.set_engage(true);
-  return send_order(o, c, r, "engaged", kEngagePatience);
-}
 ExitCode run_disengage(const Options& o, const Console& c) {
   pb::Request r;
   r.set_disengage(true);
@@ -33,7 +26,7 @@ ExitCode run_clutch(const Options& o, const Console& c) {
 ExitCode run_stop(const Options& o, const Console& c) {
   pb::Request r;
   r.set_stop(true);
-  return send_order(o, c, r, "stopped; reset, then engage to go on");
+  return send_order(o, c, r, "stopped until reset");
 }
 ExitCode run_reset(const Options& o, const Console& c) {
   pb::Request r;
@@ -52,7 +45,8 @@ constexpr Command kCommands[] = {
      "Show session, link, loop, tools, forces and poses",
      run_status,
      {.json = true, .watch = true}},
-    {"engage", "Let the hand drive the arm", run_engage, {}},
+    {"why", "Why the robot is not where the hand is", run_why, {.json = true, .watch = true}},
+    {"engage", "Let the hand drive the arm", run_engage, {.hold = true}},
     {"disengage", "Stop following; the arm holds", run_disengage, {}},
     {"clutch", "on: hand free, arm holds; off: follow again", run_clutch, {.word = "on|off"}},
     {"stop", "Stop the arm now; stays stopped until reset", run_stop, {}},

@@ -45,6 +45,7 @@ void add_options(CLI::App& app, const Takes& takes, Options& o) {
   if (takes.json) app.add_flag("--json", o.json, "print JSON");
   if (takes.watch) app.add_flag("--watch", o.watch, "refresh 5 times a second until Ctrl-C");
   if (takes.tool != nullptr) add_tool_options(app, o, takes.tool);
+  if (takes.hold) app.add_flag("--hold", o.hold, "engaged while this runs: Ctrl-C disengages");
   if (takes.hand) add_hand_options(app, o);
   if (takes.wish) {
     add_text(app, "--accuracy", o.accuracy, "LENGTH", "largest error, such as 0.01mm or 10um");

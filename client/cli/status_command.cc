@@ -1,10 +1,8 @@
 #include "client/cli/status_command.h"
 
 #include <poll.h>
-#include <signal.h>
 
-#include <atomic>
-
+#include "client/cli/interrupt.h"
 #include "client/cli/status_view.h"
 #include "server/scene/json_io.h"
 
@@ -13,16 +11,6 @@ namespace {
 
 constexpr int kRefreshMs = 200;
 constexpr Nanos kPatience = 2 * kSecond;
-
-std::atomic<bool> interrupted{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "set by a signal handler");
-
-void catch_interrupts() {
-  struct sigaction action {};
-  action.sa_handler = [](int) { interrupted = true; };
-  ::sigaction(SIGINT, &action, nullptr);
-  ::sigaction(SIGTERM, &action, nullptr);
-}
 
 void show(const pb::Status& status, const Options& options, const Console& console) {
   if (options.json) {
@@ -35,29 +23,46 @@ void show(const pb::Status& status, const Options& options, const Console& conso
   if (options.watch && !console.is_terminal) console.out << '\n';
 }
 
-}  // namespace
+void explain(const pb::Status& status, const Options& options, const Console& console) {
+  if (options.json) {
+    console.out << json_text(status.ledger(), !options.watch) << '\n';
+    return;
+  }
+  console.out << why_text(status.ledger()) << '\n';
+}
 
-ExitCode run_status(const Options& options, const Console& console) {
+using Show = void (*)(const pb::Status&, const Options&, const Console&);
+
+ExitCode poll_status(const Options& options, const Console& console, Show show_it) {
   OperatorClient client(options.socket, options.as);
   pb::Request request;
   request.set_status(true);
-  interrupted = false;
   if (options.watch) catch_interrupts();
   do {
     const Result<pb::Reply> reply = client.call(request, kPatience);
-    if (interrupted) break;
+    if (options.watch && interrupted()) break;
     const ExitCode code = exit_code(reply);
     if (code != kExitDone) {
       console.err << "handrail: " << (reply ? "refused: " + reply->reason() : reply.message())
                   << '\n';
       return code;
     }
-    show(reply->status(), options, console);
+    show_it(reply->status(), options, console);
     console.out.flush();
     if (!console.out) return kExitDone;
     if (options.watch) ::poll(nullptr, 0, kRefreshMs);
-  } while (options.watch && !interrupted);
+  } while (options.watch && !interrupted());
   return kExitDone;
+}
+
+}  // namespace
+
+ExitCode run_status(const Options& options, const Console& console) {
+  return poll_status(options, console, show);
+}
+
+ExitCode run_why(const Options& options, const Console& console) {
+  return poll_status(options, console, explain);
 }
 
 }  // namespace handrail

@@ -52,6 +52,7 @@ std::string session_text(const pb::Status& s) {
   for (const std::string& text : s.interventions()) {
     if (text != s.reason()) out += line("", {"also: " + text});
   }
+  if (s.has_ledger()) out += line("why", {why_text(s.ledger())});
   if (s.has_lease()) out += line("lease", {lease_text(s.lease())});
   out += line("scene", {s.scene().empty() ? "-" : s.scene(), labelled("slave:", s.slave_scene())});
   for (const std::string& difference : s.hash_mismatch())
@@ -66,6 +67,8 @@ std::string link_text(const pb::Status& s) {
                        labelled("loss", number(100.0 * s.loss_share(), 1) + " %"),
                        labelled("round trip", milliseconds(s.round_trip_ms())),
                        labelled("oldest applied", milliseconds(s.oldest_applied_ms()))}) +
+         line("", {labelled("quality", s.link_quality()), labelled("there", s.peer_quality()),
+                   labelled("loop", milliseconds(s.loop_age_ms()))}) +
          line("", {labelled("accepted", std::to_string(s.datagrams_accepted())),
                    labelled("rejected", std::to_string(s.datagrams_rejected()))});
 }
@@ -111,6 +114,10 @@ std::string walls_text(const pb::WallStatus& walls) {
 }
 
 }  // namespace
+
+std::string why_text(const pb::Ledger& ledger) {
+  return ledger.sentence() + (ledger.way_out().empty() ? "" : "; way out: " + ledger.way_out());
+}
 
 std::string status_text(const pb::Status& s) {
   std::string out = session_text(s) + link_text(s) + loop_text(s);

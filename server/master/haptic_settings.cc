@@ -37,6 +37,7 @@ HandReading hand_reading(const HapticSample& sample) noexcept {
   out.v_MH = sample.v_MH;
   out.clutch_button = (sample.buttons & 1u) != 0;
   out.drop_button = (sample.buttons & 2u) != 0;
+  out.enable_button = (sample.buttons & 4u) != 0;
   out.valid = sample.valid;
   return out;
 }

@@ -80,6 +80,24 @@ HapticDeviceOptions device_options(const pb::DeviceConfig& config) {
   return out;
 }
 
+Presence presence_of(const pb::MasterConfig& config, const HapticCapabilities& device) {
+  if (!config.has_presence()) {
+    if (device.simulated) return Presence::kNone;
+    return device.buttons >= 3 ? Presence::kButton : Presence::kHold;
+  }
+  switch (config.presence()) {
+    case pb::MasterConfig::NONE:
+      return Presence::kNone;
+    case pb::MasterConfig::BUTTON:
+      return Presence::kButton;
+    case pb::MasterConfig::HOLD:
+      break;
+  }
+  return Presence::kHold;
+}
+
+Nanos milliseconds(double value) { return static_cast<Nanos>(value * 1e6); }
+
 // The thread that ticks the loop until it has finished; then the device is closed.
 class HapticThread {
  public:
@@ -127,6 +145,9 @@ int run(const pb::MasterConfig& config, bool check_only) {
   const auto settings_of = [&](const Scene& s) {
     HapticSettings out = haptic_settings(s, capabilities);
     out.walls = wall_runs.make(s, capabilities);
+    out.presence = presence_of(config, capabilities);
+    out.ladder.fade_loop = milliseconds(config.loop_limit_ms());
+    out.ladder.good_for = milliseconds(config.good_link_ms());
     for (const std::string& text : warnings_of(s)) spdlog::warn("{}", text);
     for (const std::string& text : wall_warnings(s, capabilities)) spdlog::warn("{}", text);
     return out;
@@ -141,6 +162,7 @@ int run(const pb::MasterConfig& config, bool check_only) {
   OrderDeskOptions desk_options;
   desk_options.identity.device = capabilities.name;
   desk_options.identity.device_simulated = capabilities.simulated;
+  desk_options.presence = presence_of(config, capabilities);
   desk_options.user = own_user_name();
   desk_options.load_scene = [&](const std::string& name) { return library.load(name); };
   desk_options.settings_of = settings_of;

@@ -40,6 +40,8 @@ bool has_order(const pb::Request& r) {
       return r.stop();
     case pb::Request::kReset:
       return r.reset();
+    case pb::Request::kHoldAlive:
+      return r.hold_alive();
     case pb::Request::ORDER_NOT_SET:
       return false;
     default:

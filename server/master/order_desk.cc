@@ -5,34 +5,14 @@
 #include <utility>
 
 #include "server/base/units.h"
+#include "server/master/replies.h"
 #include "server/scene/tool_io.h"
 
 namespace handrail {
 namespace {
 
-pb::Reply done(std::string note = {}) {
-  pb::Reply reply;
-  reply.set_done(true);
-  if (!note.empty()) reply.set_reason(std::move(note));
-  return reply;
-}
-
-pb::Reply refused(std::string why) {
-  pb::Reply reply;
-  reply.set_done(false);
-  reply.set_reason(std::move(why));
-  return reply;
-}
-
-HapticOrder plain(OrderKind kind) {
-  HapticOrder order;
-  order.kind = kind;
-  return order;
-}
-
-bool is_idle(SessionState state) {
-  return state == SessionState::kOff || state == SessionState::kFault;
-}
+// How often an engage that a bad link refused is tried again.
+constexpr Nanos kRetryPeriod = 20 * kMillisecond;
 
 // Three finite numbers, or none at all (zero).
 bool read_vector(const google::protobuf::RepeatedField<double>& from, double unit, Vec3& to) {
@@ -74,14 +54,18 @@ void OrderDesk::obey(const pb::Request& request, ReplyTo reply) {
       return reply(std::move(answer));
     }
     case pb::Request::kEngage:
-      return order(plain(OrderKind::kEngage), std::move(reply), Until::kEngaged);
+      return engage(request.hold(), std::move(reply));
+    case pb::Request::kHoldAlive:
+      return hold_alive(std::move(reply));
     case pb::Request::kDisengage:
+      give_up_engaging();
       return order(plain(OrderKind::kDisengage), std::move(reply));
     case pb::Request::kClutch:
       return order(plain(request.clutch() ? OrderKind::kClutchOn : OrderKind::kClutchOff),
                    std::move(reply));
     case pb::Request::kStop:
-      return order(plain(OrderKind::kStop), std::move(reply));
+      give_up_engaging();
+      return order(plain(OrderKind::kStop), std::move(reply), Until::kSlaveStopped);
     case pb::Request::kReset:
       return order(plain(OrderKind::kReset), std::move(reply), Until::kSlaveReset);
     case pb::Request::kTool:
@@ -108,7 +92,7 @@ void OrderDesk::obey(const pb::Request& request, ReplyTo reply) {
 void OrderDesk::order(HapticOrder wanted, ReplyTo reply, Until until) {
   OrderTicket ticket;
   ticket.order = wanted;
-  push(ticket, {std::move(reply), until});
+  push(ticket, {std::move(reply), until, now_});
 }
 
 void OrderDesk::tool(const pb::Tool& wanted, ReplyTo reply) {
@@ -160,7 +144,7 @@ void OrderDesk::hand(const pb::HandMove& move, ReplyTo reply) {
         refused("hand: expected three numbers each (at most 1000 mm, 229 deg) and a "
                 "duration over 0 and up to 3600 s"));
   }
-  push(ticket, {std::move(reply), Until::kTaken});
+  push(ticket, {std::move(reply), Until::kTaken, now_});
 }
 
 void OrderDesk::push(OrderTicket ticket, Waiting waiting) {
@@ -177,6 +161,9 @@ void OrderDesk::tick(Nanos now, const SlaveState& slave, const LinkSnapshot& lin
   take_answers();
   if (!report_) return;
   watch_lease();
+  watch_stops();
+  watch_hold();
+  retry_engaging();
   watch_engaging();
   watch_reset();
   watch_scene();
@@ -187,7 +174,9 @@ void OrderDesk::tick(Nanos now, const SlaveState& slave, const LinkSnapshot& lin
 void OrderDesk::watch_lease() {
   const bool engaged = report_ && (!is_idle(report_->out.link.state) ||
                                    report_->out.link.desired != Desired::kOff || engaging_);
-  if (leases_.tick(engaged, now_)) order(plain(OrderKind::kDisengage), [](pb::Reply) {});
+  if (!leases_.tick(engaged, now_)) return;
+  give_up_engaging();
+  order(plain(OrderKind::kDisengage), [](pb::Reply) {});
 }
 
 void OrderDesk::take_report() {
@@ -203,6 +192,13 @@ void OrderDesk::take_answers() {
     if (found == waiting_.end()) continue;
     Waiting waiting = std::move(found->second);
     waiting_.erase(found);
+    const bool bad_link =
+        answer.result == Reason::kLinkQuality || answer.result == Reason::kNotConfirmed;
+    if (bad_link && waiting.until == Until::kEngaged && now_ - waiting.since < kLinkPatience) {
+      retrying_ = std::move(waiting);
+      retry_at_ = now_ + kRetryPeriod;
+      continue;
+    }
     if (answer.result != Reason::kNone) {
       std::string text = describe(answer.result);
       if (waiting.until == Until::kEngaged && report_ && link_.peer_epoch != 0) {
@@ -222,6 +218,9 @@ void OrderDesk::take_answers() {
         if (engaging_) engaging_(refused("another engage came after this one"));
         engaging_ = std::move(waiting.reply);
         engage_until_ = now_ + kEngagePatience;
+        break;
+      case Until::kSlaveStopped:
+        stopping_.push_back(std::move(waiting));
         break;
       case Until::kSlaveReset:
         if (resetting_) resetting_(refused("another reset came after this one"));
@@ -246,6 +245,86 @@ void OrderDesk::watch_engaging() {
   }
 }
 
+void OrderDesk::engage(bool hold, ReplyTo reply) {
+  if (options_.presence == Presence::kHold && !hold) {
+    return reply(refused("this master wants somebody there: 'handrail engage --hold'"));
+  }
+  give_up_engaging();
+  hold_ = hold;
+  hold_heard_ = now_;
+  if (hold) boxes_.hold_heard.store(now_, std::memory_order_relaxed);
+  order(plain(OrderKind::kEngage), std::move(reply), Until::kEngaged);
+}
+
+void OrderDesk::give_up_engaging() {
+  for (auto& [id, waiting] : waiting_) {
+    if (waiting.until == Until::kEngaged) waiting.since = -kLinkPatience;
+  }
+  if (retrying_) retrying_->reply(refused("another order came before the link was good"));
+  retrying_.reset();
+}
+
+void OrderDesk::retry_engaging() {
+  if (!retrying_ || now_ < retry_at_) return;
+  OrderTicket ticket;
+  ticket.order = plain(OrderKind::kEngage);
+  push(ticket, *std::exchange(retrying_, std::nullopt));
+}
+
+void OrderDesk::hold_alive(ReplyTo reply) {
+  const bool over = !report_ || report_->out.link.desired == Desired::kOff;
+  if (!hold_ || over) {
+    const Reason why = report_ ? report_->out.reason : Reason::kNone;
+    return reply(refused(std::string("not engaged any more: ") + describe(why)));
+  }
+  hold_heard_ = now_;
+  reply(done());
+}
+
+// While the engage is waited for, its client cannot speak; after that it must. Where the
+// configuration wants it the step sees to the rest, elsewhere the engagement ends.
+void OrderDesk::watch_hold() {
+  if (!hold_) return;
+  const auto engages = [](const auto& entry) { return entry.second.until == Until::kEngaged; };
+  if (engaging_ || retrying_ || std::any_of(waiting_.begin(), waiting_.end(), engages)) {
+    hold_heard_ = now_;
+  } else if (report_->out.link.desired == Desired::kOff) {
+    hold_ = false;
+    return;
+  }
+  boxes_.hold_heard.store(hold_heard_, std::memory_order_relaxed);
+  if (options_.presence == Presence::kHold || now_ - hold_heard_ <= kHoldPatience) return;
+  hold_ = false;
+  order(plain(OrderKind::kDisengage), [](pb::Reply) {});
+}
+
+// The stop stands and is repeated whatever comes of it; the answer says whether the slave has it.
+void OrderDesk::watch_stops() {
+  if (now_ > report_->good_until) {
+    std::erase_if(waiting_, [](const auto& entry) {
+      if (entry.second.until != Until::kSlaveStopped) return false;
+      entry.second.reply(
+          refused("the haptic loop stands still: nothing is sent and the arm holds; "
+                  "the stop acts when it goes on"));
+      return true;
+    });
+  }
+  std::erase_if(stopping_, [this](const Waiting& stop) {
+    const Nanos took = now_ - stop.since;
+    if (link_.peer_epoch == 0) {
+      stop.reply(done("no slave is connected"));
+    } else if (slave_.stop_epoch == report_->out.link.stop_epoch) {
+      stop.reply(done("the slave has it after " + std::to_string(took / kMillisecond) + " ms"));
+    } else if (took > kStopPatience) {
+      stop.reply(refused("the stop stands here, but the slave has not answered; last heard " +
+                         std::to_string(link_.age(now_) / kMillisecond) + " ms ago"));
+    } else {
+      return false;
+    }
+    return true;
+  });
+}
+
 void OrderDesk::watch_reset() {
   if (!resetting_) return;
   if (link_.age(now_) > 200 * kMillisecond) {
@@ -256,62 +335,6 @@ void OrderDesk::watch_reset() {
     std::exchange(resetting_, nullptr)(
         refused(std::string("the slave stays in fault: ") + describe(slave_.fault)));
   }
-}
-
-void OrderDesk::load(const std::string& name, ReplyTo reply) {
-  if (!report_ || !is_idle(report_->out.link.state)) {
-    return reply(refused(describe(Reason::kBusy)));
-  }
-  if (loading_) return reply(refused("another scene is being loaded"));
-  auto scene = options_.load_scene(name);
-  if (!scene) return reply(refused(scene.message()));
-  previous_ = std::exchange(scene_, std::move(*scene));
-  boxes_.settings.publish(options_.settings_of(scene_));
-  loading_ = std::move(reply);
-  load_epoch_ = report_->scene_epoch;
-  load_shown_ = kForever;
-  load_until_ = now_ + kScenePatience;
-}
-
-void OrderDesk::watch_scene() {
-  if (!loading_ || report_->settings_pending || report_->scene_epoch == load_epoch_) return;
-  if (text_of(report_->out.link.scene) != scene_.name) return;
-  load_shown_ = std::min(load_shown_, now_);
-  if (link_.age(now_) > 200 * kMillisecond) {
-    std::exchange(loading_, nullptr)(done("no slave is connected: it loads the scene when it is"));
-    return;
-  }
-  const auto differences = hash_mismatches(report_->out.link, slave_);
-  const bool missing = slave_.reason == Reason::kSceneNotLoaded;
-  // Until the slave has seen the scene, what it cannot load is one before.
-  const bool seen = link_.echoed_sent >= load_shown_;
-  if (differences.empty()) {
-    std::exchange(loading_, nullptr)(done());
-  } else if (now_ > load_until_ || (missing && seen)) {
-    end_scene_wait(missing ? describe(slave_.reason) : differences.front());
-  }
-}
-
-void OrderDesk::end_scene_wait(const std::string& problem) {
-  const std::string name = scene_.name;
-  scene_ = std::move(*previous_);
-  boxes_.settings.publish(options_.settings_of(scene_));
-  std::exchange(loading_, nullptr)(refused("the slave did not load '" + name + "': " + problem +
-                                           "; '" + scene_.name + "' stays"));
-}
-
-// A scene's own tools are called at each engagement, also one that begins with the clutch held.
-void OrderDesk::call_scene_tools() {
-  const SessionState state = report_->out.link.state;
-  const bool engaged = !is_idle(state) && state != SessionState::kAligning;
-  if (engaged && !was_engaged_) {
-    for (const ToolCall& call : scene_.tools) {
-      HapticOrder wanted = plain(OrderKind::kTool);
-      wanted.tool = call;
-      order(wanted, [](pb::Reply) {});
-    }
-  }
-  was_engaged_ = engaged;
 }
 
 }  // namespace handrail

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "server/master/lease_desk.h"
 #include "server/master/mailboxes.h"
@@ -17,18 +18,21 @@ namespace handrail {
 
 struct OrderDeskOptions {
   MasterIdentity identity;
-  std::string user = "operator";  // who speaks when a request does not say
+  Presence presence = Presence::kNone;  // what the configuration wants
+  std::string user = "operator";        // who speaks when a request does not say
   // A scene by name, and what it means with this device; the errors say why there is none.
   std::function<Result<Scene>(const std::string& name)> load_scene;
   std::function<HapticSettings(const Scene& scene)> settings_of;
 };
 
 // Turns the requests of who may drive into orders for the haptic loop and answers them once they
-// have taken effect: most in the next tick, engaging when both sides stand, a reset and a scene
-// when the slave has them too. All methods in the IO thread.
+// have taken effect: most in the next tick, engaging when both sides stand, a stop, a reset
+// and a scene when the slave has them too. All methods in the IO thread.
 class OrderDesk : public OperatorHandler {
  public:
   static constexpr Nanos kEngagePatience = 3 * kSecond;
+  static constexpr Nanos kLinkPatience = 3 * kSecond;  // for a link good enough to engage over
+  static constexpr Nanos kStopPatience = kSecond;
   static constexpr Nanos kResetPatience = kSecond;
   static constexpr Nanos kScenePatience = 3 * kSecond;  // a slave looks again every 2 s
 
@@ -49,10 +53,11 @@ class OrderDesk : public OperatorHandler {
  private:
   using ReplyTo = std::function<void(pb::Reply)>;
   // When an order is answered, once the loop has taken it.
-  enum class Until : std::uint8_t { kTaken, kEngaged, kSlaveReset };
+  enum class Until : std::uint8_t { kTaken, kEngaged, kSlaveReset, kSlaveStopped };
   struct Waiting {
     ReplyTo reply;
     Until until = Until::kTaken;
+    Nanos since = 0;
   };
 
   // The request is its sender's to make.
@@ -67,6 +72,13 @@ class OrderDesk : public OperatorHandler {
   void push(OrderTicket ticket, Waiting waiting);
   void take_report();
   void take_answers();
+  void engage(bool hold, ReplyTo reply);
+  void hold_alive(ReplyTo reply);
+  void watch_stops();
+  void watch_hold();
+  void retry_engaging();
+  // Whoever still waits for a better link to engage over waits no longer.
+  void give_up_engaging();
   void watch_engaging();
   void watch_reset();
   void watch_scene();
@@ -84,6 +96,13 @@ class OrderDesk : public OperatorHandler {
   Nanos now_ = 0;
   std::uint64_t next_id_ = 1;
   std::map<std::uint64_t, Waiting> waiting_;
+
+  std::vector<Waiting> stopping_;  // who wait for the slave to have a stop the loop has
+
+  std::optional<Waiting> retrying_;  // an engage refused for the link, to be tried again
+  Nanos retry_at_ = 0;
+  bool hold_ = false;  // the engagement ends with a running `engage --hold`
+  Nanos hold_heard_ = -kForever;
 
   ReplyTo engaging_;  // who waits for the session to be engaged
   Nanos engage_until_ = 0;

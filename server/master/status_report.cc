@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "server/base/units.h"
+#include "server/master/why_report.h"
 
 namespace handrail {
 namespace {
@@ -72,6 +73,11 @@ std::vector<std::string> hash_mismatches(const MasterState& master, const SlaveS
   compare("mapping", master.hashes.mapping, slave.hashes.mapping);
   compare("limits", master.hashes.limits, slave.hashes.limits);
   compare("robot", master.hashes.robot, slave.hashes.robot);
+  // Tools can be compared once the slave has the newest.
+  if (master.position_tool.epoch == slave.position_tool_epoch &&
+      master.orientation_tool.epoch == slave.orientation_tool_epoch) {
+    compare("tools", master.hashes.tools, slave.hashes.tools);
+  }
   return out;
 }
 
@@ -98,6 +104,11 @@ pb::Status status_report(const MasterIdentity& identity, const HapticReport& rep
   late->set_p999(static_cast<double>(report.late_p999) * 1e-3);
   late->set_max(static_cast<double>(report.late_max) * 1e-3);
   s.set_packet_age_ms(milliseconds(link.age(now)));
+  s.set_loop_age_ms(milliseconds(link.loop_age(now)));
+  const LinkView view = link.view(now);
+  s.set_link_quality(known ? name_of(view.grade) : "none");
+  s.set_peer_quality(known ? name_of(view.peer_grade) : "none");
+  set_ledger(s.mutable_ledger(), report, slave, link, now);
   s.set_loss_share(link.loss_share);
   s.set_round_trip_ms(milliseconds(link.round_trip));
   s.set_datagrams_accepted(link.accepted);

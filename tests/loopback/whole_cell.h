@@ -48,7 +48,8 @@ class WholeCell : public ::testing::Test {
   std::string master_config(int port) const {
     return "link_port: " + std::to_string(port) + " slave_port: " + std::to_string(slave_port) +
            " operator_socket: '" + socket() + "' scene_path: '" + folder.path() +
-           "' device { hand { tremor_rms_mm: 0 drift_rms_mm: 0 drift_rms_deg: 0 } }";
+           "' device { hand { tremor_rms_mm: 0 drift_rms_mm: 0 drift_rms_deg: 0 } } " +
+           master_extra;
   }
   std::unique_ptr<Program> launch(const std::string& name, const std::string& config) const {
     return std::make_unique<Program>(
@@ -127,7 +128,7 @@ class WholeCell : public ::testing::Test {
 
   TempFolder folder;
   int robot_port = 0, sensor_port = 0, slave_port = 0, master_port = 0;
-  std::string rig_extra;
+  std::string rig_extra, master_extra;
   std::unique_ptr<Program> rig, slave, master;
   OperatorClient client{socket()};
 };

@@ -56,14 +56,100 @@ TEST_F(OrderDeskTest, RefusesTheStatusBeforeTheLoopHasSpoken) {
 }
 
 TEST_F(OrderDeskTest, AnswersPlainOrdersOnceTheLoopTookThem) {
-  const std::pair<const char*, OrderKind> orders[] = {
-      {"disengage: true", OrderKind::kDisengage}, {"clutch: true", OrderKind::kClutchOn},
-      {"clutch: false", OrderKind::kClutchOff},   {"stop: true", OrderKind::kStop},
-      {"tool_off {}", OrderKind::kToolOff},       {"tool { kind: POINT }", OrderKind::kTool}};
+  const std::pair<const char*, OrderKind> orders[] = {{"disengage: true", OrderKind::kDisengage},
+                                                      {"clutch: true", OrderKind::kClutchOn},
+                                                      {"clutch: false", OrderKind::kClutchOff},
+                                                      {"tool_off {}", OrderKind::kToolOff},
+                                                      {"tool { kind: POINT }", OrderKind::kTool}};
   for (const auto& [request, kind] : orders) {
     EXPECT_EQ(at_once(request), "done: ") << request;
     EXPECT_EQ(last_order(), kind) << request;
   }
+}
+
+TEST_F(OrderDeskTest, AStopIsAnsweredOnceTheSlaveHasIt) {
+  tick();
+  const Answer answer = ask("stop: true");
+  loop();
+  report.out.link.stop_epoch = 7;
+  for (int i = 0; i < 12; ++i) tick();
+  EXPECT_FALSE(answer->has_value());
+  slave.stop_epoch = 7;
+  tick();
+  EXPECT_EQ(text(answer), "done: the slave has it after 13 ms");
+}
+
+TEST_F(OrderDeskTest, AStopSaysWhenNoSlaveAnswersOrNoneIsThere) {
+  tick();
+  connected = false;
+  Answer answer = ask("stop: true");
+  loop();
+  report.out.link.stop_epoch = 7;
+  tick(kSecond);
+  EXPECT_FALSE(answer->has_value());
+  tick();
+  EXPECT_EQ(
+      text(answer),
+      "refused: the stop stands here, but the slave has not answered; last heard 1001 ms ago");
+  link.peer_epoch = 0;
+  answer = ask("stop: true");
+  loop();
+  tick();
+  EXPECT_EQ(text(answer), "done: no slave is connected");
+}
+
+TEST_F(OrderDeskTest, AStopToALoopThatStandsStillIsAnsweredAllTheSame) {
+  tick();
+  report.good_until = now + 20 * kMillisecond;
+  const Answer answer = ask("stop: true");
+  tick(20 * kMillisecond);
+  EXPECT_FALSE(answer->has_value());
+  tick();
+  EXPECT_EQ(
+      text(answer),
+      "refused: the haptic loop stands still: nothing is sent and the arm holds; the stop acts "
+      "when it goes on");
+  loop();
+  tick();
+  EXPECT_EQ(last_order(), OrderKind::kStop);
+}
+
+TEST_F(OrderDeskTest, AnEngageWaitsThreeSecondsForAGoodLink) {
+  tick();
+  const Answer answer = ask("engage: true");
+  for (int i = 0; i < 200 && !answer->has_value(); ++i) {
+    loop(Reason::kLinkQuality);
+    tick(10 * kMillisecond);
+  }
+  EXPECT_FALSE(answer->has_value());
+  EXPECT_GT(taken.size(), 50u) << "it is tried again";
+  loop();
+  stand(SessionState::kEngaged, Desired::kEngaged);
+  for (int i = 0; i < 5; ++i) {
+    tick(10 * kMillisecond);
+    loop();
+  }
+  EXPECT_EQ(text(answer), "done: ");
+  const Answer late = ask("engage: true");
+  for (int i = 0; i < 320; ++i) {
+    loop(Reason::kLinkQuality);
+    tick(10 * kMillisecond);
+  }
+  EXPECT_EQ(text(late), std::string("refused: ") + describe(Reason::kLinkQuality));
+}
+
+TEST_F(OrderDeskTest, NoOrderThatWaitsForTheLinkOutlivesAnother) {
+  tick();
+  const Answer answer = ask("engage: true");
+  loop(Reason::kLinkQuality);
+  tick();
+  ask("disengage: true");
+  EXPECT_EQ(text(answer), "refused: another order came before the link was good");
+  loop();
+  taken.clear();
+  for (int i = 0; i < 10; ++i) tick(10 * kMillisecond);
+  loop();
+  EXPECT_TRUE(taken.empty());
 }
 
 TEST_F(OrderDeskTest, PassesOnWhatAnOrderSays) {

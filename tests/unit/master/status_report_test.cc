@@ -209,10 +209,13 @@ TEST_F(StatusReportTest, TellsEachSectionThatDiffers) {
   slave.hashes = {2, 0x91bc, 5, 7};
   slave.scene = scene_name("second");
   const pb::Status s = status();
-  ASSERT_EQ(s.hash_mismatch_size(), 3);  // tools are the master's alone
+  ASSERT_EQ(s.hash_mismatch_size(), 4);
   EXPECT_EQ(s.hash_mismatch(0), "scene: master 'first', slave 'second'");
   EXPECT_EQ(s.hash_mismatch(1), "mapping: master 0000000000003f2a, slave 00000000000091bc");
   EXPECT_EQ(s.hash_mismatch(2), "robot: master 0000000000000006, slave 0000000000000007");
+  EXPECT_EQ(s.hash_mismatch(3), "tools: master 0000000000000001, slave 0000000000000002");
+  slave.position_tool_epoch = 1;
+  EXPECT_EQ(status().hash_mismatch_size(), 3) << "tools still on their way are not compared";
 }
 
 TEST_F(StatusReportTest, EveryNumberIsFiniteWithAndWithoutASlave) {

@@ -1,0 +1,45 @@
+#include "client/cli/engage_command.h"
+
+#include <poll.h>
+
+#include "client/cli/interrupt.h"
+
+namespace handrail {
+namespace {
+
+// Engaging waits for a good link and for both sides to stand on the same pose.
+constexpr Nanos kPatience = 30 * kSecond;
+// Four signs fit into the time after which the master takes us for gone.
+constexpr int kSignMs = 50;
+constexpr Nanos kSignPatience = 2 * kSecond;
+
+ExitCode fail(const Console& console, const Result<pb::Reply>& reply) {
+  console.err << "handrail: " << (reply ? "refused: " + reply->reason() : reply.message()) << '\n';
+  return exit_code(reply);
+}
+
+}  // namespace
+
+ExitCode run_engage(const Options& options, const Console& console) {
+  pb::Request request;
+  request.set_engage(true);
+  if (!options.hold) return send_order(options, console, request, "engaged", kPatience);
+  request.set_hold(true);
+  catch_interrupts();
+  OperatorClient client(options.socket, options.as);
+  const Result<pb::Reply> engaged = client.call(request, kPatience);
+  if (exit_code(engaged) != kExitDone) return fail(console, engaged);
+  console.out << "engaged while this runs; Ctrl-C disengages\n" << std::flush;
+  while (!interrupted()) {
+    pb::Request sign;
+    sign.set_hold_alive(true);
+    const Result<pb::Reply> heard = client.call(sign, kSignPatience);
+    if (exit_code(heard) != kExitDone) return fail(console, heard);
+    ::poll(nullptr, 0, kSignMs);
+  }
+  pb::Request end;
+  end.set_disengage(true);
+  return send_order(options, console, end, "disengaged");
+}
+
+}  // namespace handrail

@@ -1,0 +1,25 @@
+#include "client/cli/interrupt.h"
+
+#include <signal.h>
+
+#include <atomic>
+
+namespace handrail {
+namespace {
+
+std::atomic<bool> came{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "set by a signal handler");
+
+}  // namespace
+
+void catch_interrupts() {
+  came = false;
+  struct sigaction action {};
+  action.sa_handler = [](int) { came = true; };
+  ::sigaction(SIGINT, &action, nullptr);
+  ::sigaction(SIGTERM, &action, nullptr);
+}
+
+bool interrupted() { return came; }
+
+}  // namespace handrail

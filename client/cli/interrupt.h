@@ -1,0 +1,11 @@
+// Ctrl-C as a question, for commands that go on until then.
+#pragma once
+
+namespace handrail {
+
+// From here on SIGINT and SIGTERM no longer end the program.
+void catch_interrupts();
+// One of them has come since.
+bool interrupted();
+
+}  // namespace handrail

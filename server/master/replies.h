@@ -1,0 +1,36 @@
+// What the order desk says and orders, in short.
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include "proto/operator.pb.h"
+#include "server/control/haptic_step.h"
+
+namespace handrail {
+
+inline pb::Reply done(std::string note = {}) {
+  pb::Reply reply;
+  reply.set_done(true);
+  if (!note.empty()) reply.set_reason(std::move(note));
+  return reply;
+}
+
+inline pb::Reply refused(std::string why) {
+  pb::Reply reply;
+  reply.set_done(false);
+  reply.set_reason(std::move(why));
+  return reply;
+}
+
+inline HapticOrder plain(OrderKind kind) {
+  HapticOrder order;
+  order.kind = kind;
+  return order;
+}
+
+inline bool is_idle(SessionState state) {
+  return state == SessionState::kOff || state == SessionState::kFault;
+}
+
+}  // namespace handrail

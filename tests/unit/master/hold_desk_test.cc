@@ -1,0 +1,79 @@
+// An engagement that lasts while its command runs.
+#include <gmock/gmock.h>
+
+#include "tests/unit/master/desk_bench.h"
+
+namespace handrail {
+namespace {
+
+using ::testing::HasSubstr;
+
+class HoldDeskTest : public DeskBench {
+ protected:
+  void engage() {
+    tick();
+    const Answer answer = ask("engage: true hold: true");
+    loop();
+    stand(SessionState::kEngaged, Desired::kEngaged);
+    tick();
+    ASSERT_EQ(text(answer), "done: ");
+    taken.clear();
+  }
+};
+
+TEST_F(HoldDeskTest, ItGoesOnWhileTheCommandIsHeardAndEndsTwoHundredMillisecondsLater) {
+  engage();
+  for (int i = 0; i < 20; ++i) {
+    tick(50 * kMillisecond);
+    EXPECT_EQ(text(ask("hold_alive: true")), "done: ");
+  }
+  EXPECT_EQ(boxes.hold_heard.load(), now - 50 * kMillisecond);
+  tick(200 * kMillisecond);
+  loop();
+  EXPECT_TRUE(taken.empty());
+  tick();
+  loop();
+  EXPECT_EQ(last_order(), OrderKind::kDisengage);
+}
+
+TEST_F(HoldDeskTest, TheCommandIsToldWhenTheSessionIsOver) {
+  engage();
+  stand(SessionState::kFault, Desired::kOff, Reason::kLinkLost);
+  tick();
+  EXPECT_THAT(text(ask("hold_alive: true")), HasSubstr("refused: not engaged any more: link lost"));
+  tick(kSecond);
+  loop();
+  EXPECT_TRUE(taken.empty()) << "there is nothing to end";
+}
+
+TEST_F(HoldDeskTest, SomebodyIsThereWhileTheEngageWaits) {
+  tick();
+  ask("engage: true hold: true");
+  EXPECT_EQ(boxes.hold_heard.load(), now) << "before the loop can have the order";
+  loop(Reason::kLinkQuality);
+  for (int i = 0; i < 10; ++i) tick(100 * kMillisecond);
+  EXPECT_EQ(boxes.hold_heard.load(), now);
+}
+
+TEST_F(HoldDeskTest, AnotherOperatorCannotHold) {
+  engage();
+  EXPECT_THAT(text(ask("as: 'ben' hold_alive: true")),
+              HasSubstr("refused: operator has the lease"));
+}
+
+TEST_F(HoldDeskTest, WhereTheConfigurationWantsItNothingElseEngages) {
+  OrderDeskOptions options;
+  options.presence = Presence::kHold;
+  desk = std::make_unique<OrderDesk>(boxes, scenes["first"], options);
+  tick();
+  EXPECT_EQ(text(ask("engage: true")),
+            "refused: this master wants somebody there: 'handrail engage --hold'");
+  engage();
+  tick(kSecond);
+  loop();
+  EXPECT_TRUE(taken.empty()) << "the step sees to it";
+  EXPECT_LT(boxes.hold_heard.load(), now - kHoldPatience);
+}
+
+}  // namespace
+}  // namespace handrail
