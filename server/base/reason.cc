@@ -57,7 +57,7 @@ const char* describe(Reason reason) noexcept {
     case Reason::kHoming: return "getting ready: robot not placed or device not calibrated";
     case Reason::kPresence: return "the enabling device is not held";
     case Reason::kLinkQuality: return "the link was not good for a whole second";
-    case Reason::kLoopAge: return "commands take too long there and back: force fades";
+    case Reason::kLoopAge: return "commands take long there and back";
     case Reason::kNotConfirmed: return "the other side has not answered this session yet";
     case Reason::kToolTube: return "kept on the active tool";
     case Reason::kWorkspace: return "end of the workspace: move back";

@@ -164,10 +164,12 @@ Guidance Guide::step(const GuideSettings& settings, const Pose& X_SH, double dt)
     command_.q = (command_.q * rotation_exp(command_turn_.offset())).normalized();
   }
   out.X_SC = command_;
-  out.p_SP = proxy_.p;
+  out.X_SP = proxy_;
   out.pull = proxy_.p - X_SH.p + pull_offset_.offset();
   out.twist_pull = twist_offset_.offset();
   if (orientation_.active()) out.twist_pull += twist_from(X_SH.q, proxy_.q);
+  out.offset = command_offset_.offset();
+  out.offset_angle = command_turn_.offset().norm();
   out.blending = command_offset_.active() || command_turn_.active() || pull_offset_.active();
   return out;
 }

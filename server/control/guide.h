@@ -27,10 +27,12 @@ struct GuideSettings {
 // What the guide makes of the hand this tick, frame S.
 struct Guidance {
   Pose X_SC;                       // smoothed command for the tip
-  Vec3 p_SP = Vec3::Zero();        // proxy on the tool [m]
+  Pose X_SP;                       // proxy on the tools
   Vec3 pull = Vec3::Zero();        // proxy minus hand, eased across tool changes [m]
   Vec3 twist_pull = Vec3::Zero();  // rotation vector from hand to proxy, eased [rad]
   bool blending = false;           // an offset of a tool change is still being let go
+  Vec3 offset = Vec3::Zero();      // how much of X_SC.p is that [m]
+  double offset_angle = 0.0;       // and of X_SC.q [rad]
 };
 
 // Tools, proxies, smoothers and the two offsets that keep a tool change smooth.

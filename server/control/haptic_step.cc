@@ -58,6 +58,7 @@ Reason reset(HapticState& s, const HapticInput& in) {
   s.released_epoch = s.stop_epoch;
   if (in.slave_known) s.fault_reset = in.slave.fault_epoch;
   s.want_engaged = s.want_clutched = false;
+  s.off_reason = Reason::kNotEngaged;
   return Reason::kNone;
 }
 
@@ -93,11 +94,15 @@ Reason carry_out(const HapticSettings& settings, const HapticInput& in, const La
       if (stop_latched(s)) return Reason::kStopRequested;
       if (s.session == SessionState::kFault) return s.session_reason;
       const Reason obstacle = obstacle_to_engaging(settings, in, ladder, s);
-      if (obstacle == Reason::kNone) s.want_engaged = true;
+      if (obstacle == Reason::kNone) {
+        s.want_engaged = true;
+        s.off_reason = Reason::kNotEngaged;
+      }
       return obstacle;
     }
     case OrderKind::kDisengage:
       s.want_engaged = s.want_clutched = false;
+      s.off_reason = in.order.why;
       return Reason::kNone;
     case OrderKind::kClutchOn:
     case OrderKind::kClutchOff:
@@ -138,7 +143,10 @@ void see_presence(const HapticSettings& settings, const HapticInput& in, double 
                   HapticState& s) {
   s.present = present(settings.presence, in.hand.valid && in.hand.enable_button, in.hold_heard);
   s.absent_for = s.present ? 0.0 : std::min(s.absent_for + dt, kAbsence);
-  if (s.absent_for >= kAbsence) s.want_engaged = s.want_clutched = false;
+  if (s.want_engaged && s.absent_for >= kAbsence) {
+    s.want_engaged = s.want_clutched = false;
+    s.off_reason = Reason::kPresence;
+  }
 }
 
 void advance_session(const HapticSettings& settings, const HapticInput& in,
@@ -170,6 +178,10 @@ void advance_session(const HapticSettings& settings, const HapticInput& in,
   }
   if (next.state == SessionState::kFault || next.state == SessionState::kOff) {
     s.want_engaged = s.want_clutched = false;
+  }
+  if (next.state == SessionState::kOff) {
+    if (session.overdue) s.off_reason = next.reason;
+    if (next.reason == Reason::kNotEngaged) s.session_reason = s.off_reason;
   }
 
   if (s.session == SessionState::kAligning) {
@@ -308,7 +320,7 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
     torque = ladder.force_share * torque_of(settings, s, guidance.twist_pull);
     out.blending = guidance.blending;
     out.deviation = s.guide.position().active() ? pull_M.norm() : 0.0;
-    if (in.slave.has_pose) out.motion = account(X_SH.p, guidance.p_SP, s.X_SU.p, in.slave);
+    if (in.slave.has_pose) out.motion = account(X_SH, guidance, in.slave);
     out.deviation_angle = s.guide.orientation().deviation(X_SH.q);
     if (guidance.blending) out.reasons.add(Reason::kToolBlending);
   }

@@ -53,6 +53,7 @@ struct HapticOrder {
   bool drop_position = true;  // kToolOff
   bool drop_orientation = true;
   int stage = 0;  // kStage: of the scene's walls
+  Reason why = Reason::kNotEngaged;  // kDisengage: what the session says from then on
 };
 
 // The device's newest reading, frame M.
@@ -94,6 +95,7 @@ struct HapticOutput {
 struct HapticState {
   SessionState session = SessionState::kOff;
   Reason session_reason = Reason::kNotEngaged;
+  Reason off_reason = Reason::kNotEngaged;  // what ended the last engagement, until the next order
   bool want_engaged = false;
   bool want_clutched = false;
   bool button_was_down = false;

@@ -38,15 +38,18 @@ ForceLedger account(const ForceShares& shares, const Vec3& tool, const Vec3& wal
   return out;
 }
 
-MotionLedger account(const Vec3& p_SH, const Vec3& p_SP, const Vec3& p_SU,
-                     const SlaveState& slave) noexcept {
+MotionLedger account(const Pose& X_SH, const Guidance& guidance, const SlaveState& slave) noexcept {
   MotionLedger out;
+  const Vec3& p_SU = guidance.X_SC.p;
+  const Vec3 smoothed = p_SU - guidance.X_SP.p;
+  // Mostly the easing of a tool change, else the mean of the last samples.
+  const bool eased = 4.0 * guidance.offset.squaredNorm() > smoothed.squaredNorm();
   const auto put = [&out](MotionStage stage, const Vec3& off, Reason why) {
     out.off_S.col(static_cast<int>(stage)) = off;
     if (off.squaredNorm() > kNothing * kNothing) out.why[static_cast<std::size_t>(stage)] = why;
   };
-  put(MotionStage::kTool, p_SP - p_SH, Reason::kToolTube);
-  put(MotionStage::kSmoother, p_SU - p_SP, Reason::kToolBlending);
+  put(MotionStage::kTool, guidance.X_SP.p - X_SH.p, Reason::kToolTube);
+  put(MotionStage::kSmoother, smoothed, eased ? Reason::kToolBlending : Reason::kNone);
   Vec3 there = Vec3::Zero();
   for (int i = 0; i < FollowLedger::kStages; ++i) {
     const Reason why = slave.ledger.why[static_cast<std::size_t>(i)];
@@ -56,8 +59,13 @@ MotionLedger account(const Vec3& p_SH, const Vec3& p_SP, const Vec3& p_SU,
   }
   // What neither side's stages explain is on its way.
   put(MotionStage::kLink, slave.X_ST_command.p - p_SU - there,
-      slave.state == SessionState::kEngaged ? Reason::kLoopAge : slave.reason);
+      slave.state == SessionState::kEngaged ? Reason::kNone : slave.reason);
   out.joint = slave.ledger.joint;
+  out.q_SH = X_SH.q;
+  out.q_SP = guidance.X_SP.q;
+  out.q_SU = guidance.X_SC.q;
+  out.q_ST = slave.X_ST_command.q;
+  out.eased_angle = guidance.offset_angle;
   out.known = true;
   return out;
 }

@@ -9,6 +9,7 @@
 #include "server/base/reason.h"
 #include "server/base/spatial.h"
 #include "server/control/arbiter.h"
+#include "server/control/guide.h"
 
 namespace handrail {
 
@@ -41,7 +42,8 @@ enum class MotionStage : std::uint8_t {
   kCount
 };
 
-// How far each stage moved the tip. They add up to X_ST_command.p - X_SH.p, the hand in S.
+// How far each stage moved the tip. They add up to X_ST_command.p - X_SH.p, the hand in S. A stage
+// of ours that is neither a tool nor its easing has no reason: it smooths, or the link takes time.
 struct MotionLedger {
   static constexpr int kStages = static_cast<int>(MotionStage::kCount);
   using Offsets = Eigen::Matrix<double, 3, kStages>;
@@ -49,11 +51,15 @@ struct MotionLedger {
   std::array<Reason, static_cast<std::size_t>(kStages)> why{};
   std::int8_t joint = -1;  // 0 to 5: the joint that limits; -1: none or all
   bool known = false;      // false: the hand does not lead the arm, the rest means nothing
+  // Orientations in S on the way: the hand's, the tools', the command's, the arm's command's. The
+  // slave does not say which of its stages turned the tip.
+  Quat q_SH = Quat::Identity(), q_SP = Quat::Identity();
+  Quat q_SU = Quat::Identity(), q_ST = Quat::Identity();
+  double eased_angle = 0.0;  // of the turn from q_SP to q_SU: easing of a tool change [rad]
 };
 
-// From the hand at `p_SH` over the tool's proxy and the command `p_SU` to where the slave says that
-// it commands the arm. Real-time safe.
-MotionLedger account(const Vec3& p_SH, const Vec3& p_SP, const Vec3& p_SU,
-                     const SlaveState& slave) noexcept;
+// From the hand at `X_SH` over the tools and the command, as the guide made them this tick, to
+// where the slave says that it commands the arm. Real-time safe.
+MotionLedger account(const Pose& X_SH, const Guidance& guidance, const SlaveState& slave) noexcept;
 
 }  // namespace handrail

@@ -295,7 +295,9 @@ void OrderDesk::watch_hold() {
   boxes_.hold_heard.store(hold_heard_, std::memory_order_relaxed);
   if (options_.presence == Presence::kHold || now_ - hold_heard_ <= kHoldPatience) return;
   hold_ = false;
-  order(plain(OrderKind::kDisengage), [](pb::Reply) {});
+  HapticOrder gone = plain(OrderKind::kDisengage);
+  gone.why = Reason::kPresence;
+  order(gone, [](pb::Reply) {});
 }
 
 // The stop stands and is repeated whatever comes of it; the answer says whether the slave has it.

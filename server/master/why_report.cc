@@ -4,16 +4,27 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "server/base/units.h"
+#include "server/kinematics/rv2a.h"
 
 namespace handrail {
 namespace {
 
-constexpr double kWorthSaying = 0.2 * kMm;
+constexpr double kWorthSaying = 0.2;  // [mm] or [deg]
 
 constexpr std::array<const char*, MotionLedger::kStages> kStageNames = {
     "tool", "smoother", "link", "tube", "bumper", "reach", "limits", "singularity"};
+
+// What one stage did, for people.
+struct Share {
+  MotionStage stage = MotionStage::kTool;
+  Reason why = Reason::kNone;
+  double mm = 0.0, deg = 0.0;
+  double size() const { return std::max(mm, deg); }
+};
+using Shares = std::array<Share, MotionLedger::kStages>;
 
 void set_vector(google::protobuf::RepeatedField<double>* out, const Vec3& v, double unit) {
   for (int i = 0; i < 3; ++i) out->Add(v[i] / unit);
@@ -24,7 +35,49 @@ void set_force(pb::ForceShare* out, const Vec3& force) {
   set_vector(out->mutable_force_n(), force, 1.0);
 }
 
-double share(const MotionLedger& ledger, int stage) { return ledger.off_S.col(stage).norm(); }
+// Which stage turned the tip away from the command: the one that the slave says acts, else the
+// link.
+Share slave_turn(const SlaveState& slave) {
+  constexpr std::pair<FollowStage, MotionStage> kOrder[] = {
+      {FollowStage::kLimits, MotionStage::kLimits},
+      {FollowStage::kReach, MotionStage::kReach},
+      {FollowStage::kTube, MotionStage::kTube}};
+  for (const auto& [theirs, ours] : kOrder) {
+    const Reason why = slave.ledger.why[static_cast<std::size_t>(theirs)];
+    if (why == Reason::kNone) continue;
+    return {why == Reason::kSingularity ? MotionStage::kSingularity : ours, why};
+  }
+  return {MotionStage::kLink};
+}
+
+Shares shares_of(const HapticOutput& out, const SlaveState& slave) {
+  const MotionLedger& ledger = out.motion;
+  Shares shares;
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    shares[i].stage = static_cast<MotionStage>(i);
+    shares[i].why = ledger.why[i];
+    shares[i].mm = ledger.off_S.col(static_cast<Eigen::Index>(i)).norm() / kMm;
+  }
+  const auto turned = [&shares](Share by, double angle) {
+    Share& share = shares[static_cast<std::size_t>(by.stage)];
+    share.deg = angle / kDeg;
+    if (share.deg >= std::max(kWorthSaying, share.mm)) share.why = by.why;
+  };
+  const double smoothed = angle_between(ledger.q_SP, ledger.q_SU);
+  turned({MotionStage::kTool, Reason::kToolTube}, angle_between(ledger.q_SH, ledger.q_SP));
+  turned({MotionStage::kSmoother,
+          2.0 * ledger.eased_angle > smoothed ? Reason::kToolBlending : Reason::kNone},
+         smoothed);
+  turned(slave_turn(slave), angle_between(ledger.q_SU, ledger.q_ST));
+  Share& link = shares[static_cast<std::size_t>(MotionStage::kLink)];
+  if (link.why == Reason::kNone && out.reasons.has(Reason::kLoopAge)) link.why = Reason::kLoopAge;
+  return shares;
+}
+
+const char* reason_text(const Share& share) {
+  const bool smooths = share.stage == MotionStage::kSmoother && share.why == Reason::kNone;
+  return smooths && share.size() > 0.0 ? "smoothing" : describe(share.why);
+}
 
 // Why the arm holds; kNone while it follows the hand.
 Reason holding(const HapticReport& report, const SlaveState& slave, const LinkSnapshot& link,
@@ -33,7 +86,7 @@ Reason holding(const HapticReport& report, const SlaveState& slave, const LinkSn
   if (report.walls.present) return Reason::kNoArmInScene;
   const HapticOutput& out = report.out;
   if (out.link.state == SessionState::kEngaged && slave.state == SessionState::kEngaged) {
-    return Reason::kNone;
+    return out.motion.known ? Reason::kNone : out.reason;
   }
   if (out.link.state == SessionState::kClutched) {
     return out.reason == Reason::kNone ? Reason::kClutched : out.reason;
@@ -44,52 +97,67 @@ Reason holding(const HapticReport& report, const SlaveState& slave, const LinkSn
   return slave.reason != Reason::kNone ? slave.reason : Reason::kNotEngaged;
 }
 
+// "11.8 mm and 0.3 deg"; what is not worth saying is left out, but never all.
+std::string amount(double mm, double deg) {
+  const bool turned = deg >= kWorthSaying;
+  const std::string far = fmt::format("{:.1f} mm", mm);
+  if (!turned) return far;
+  return (mm >= kWorthSaying ? far + " and " : "") + fmt::format("{:.1f} deg", deg);
+}
+
 // "11.8 mm limits: joint acceleration limit (J1)"
-std::string stage_text(const MotionLedger& ledger, int stage, const LinkSnapshot& link, Nanos now) {
-  const auto at = static_cast<std::size_t>(stage);
-  std::string out = fmt::format("{:.1f} mm {}", share(ledger, stage) / kMm, kStageNames[at]);
-  if (ledger.why[at] != Reason::kNone) out += fmt::format(": {}", describe(ledger.why[at]));
-  const auto what = static_cast<MotionStage>(stage);
-  const bool joint = what == MotionStage::kLimits || what == MotionStage::kSingularity;
-  if (joint && ledger.joint >= 0) out += fmt::format(" (J{})", ledger.joint + 1);
-  if (what == MotionStage::kLink && link.loop_age(now) != kForever) {
+std::string stage_text(const Share& share, int joint, const LinkSnapshot& link, Nanos now) {
+  std::string out = amount(share.mm, share.deg) + " ";
+  if (share.stage == MotionStage::kSmoother) return out + reason_text(share);
+  out += kStageNames[static_cast<std::size_t>(share.stage)];
+  if (share.why != Reason::kNone) out += fmt::format(": {}", describe(share.why));
+  if (share.stage >= MotionStage::kReach && joint >= 0) out += fmt::format(" (J{})", joint + 1);
+  if (share.stage == MotionStage::kLink && link.loop_age(now) != kForever) {
     out += fmt::format(" (loop {} ms)", link.loop_age(now) / kMillisecond);
   }
   return out;
 }
 
 void set_sentence(pb::Ledger* out, const HapticReport& report, const SlaveState& slave,
-                  const LinkSnapshot& link, Nanos now) {
+                  const LinkSnapshot& link, Shares shares, Nanos now) {
+  const MotionLedger& ledger = report.out.motion;
+  const auto set_way_out = [&](Reason why) {
+    out->set_way_out(way_out_of(why, ledger.joint, slave.q_measured));
+  };
   if (const Reason why = holding(report, slave, link, now); why != Reason::kNone) {
     out->set_sentence(fmt::format("the arm holds: {}", describe(why)));
-    out->set_way_out(std::string(way_out_of(why)));
-    return;
+    return set_way_out(why);
   }
-  const MotionLedger& ledger = report.out.motion;
   if (!ledger.known) {
     out->set_sentence("the hand does not lead the arm yet");
     return;
   }
-  std::array<int, MotionLedger::kStages> order{};
-  for (int i = 0; i < MotionLedger::kStages; ++i) order[static_cast<std::size_t>(i)] = i;
-  std::stable_sort(order.begin(), order.end(),
-                   [&](int a, int b) { return share(ledger, a) > share(ledger, b); });
-  const double behind = ledger.off_S.rowwise().sum().norm();
-  std::string text = fmt::format("the arm is {:.1f} mm from the hand", behind / kMm);
+  std::stable_sort(shares.begin(), shares.end(),
+                   [](const Share& a, const Share& b) { return a.size() > b.size(); });
+  std::string text = "the arm is " + amount(out->behind_mm(), out->behind_deg()) + " from the hand";
   const char* separator = ": ";
-  for (const int stage : order) {
-    if (share(ledger, stage) < kWorthSaying) break;
-    text += separator + stage_text(ledger, stage, link, now);
+  for (const Share& share : shares) {
+    if (share.size() < kWorthSaying) break;
+    text += separator + stage_text(share, ledger.joint, link, now);
     separator = "; ";
   }
   out->set_sentence(text);
-  if (share(ledger, order[0]) < kWorthSaying) return;
-  out->set_way_out(std::string(way_out_of(ledger.why[static_cast<std::size_t>(order[0])])));
+  if (shares[0].size() >= kWorthSaying) set_way_out(shares[0].why);
+}
+
+// Out of the singular configuration that the arm is nearest to, each by what counts as near.
+const char* way_out_of_singularity(const JointVector& q) {
+  constexpr double kNearSine = 0.1, kNearAxis = 0.020;  // [m]
+  const SingularityMargin margin = singularity_margin(ArmGeometry(), q);
+  const double wrist = margin.wrist / kNearSine, shoulder = margin.shoulder / kNearAxis;
+  if (margin.elbow / kNearSine < std::min(wrist, shoulder)) return "come back toward the base";
+  return wrist <= shoulder ? "tilt the tip away from the forearm's axis"
+                           : "move out from the base axis";
 }
 
 }  // namespace
 
-std::string_view way_out_of(Reason reason) noexcept {
+std::string way_out_of(Reason reason, int joint, const JointVector& q) {
   switch (reason) {
     case Reason::kNotEngaged:
       return "engage";
@@ -123,14 +191,16 @@ std::string_view way_out_of(Reason reason) noexcept {
     case Reason::kWorkspace:
       return "come back toward the base";
     case Reason::kJointRange:
-      return "turn the joint back";
+      return joint >= 0 ? fmt::format("turn J{} back", joint + 1) : "turn back";
     case Reason::kSingularity:
-      return "tilt the tip off the forearm's axis, or move away from above the base";
+      return way_out_of_singularity(q);
     case Reason::kJointSpeed:
     case Reason::kJointAcceleration:
     case Reason::kJointJerk:
     case Reason::kTipSpeed:
-      return "move slower";
+      return "wait, or move slower";
+    case Reason::kToolBlending:
+      return "wait";
     case Reason::kBumper:
       return "move away from the contact";
     default:
@@ -141,15 +211,18 @@ std::string_view way_out_of(Reason reason) noexcept {
 void set_ledger(pb::Ledger* out, const HapticReport& report, const SlaveState& slave,
                 const LinkSnapshot& link, Nanos now) {
   const MotionLedger& ledger = report.out.motion;
-  set_sentence(out, report, slave, link, now);
+  const Shares shares = shares_of(report.out, slave);
   out->set_behind_mm(ledger.off_S.rowwise().sum().norm() / kMm);
-  for (int i = 0; i < MotionLedger::kStages; ++i) {
-    const auto at = static_cast<std::size_t>(i);
+  out->set_behind_deg(angle_between(ledger.q_SH, ledger.q_ST) / kDeg);
+  set_sentence(out, report, slave, link, shares, now);
+  for (const Share& share : shares) {
+    const int at = static_cast<int>(share.stage);
     pb::MotionShare* stage = out->add_motion();
-    stage->set_stage(kStageNames[at]);
-    stage->set_mm(share(ledger, i) / kMm);
-    set_vector(stage->mutable_offset_mm(), ledger.off_S.col(i), kMm);
-    stage->set_reason(describe(ledger.why[at]));
+    stage->set_stage(kStageNames[static_cast<std::size_t>(at)]);
+    stage->set_mm(share.mm);
+    stage->set_deg(share.deg);
+    set_vector(stage->mutable_offset_mm(), ledger.off_S.col(at), kMm);
+    stage->set_reason(reason_text(share));
   }
   out->set_joint(static_cast<std::uint32_t>(ledger.joint + 1));
   const ForceLedger& force = report.out.force;

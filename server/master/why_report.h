@@ -10,7 +10,8 @@ namespace handrail {
 void set_ledger(pb::Ledger* out, const HapticReport& report, const SlaveState& slave,
                 const LinkSnapshot& link, Nanos now);
 
-// What to do about `reason`; empty when nothing helps or nothing need be done.
-std::string_view way_out_of(Reason reason) noexcept;
+// What to do about `reason` with the arm at `q`, where joint `joint` limits (-1: none or all); empty
+// when nothing helps or nothing need be done.
+std::string way_out_of(Reason reason, int joint, const JointVector& q);
 
 }  // namespace handrail

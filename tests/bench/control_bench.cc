@@ -117,6 +117,7 @@ struct GuardCall {
 struct Ledgers {
   Hand hand{0.05};
   ForceShares shares;
+  Guidance guidance;
   SlaveState slave;
   ForceLedger force;
   MotionLedger motion;
@@ -128,7 +129,9 @@ struct Ledgers {
     const Vec3& p = hand.next();
     shares.device = p;
     force = account(shares, p, p, p, p);
-    motion = account(p, 2.0 * p, 3.0 * p, slave);
+    guidance.X_SP.p = 2.0 * p;
+    guidance.X_SC.p = 3.0 * p;
+    motion = account({p, Quat::Identity()}, guidance, slave);
     benchmark::DoNotOptimize(force);
     benchmark::DoNotOptimize(motion);
     return motion.off_S.col(0);

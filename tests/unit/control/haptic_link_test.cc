@@ -115,7 +115,28 @@ TEST(HapticLink, WithoutPresenceTheCommandStandsAndForLongTheEngagementEnds) {
     be_there(true);
     rig.ticks(10);
     EXPECT_EQ(rig.session(), SessionState::kOff);
+    EXPECT_EQ(rig.out.reason, Reason::kPresence) << "what ended it, until somebody engages";
+    rig.engage();
+    EXPECT_EQ(rig.out.reason, Reason::kNone);
+    rig.order(OrderKind::kDisengage);
+    rig.ticks(10);
+    EXPECT_EQ(rig.out.reason, Reason::kNotEngaged);
   }
+}
+
+TEST(HapticLink, WhatEndedAnEngagementIsSaidUntilAnOperatorHasDealtWithIt) {
+  HapticRig rig;
+  rig.engage();
+  rig.in.order.why = Reason::kPresence;
+  rig.order(OrderKind::kDisengage);
+  rig.ticks(10);
+  EXPECT_EQ(rig.out.reason, Reason::kPresence);
+  rig.order(OrderKind::kStop);
+  rig.ticks(10);
+  EXPECT_EQ(rig.out.reason, Reason::kStopRequested);
+  rig.order(OrderKind::kReset);
+  rig.ticks(10);
+  EXPECT_EQ(rig.out.reason, Reason::kNotEngaged);
 }
 
 TEST(HapticLink, ADeviceThatIsNotReadyIsWaitedForTenSeconds) {

@@ -72,6 +72,12 @@ TEST(Ledger, TheStagesLeadFromTheHandToTheArmAndTheLinksIsWhatIsOnItsWay) {
     const Vec3 applied = loop.sent[seen.applied_sequence].X_SU.p;
     ASSERT_LT((loop.stage(MotionStage::kLink) - (applied - loop.master.command().p)).norm(), 1e-7)
         << i;
+    if (i > 3500) {
+      EXPECT_EQ(ledger.why[static_cast<std::size_t>(MotionStage::kSmoother)], Reason::kNone)
+          << "the tool was called long ago: smoothing";
+    }
+    ASSERT_LT(angle_between(ledger.q_ST, seen.X_ST_command.q), 1e-12);
+    ASSERT_LT(angle_between(ledger.q_SU, loop.master.command().q), 1e-12);
     largest_tool = std::max(largest_tool, loop.stage(MotionStage::kTool).norm());
     largest_link = std::max(largest_link, loop.stage(MotionStage::kLink).norm());
     largest_limits = std::max(largest_limits, loop.stage(MotionStage::kLimits).norm());
@@ -79,6 +85,25 @@ TEST(Ledger, TheStagesLeadFromTheHandToTheArmAndTheLinksIsWhatIsOnItsWay) {
   EXPECT_GT(largest_tool, 1e-3);
   EXPECT_GT(largest_link, 1e-4);
   EXPECT_GT(largest_limits, 1e-5);
+}
+
+TEST(Ledger, AToolCalledBesideTheTipIsEasedTowardAndThenSmoothed) {
+  HapticRig rig;
+  rig.engage();
+  ToolCall line = test::line_call({0, 1, 0});
+  rig.call(test::at(line, rig.command().p + Vec3(0, 0, 0.01)));
+  const auto smoother = [&] {
+    return rig.out.motion.why[static_cast<std::size_t>(MotionStage::kSmoother)];
+  };
+  rig.ticks(50);
+  EXPECT_EQ(smoother(), Reason::kToolBlending);
+  rig.ticks(3000);
+  for (int i = 0; i < 50; ++i) {
+    rig.in.hand.X_MH.p += rig.state->engagement.to_hand({0, 1e-4, 0});
+    rig.tick();
+  }
+  EXPECT_GT(rig.out.motion.off_S.col(1).norm(), 1e-4);
+  EXPECT_EQ(smoother(), Reason::kNone);
 }
 
 TEST(Ledger, ATipHeldBackByContactAndByTheToolIsTheirs) {

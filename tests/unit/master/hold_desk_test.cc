@@ -34,6 +34,7 @@ TEST_F(HoldDeskTest, ItGoesOnWhileTheCommandIsHeardAndEndsTwoHundredMilliseconds
   tick();
   loop();
   EXPECT_EQ(last_order(), OrderKind::kDisengage);
+  EXPECT_EQ(taken.back().order.why, Reason::kPresence);
 }
 
 TEST_F(HoldDeskTest, TheCommandIsToldWhenTheSessionIsOver) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "server/base/units.h"
+#include "server/kinematics/rv2a.h"
 
 namespace handrail {
 namespace {
@@ -21,6 +22,16 @@ class WhyReportTest : public ::testing::Test {
     const auto i = static_cast<std::size_t>(stage);
     report.out.motion.off_S.col(static_cast<Eigen::Index>(i)) = mm * kMm;
     report.out.motion.why[i] = why;
+  }
+  // The arm is turned by as many degrees at each step from the hand on.
+  void turn(double tool, double smoother, double slave_turn) {
+    MotionLedger& ledger = report.out.motion;
+    const auto on = [](const Quat& q, double deg) {
+      return Quat(q * rotation_exp({deg * kDeg, 0, 0}));
+    };
+    ledger.q_SP = on(ledger.q_SH, tool);
+    ledger.q_SU = on(ledger.q_SP, smoother);
+    ledger.q_ST = on(ledger.q_SU, slave_turn);
   }
   pb::Ledger why() const {
     pb::Ledger out;
@@ -44,7 +55,7 @@ TEST_F(WhyReportTest, NamesTheLargestStagesFirstWithTheirReasonsAndTheWayOut) {
   EXPECT_EQ(out.sentence(), std::string("the arm is 14.1 mm from the hand: 11.8 mm limits: ") +
                                 describe(Reason::kJointAcceleration) +
                                 " (J1); 2.1 mm link (loop 62 ms); 0.3 mm tool");
-  EXPECT_EQ(out.way_out(), "move slower");
+  EXPECT_EQ(out.way_out(), "wait, or move slower");
   EXPECT_EQ(out.joint(), 1u);
 }
 
@@ -62,6 +73,8 @@ TEST_F(WhyReportTest, TheNumbersAreTheLedgersAndAddUp) {
   }
   EXPECT_NEAR(sum.norm(), out.behind_mm(), 1e-12);
   EXPECT_EQ(out.motion(1).stage(), "smoother");
+  EXPECT_EQ(out.motion(1).reason(), "smoothing");
+  EXPECT_EQ(out.motion(0).reason(), "none");
   EXPECT_EQ(out.motion(7).reason(), describe(Reason::kSingularity));
   EXPECT_DOUBLE_EQ(out.tool().magnitude_n(), 5.0);
   EXPECT_DOUBLE_EQ(out.device().force_n(2), 2.0);
@@ -78,6 +91,72 @@ TEST_F(WhyReportTest, AnArmThatHoldsSaysWhyBeforeAnyNumber) {
   EXPECT_EQ(why().sentence(), std::string("the arm holds: ") + describe(Reason::kStopInput));
   report.good_until = now - 1;
   EXPECT_EQ(why().sentence(), std::string("the arm holds: ") + describe(Reason::kThreadStalled));
+}
+
+TEST_F(WhyReportTest, SmoothingIsNoToolChange) {
+  off(MotionStage::kSmoother, Vec3(0, 0, 4.7), Reason::kNone);
+  EXPECT_EQ(why().sentence(), "the arm is 4.7 mm from the hand: 4.7 mm smoothing");
+  EXPECT_EQ(why().way_out(), "");
+  off(MotionStage::kSmoother, Vec3(0, 0, 4.7), Reason::kToolBlending);
+  EXPECT_EQ(why().sentence(), "the arm is 4.7 mm from the hand: 4.7 mm easing toward the new tool");
+  turn(0, 3.0, 0);
+  off(MotionStage::kSmoother, Vec3(0, 0, 1.0), Reason::kNone);
+  EXPECT_EQ(why().sentence(),
+            "the arm is 1.0 mm and 3.0 deg from the hand: 1.0 mm and 3.0 deg smoothing");
+  report.out.motion.eased_angle = 2.0 * kDeg;
+  EXPECT_EQ(why().motion(1).reason(), "easing toward the new tool");
+}
+
+TEST_F(WhyReportTest, ATipInItsPlaceButTurnedIsSaidInDegrees) {
+  turn(3.2, 0, 0);
+  pb::Ledger out = why();
+  EXPECT_EQ(out.sentence(),
+            "the arm is 3.2 deg from the hand: 3.2 deg tool: kept on the active tool");
+  EXPECT_NEAR(out.behind_deg(), 3.2, 1e-9);
+  EXPECT_NEAR(out.motion(0).deg(), 3.2, 1e-9);
+  // What the slave turned is the stage's that acts there; without one it is on its way.
+  turn(0, 0, 1.4);
+  EXPECT_EQ(why().sentence(), "the arm is 1.4 deg from the hand: 1.4 deg link (loop 62 ms)");
+  slave.ledger.why[static_cast<std::size_t>(FollowStage::kLimits)] = Reason::kSingularity;
+  report.out.motion.joint = 3;
+  out = why();
+  EXPECT_EQ(out.sentence(), std::string("the arm is 1.4 deg from the hand: 1.4 deg singularity: ") +
+                                describe(Reason::kSingularity) + " (J4)");
+  EXPECT_EQ(out.motion(7).reason(), describe(Reason::kSingularity));
+  off(MotionStage::kLimits, Vec3(1.5, 0, 0), Reason::kJointSpeed);
+  EXPECT_EQ(why().way_out(), "wait, or move slower") << "the largest decides";
+  turn(0, 0, 0.19);
+  off(MotionStage::kLimits, Vec3(0.1, 0, 0), Reason::kJointSpeed);
+  EXPECT_EQ(why().sentence(), "the arm is 0.1 mm from the hand");
+}
+
+TEST_F(WhyReportTest, TheWayOutIsOfTheJointAndTheSingularityTheArmIsAt) {
+  const auto way_out = [this](MotionStage stage, Reason reason) {
+    report.out.motion.off_S.setZero();
+    off(stage, Vec3(5, 0, 0), reason);
+    return why().way_out();
+  };
+  report.out.motion.joint = 4;
+  EXPECT_EQ(way_out(MotionStage::kLimits, Reason::kJointRange), "turn J5 back");
+  EXPECT_EQ(way_out(MotionStage::kReach, Reason::kOutOfReach), "come back toward the base");
+  slave.q_measured << 0.2, 0.3, 1.5, 0.4, 0.01, 0.5;
+  EXPECT_EQ(way_out(MotionStage::kSingularity, Reason::kSingularity),
+            "tilt the tip away from the forearm's axis");
+  // Leaning back until the wrist's centre is over the base.
+  slave.q_measured << 0.2, -1.0, 2.2, 0.4, 0.8, 0.5;
+  const auto off_axis = [this] {
+    return singularity_margin(ArmGeometry(), slave.q_measured).shoulder;
+  };
+  while (off_axis() > 2e-3 && slave.q_measured[1] > -2.0) slave.q_measured[1] -= 1e-3;
+  ASSERT_LE(off_axis(), 2e-3);
+  EXPECT_EQ(way_out(MotionStage::kSingularity, Reason::kSingularity),
+            "move out from the base axis");
+}
+
+TEST_F(WhyReportTest, AHandWhoseReadingIsMissingIsTheReason) {
+  report.out.motion.known = false;
+  report.out.reason = Reason::kDeviceInvalid;
+  EXPECT_EQ(why().sentence(), std::string("the arm holds: ") + describe(Reason::kDeviceInvalid));
 }
 
 TEST_F(WhyReportTest, AnArmThatFollowsHasNoWayOutToSay) {
