@@ -1,28 +1,48 @@
-// What the hand feels when force has left: short trembles that push it nowhere.
+// What the hand feels beside forces: short trembles that push it nowhere, a pattern for each cause.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
+
+#include "server/control/ledger.h"
 
 namespace handrail {
 
 enum class Cue : std::uint8_t {
   kNone,
-  kHold,  // the link pauses: two trembles
-  kLost   // the link is lost, somebody has to reset: three
+  kHold,        // the link pauses: two trembles, once
+  kLost,        // the link is lost, somebody has to reset: three, once
+  kLimit,       // reach, range or speed keeps the arm back: one every 0.5 s while it does
+  kSingularity  // a singular pose does: four finer ones every 0.7 s
 };
 
-// Force at `t` [s] after what it tells [N]: trembles of three whole periods, so without a mean,
-// from when the fading force has left. Its slope stays within a step of 0.05 N a millisecond. Pure.
-inline double cue_force(Cue cue, double t) noexcept {
-  constexpr double kStart = 0.050, kTremble = 0.075, kEvery = 0.150;  // [s]
-  constexpr double kSize = 0.15;                                      // [N]
-  constexpr double kTurn = 2.0 * 3.14159265358979323846 * 40.0;       // [rad/s]
-  const double since = t - kStart;
-  const int trembles = cue == Cue::kHold ? 2 : cue == Cue::kLost ? 3 : 0;
-  if (!(since >= 0.0 && since < trembles * kEvery)) return 0.0;
-  const double within = std::fmod(since, kEvery);
-  return within < kTremble ? kSize * std::sin(kTurn * within) : 0.0;
-}
+// Force at `t` [s] after `cue` began [N], along one axis: trembles of three whole periods, so
+// without a mean. Its slope stays within a step of 0.05 N a millisecond. Pure.
+double cue_force(Cue cue, double t) noexcept;
+// The largest it makes [N].
+inline constexpr double kLargestCue = 0.15;
+
+// What keeps the arm back from where the hand wants it, and for how long. Real-time safe.
+class KeptBack {
+ public:
+  // One tick of `dt` [s]. A cue once reach, limits or singularity have kept the tip back by 2 mm
+  // for 100 ms, until it is under 1 mm or they no longer act. An unknown ledger keeps nothing back.
+  Cue step(const MotionLedger& ledger, double dt) noexcept;
+
+ private:
+  double lasted_ = 0.0;  // [s], at most 1
+};
+
+// Plays cues one after the other and each tremble to its end: one cut off would push.
+class CuePlayer {
+ public:
+  // One tick of `dt` [s]. `news`: has just happened, played as soon as no tremble runs. `lasting`:
+  // acts now, repeated while it does. Returns the force [N]. Real-time safe.
+  double step(Cue news, Cue lasting, double dt) noexcept;
+
+ private:
+  Cue cue_ = Cue::kNone;
+  Cue next_ = Cue::kNone;
+  double age_ = 0.0;  // of cue_ [s]
+};
 
 }  // namespace handrail

@@ -214,16 +214,14 @@ Cue news_of(SessionState before, const HapticState& s) {
   return lost ? Cue::kLost : Cue::kNone;
 }
 
-// The cue's force this tick, frame M, as far as the device has room for it.
-Vec3 play_cue(const HapticSettings& settings, Cue news, const Vec3& device, double dt,
-              HapticState& s) {
-  s.cue_age = std::min(s.cue_age + dt, 10.0);
-  if (news != Cue::kNone) {
-    s.cue = news;
-    s.cue_age = 0.0;
-  }
-  const Vec3 force(0.0, 0.0, cue_force(s.cue, s.cue_age));
-  return (device + force).norm() <= settings.force.peak ? force : Vec3(Vec3::Zero());
+// The cue's force this tick, frame M, smaller where the device has no room for all of it.
+Vec3 play_cue(const HapticSettings& settings, SessionState before, const MotionLedger& motion,
+              const Vec3& device, double dt, HapticState& s) {
+  const Cue lasting = s.kept_back.step(motion, dt);
+  const double force = s.cue.step(news_of(before, s),
+                                  s.session == SessionState::kEngaged ? lasting : Cue::kNone, dt);
+  const double room = settings.force.peak - device.norm();
+  return {0.0, 0.0, force * std::clamp(room / kLargestCue, 0.0, 1.0)};
 }
 
 Vec3 torque_of(const HapticSettings& settings, const HapticState& s, const Vec3& twist_pull) {
@@ -334,7 +332,7 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
   out.shares = s.arbiter.share(
       settings.force, ladder.force_share * f_tool, ladder.force_share * f_spring,
       s.guide.stiffness(settings.guide) * hand_motion.norm(), hand_ok && !in_doubt, dt);
-  const Vec3 cue = hand_ok ? play_cue(settings, news_of(before, s), out.shares.device, dt, s)
+  const Vec3 cue = hand_ok ? play_cue(settings, before, out.motion, out.shares.device, dt, s)
                            : Vec3(Vec3::Zero());
   out.shares.device += cue;
   out.shares.limited += cue;

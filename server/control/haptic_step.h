@@ -114,8 +114,8 @@ struct HapticState {
   Vec3 torque = Vec3::Zero();  // last torque on the hand, frame M [N m]
   std::uint64_t tools_hash = 0;
   LadderState ladder;
-  Cue cue = Cue::kNone;
-  double cue_age = 0.0;  // at most 10 [s]
+  KeptBack kept_back;
+  CuePlayer cue;
   bool present = true;
   double absent_for = 0.0;    // at most kAbsence [s]
   double aligning_for = 0.0;  // homing or aligning [s]

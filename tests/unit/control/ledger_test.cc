@@ -154,42 +154,5 @@ TEST(Ledger, TheForcesAddUpAndEachIsWhatItsStageDid) {
   }
 }
 
-TEST(Cue, ComesAfterTheForceHasLeftPushesNowhereAndStaysWithinTheStepLimit) {
-  for (const Cue cue : {Cue::kHold, Cue::kLost}) {
-    double last = 0.0, sum = 0.0, largest = 0.0;
-    for (int ms = 0; ms < 1000; ++ms) {
-      const double f = cue_force(cue, ms * 1e-3);
-      if (ms <= 50) {
-        EXPECT_EQ(f, 0.0);
-      }
-      EXPECT_LT(std::abs(f - last), 0.05);
-      largest = std::max(largest, std::abs(f));
-      sum += f * 1e-3;
-      last = f;
-    }
-    EXPECT_NEAR(sum, 0.0, 1e-6);
-    EXPECT_GT(largest, 0.1);
-  }
-}
-
-TEST(Cue, ALostLinkIsFeltOnceAndThenThereIsNoForce) {
-  HapticRig rig;
-  rig.engage();
-  double hold = 0.0, lost = 0.0, after = 0.0;
-  for (int ms = 1; ms <= 2000; ++ms) {
-    rig.in.slave_age = ms * kMillisecond;
-    rig.tick();
-    const double f = rig.out.f_H_M.force.norm();
-    double& most = ms <= 200 ? hold : ms <= 900 ? lost : after;
-    most = std::max(most, f);
-    if (ms == 71) {
-      EXPECT_LT(f, 1e-9);
-    }
-  }
-  EXPECT_GT(hold, 0.1);
-  EXPECT_GT(lost, 0.1);
-  EXPECT_EQ(after, 0.0);
-}
-
 }  // namespace
 }  // namespace handrail
