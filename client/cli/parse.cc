@@ -5,6 +5,7 @@
 
 #include "client/cli/command.h"
 #include "proto/config.pb.h"
+#include "server/base/operator_name.h"
 
 namespace handrail {
 namespace {
@@ -78,7 +79,9 @@ ExitCode run_cli(const std::vector<std::string>& args, const Console& console) {
   app.add_option("--socket", options.socket, "the master's socket (or HANDRAIL_SOCKET)")
       ->type_name("PATH");
   app.add_option("--as", options.as, "who you are; without it the master's user")
-      ->type_name("NAME");
+      ->type_name("NAME")
+      ->check(
+          CLI::Validator([](std::string& who) { return operator_name_problem(who); }, "", "name"));
   app.footer("Exit: 0 done, 1 refused, 2 usage or bad file, 3 no master.");
   std::map<std::string, CLI::App*> groups;
   std::vector<std::pair<CLI::App*, const Command*>> leaves;

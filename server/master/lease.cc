@@ -1,17 +1,9 @@
 #include "server/master/lease.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace handrail {
 namespace {
-
-constexpr std::size_t kLongestName = 32;
-
-bool is_name_letter(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' ||
-         c == '_' || c == '-';
-}
 
 // "42 s", "5 min", "3 h 10 min"
 std::string text_of(Nanos time) {
@@ -23,11 +15,6 @@ std::string text_of(Nanos time) {
 }
 
 }  // namespace
-
-bool Lease::is_name(std::string_view who) noexcept {
-  return !who.empty() && who.size() <= kLongestName &&
-         std::all_of(who.begin(), who.end(), is_name_letter);
-}
 
 LeaseAnswer Lease::drive(const std::string& who, bool engages, Nanos now) {
   if (holder_.empty() && engages) give_to(who, " by engaging", now);

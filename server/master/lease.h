@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "server/base/time.h"
@@ -28,9 +27,6 @@ struct LeaseAnswer {
 class Lease {
  public:
   explicit Lease(LeaseSettings settings = {}) : settings_(settings) {}
-
-  // True for 1 to 32 letters, digits, '.', '_' and '-'.
-  static bool is_name(std::string_view who) noexcept;
 
   // `who` gives an order; one that engages takes a free lease.
   LeaseAnswer drive(const std::string& who, bool engages, Nanos now);

@@ -8,33 +8,26 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/base/operator_name.h"
+
 namespace handrail {
-namespace {
-
-std::string bad_name(const std::string& who) {
-  if (Lease::is_name(who)) return {};
-  return fmt::format("'{:.40}' is no name: expected 1 to 32 letters, digits, '.', '_', '-'", who);
-}
-
-}  // namespace
-
 std::string own_user_name() {
   const passwd* entry = ::getpwuid(::geteuid());
   std::string name = entry != nullptr ? entry->pw_name : "";
   name.resize(std::min<std::size_t>(name.size(), 32));
-  for (char& c : name) c = Lease::is_name(std::string(1, c)) ? c : '-';
+  for (char& c : name) c = is_operator_name(std::string(1, c)) ? c : '-';
   return name.empty() ? fmt::format("user-{}", ::geteuid()) : name;
 }
 
 std::string LeaseDesk::refusal(const std::string& who, bool engages, Nanos now) {
-  if (std::string problem = bad_name(who); !problem.empty()) return problem;
+  if (std::string problem = operator_name_problem(who); !problem.empty()) return problem;
   return lease_.drive(who, engages, now).refusal;
 }
 
 void LeaseDesk::handle(const pb::LeaseOrder& order, const std::string& who, Nanos now,
                        ReplyTo reply) {
   LeaseAnswer answer;
-  answer.refusal = bad_name(who);
+  answer.refusal = operator_name_problem(who);
   answer.allowed = answer.refusal.empty();
   if (answer.allowed) {
     switch (order.act()) {

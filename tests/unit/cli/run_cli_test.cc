@@ -91,6 +91,8 @@ TEST(Cli, EveryUsageErrorExitsWithTwoAndOneLine) {
       {"clutch", "maybe"},
       {"clutch", "on", "off"},
       {"engage", "--json"},
+      {"engage", "--as", "bad name!"},
+      {"lease", "take", "--as", ""},
       {"tool", "off", "both"},
       {"tool", "line"},
       {"tool", "line", "--dir"},

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "server/base/operator_name.h"
 #include "tests/unit/master/desk_bench.h"
 
 namespace handrail {
@@ -119,7 +120,7 @@ TEST_F(LeaseDeskTest, AnEngageStillWaitingEndsWithTheLease) {
   EXPECT_EQ(last_order(), OrderKind::kDisengage);
 }
 
-TEST(OwnUserName, IsFitForALease) { EXPECT_TRUE(Lease::is_name(own_user_name())); }
+TEST(OwnUserName, IsFitForALease) { EXPECT_TRUE(is_operator_name(own_user_name())); }
 
 }  // namespace
 }  // namespace handrail

@@ -1,0 +1,21 @@
+#include "server/base/operator_name.h"
+
+#include <algorithm>
+
+namespace handrail {
+
+bool is_operator_name(std::string_view who) noexcept {
+  return !who.empty() && who.size() <= 32 && std::all_of(who.begin(), who.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' ||
+           c == '_' || c == '-';
+  });
+}
+
+std::string operator_name_problem(std::string_view who) {
+  if (is_operator_name(who)) return {};
+  std::string text = "'";
+  text.append(who.substr(0, 40));
+  return text.append("' is no name: expected 1 to 32 letters, digits, '.', '_', '-'");
+}
+
+}  // namespace handrail

@@ -1,0 +1,15 @@
+// What an operator may be called.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace handrail {
+
+// True for 1 to 32 letters, digits, '.', '_' and '-'.
+bool is_operator_name(std::string_view who) noexcept;
+
+// Why nobody may be called `who`; empty when they may.
+std::string operator_name_problem(std::string_view who);
+
+}  // namespace handrail
