@@ -11,6 +11,10 @@
 
 namespace handrail {
 
+// How long a force acts that is not written anew: a loop that stands still must not leave it on the
+// hand.
+inline constexpr Nanos kForceStands = 50 * kMillisecond;
+
 // What a device can do, as data. All values > 0 unless said otherwise; SI.
 struct HapticCapabilities {
   std::string name;
@@ -65,8 +69,10 @@ class HapticDevice {
   // The newest reading at time `now`, which never goes backward. A simulated device advances its
   // model to `now` under the wrench last written.
   virtual HapticSample read(Nanos now) noexcept = 0;
-  // Applies f_H_M, force and torque of the device on the hand, frame M, until the next call. The
-  // caller has limited it to the capabilities already.
+  // Applies f_H_M, force and torque of the device on the hand, frame M, until the next call, but no
+  // longer than kForceStands: then the device lets go by itself, whatever became of the thread that
+  // calls. A driver does so in the device, or in a thread of its own. The caller has limited f_H_M
+  // to the capabilities already.
   virtual void write(const Wrench& f_H_M) noexcept = 0;
   // Force off, device released. Safe to call twice.
   virtual void close() noexcept = 0;

@@ -107,6 +107,8 @@ HapticSample SimJoystick::read(Nanos now) noexcept {
   last_ = now;
   while (left > 0) {
     const Nanos part = std::min(left, kMillisecond);
+    if (unrenewed_ >= kForceStands) wrench_ = Wrench{};
+    unrenewed_ += part;
     advance(to_seconds(part));
     observe(to_seconds(part));
     left -= part;
@@ -147,6 +149,7 @@ void SimJoystick::observe(double dt) noexcept {
 
 void SimJoystick::write(const Wrench& f_H_M) noexcept {
   wrench_ = Wrench{};
+  unrenewed_ = 0;
   if (!is_finite(f_H_M)) return;
   Vec3 force(f_H_M.force.x(), f_H_M.force.y(), 0.0);
   // Beyond any motor's reach even where the limits are not simulated.

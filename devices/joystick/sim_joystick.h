@@ -69,6 +69,7 @@ class SimJoystick final : public HapticDevice, public SteerableHand {
   VectorMotion target_;
   Mode mode_ = Mode::kSteered;
   Wrench wrench_;
+  Nanos unrenewed_ = 0;  // how long wrench_ has acted
   HapticSample sample_;
   Nanos last_ = 0;
   bool open_ = false;

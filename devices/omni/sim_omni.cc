@@ -61,6 +61,8 @@ HapticSample SimOmni::read(Nanos now) noexcept {
   last_ = now;
   while (left > 0) {
     const Nanos part = std::min(left, kMillisecond);
+    if (unrenewed_ >= kForceStands) wrench_ = Wrench{};
+    unrenewed_ += part;
     hand_.step(to_seconds(part), wrench_);
     observe(to_seconds(part));
     left -= part;
@@ -79,6 +81,7 @@ void SimOmni::observe(double dt) noexcept {
 
 void SimOmni::write(const Wrench& f_H_M) noexcept {
   wrench_ = Wrench{};
+  unrenewed_ = 0;
   if (!is_finite(f_H_M)) return;
   wrench_.force = limited(f_H_M.force, capabilities_.max_force);
   wrench_.torque = limited(f_H_M.torque, capabilities_.max_torque);

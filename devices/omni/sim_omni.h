@@ -32,6 +32,7 @@ class SimOmni final : public HapticDevice {
   HapticCapabilities capabilities_;
   HandModel hand_;
   Wrench wrench_;
+  Nanos unrenewed_ = 0;  // how long wrench_ has acted
   HapticSample sample_;
   Nanos last_ = 0;
   bool open_ = false;

@@ -36,6 +36,8 @@ HapticLoop::HapticLoop(HapticDevice& device, const HapticSettings& settings, Mas
 void HapticLoop::tick(Nanos now) noexcept {
   pacer_.woke(now);
   const double dt = std::clamp(to_seconds(now - last_tick_), kShortest, kLongest);
+  // The device has let go meanwhile: the force begins anew.
+  if (now - last_tick_ >= kForceStands) let_go();
   last_tick_ = now;
   take_settings();
   take_slave(now);
@@ -62,6 +64,12 @@ void HapticLoop::tick(Nanos now) noexcept {
   publish(now);
   // After the report: whoever has the answer finds a report that shows what the order did.
   if (ticket.id != 0) (void)boxes_.answers.push({ticket.id, report_.out.order_result});
+}
+
+void HapticLoop::let_go() noexcept {
+  state_.arbiter.cut();
+  state_.torque.setZero();
+  if (settings_.walls != nullptr) settings_.walls->state.arbiter.cut();
 }
 
 void HapticLoop::take_settings() noexcept {

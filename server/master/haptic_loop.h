@@ -31,6 +31,7 @@ class HapticLoop {
   bool finished() const noexcept { return finished_.load(std::memory_order_acquire); }
 
  private:
+  void let_go() noexcept;
   void take_settings() noexcept;
   void take_slave(Nanos now) noexcept;
   // The force of the scene's walls in place of an arm's.

@@ -164,6 +164,26 @@ TEST_P(HapticDeviceConformance, CloseTakesTheForceAwayAndMayBeCalledTwice) {
   }
 }
 
+// A loop that stands still for half a second leaves the hand as one that lets go after 50 ms.
+TEST_P(HapticDeviceConformance, AForceThatIsNotRenewedActsForFiftyMilliseconds) {
+  const Wrench push{Vec3(1.5, 0.0, 0.0), Vec3(0.0, 0.02, 0.0)};
+  const auto stalled = make();
+  const auto lets_go = make();
+  for (const auto& d : {stalled.get(), lets_go.get()}) {
+    ASSERT_TRUE(d->open().is_ok());
+    d->read(0);
+    d->write(push);
+  }
+  for (Nanos now = 1; now <= 500; ++now) {
+    lets_go->read(now * kMillisecond);
+    lets_go->write(now < 50 ? push : Wrench{});
+  }
+  EXPECT_TRUE(same_bits(stalled->read(500 * kMillisecond), lets_go->read(500 * kMillisecond)));
+  for (Nanos now = 501; now <= 1000; ++now) {
+    ASSERT_TRUE(same_bits(stalled->read(now * kMillisecond), lets_go->read(now * kMillisecond)));
+  }
+}
+
 TEST_P(HapticDeviceConformance, ReadingWritingAndSteeringDoNotAllocate) {
   const auto device = make();
   ASSERT_TRUE(device->open().is_ok());

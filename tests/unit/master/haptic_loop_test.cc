@@ -111,13 +111,30 @@ TEST_F(HapticLoopTest, AStallIsOneTickOfBoundedLength) {
   const double before = report.out.f_H_M.force.norm();
   const std::uint64_t ticks_before = report.ticks;
   slave_talks = false;  // its news is old after the stall: force starts to leave, over 50 ms
-  tick(50 * kMillisecond);
+  tick(45 * kMillisecond);
   EXPECT_EQ(report.ticks, ticks_before + 1);
   EXPECT_EQ(report.overruns, 1u);
   EXPECT_EQ(loop->due(), now + kMillisecond);
   EXPECT_EQ(report.out.link.state, SessionState::kHold);
   EXPECT_GT(report.out.f_H_M.force.norm(), 0.5 * before);
   EXPECT_LT(report.out.f_H_M.force.norm(), before);
+}
+
+TEST_F(HapticLoopTest, AfterAStallInWhichTheDeviceHasLetGoTheForceBeginsAnew) {
+  for (const Nanos stall : {49 * kMillisecond, 50 * kMillisecond}) {
+    if (stall == 49 * kMillisecond) pull_off_a_line();
+    const double before = report.out.f_H_M.force.norm();
+    ASSERT_GT(before, 0.5);
+    tick(stall);
+    const double after = device.written.force.norm();
+    if (stall < kForceStands) {
+      EXPECT_NEAR(after, before, 0.05);
+    } else {
+      EXPECT_LE(after, 0.25 + 1e-9) << "five milliseconds of the step limit";
+      ticks(50);
+      EXPECT_GT(device.written.force.norm(), 0.5) << "and comes back";
+    }
+  }
 }
 
 TEST_F(HapticLoopTest, ATickThatComesTwiceAtATimeStillMovesOn) {
