@@ -23,13 +23,28 @@ LinkView LinkSnapshot::view(Nanos now) const noexcept {
   return {loop_age(now), quality(now), grade_of(peer_received_of_100), confirmed(now)};
 }
 
-Reject PeerCore::accept_session(std::uint64_t session, Nanos now) const noexcept {
-  if (session == session_) return Reject::kHeader;
-  if (std::find(retired_.begin(), retired_.end(), session) != retired_.end()) {
-    return Reject::kSessionRetired;
+Reject PeerCore::accept_session(const DatagramHeader& header, Nanos now) const noexcept {
+  if (header.session == session_) return Reject::kHeader;
+  for (const Replaced& old : replaced_) {
+    if (old.session != header.session) continue;
+    if (old.answered) return Reject::kSessionRetired;
+    if (header.sequence <= old.newest) return Reject::kStale;
   }
+  if (peer_session_ == 0) return Reject::kNone;
+  // Who is here for less has not had the time to answer.
+  const bool unproven = !answered() && now - replaced_at_ > kTakeoverSilence;
   const bool silent = snapshot_.age(now) > kTakeoverSilence;
-  return peer_session_ == 0 || silent ? Reject::kNone : Reject::kSessionBusy;
+  return silent || unproven ? Reject::kNone : Reject::kSessionBusy;
+}
+
+void PeerCore::remember_present() noexcept {
+  auto slot = std::find_if(replaced_.begin(), replaced_.end(),
+                           [this](const Replaced& r) { return r.session == peer_session_; });
+  if (slot == replaced_.end()) {
+    slot = replaced_.begin() + static_cast<std::ptrdiff_t>(next_replaced_);
+    next_replaced_ = (next_replaced_ + 1) % replaced_.size();
+  }
+  *slot = {peer_session_, arrivals_.newest(), answered()};
 }
 
 Reject PeerCore::accept(const DatagramHeader& header, Nanos now) noexcept {
@@ -39,11 +54,11 @@ Reject PeerCore::accept(const DatagramHeader& header, Nanos now) noexcept {
     snapshot_.loss_share = arrivals_.loss_share();
     if (order != Reject::kNone) return order;
   } else {
-    const Reject cause = accept_session(header.session, now);
+    const Reject cause = accept_session(header, now);
     if (cause != Reject::kNone) return cause;
     if (peer_session_ != 0) {
-      retired_[next_retired_] = peer_session_;
-      next_retired_ = (next_retired_ + 1) % retired_.size();
+      remember_present();
+      replaced_at_ = now;
     }
     peer_session_ = header.session;
     ++snapshot_.peer_epoch;

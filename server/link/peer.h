@@ -78,8 +78,17 @@ class PeerCore {
   const RejectCounts& rejects() const noexcept { return rejects_; }
 
  private:
+  // A session that another took the place of. One that never answered us may have been real, and
+  // may come back with what is newer; an answered one never does.
+  struct Replaced {
+    std::uint64_t session = 0;
+    std::uint64_t newest = 0;
+    bool answered = false;
+  };
   void move_schedule(Nanos now) noexcept;
-  Reject accept_session(std::uint64_t session, Nanos now) const noexcept;
+  Reject accept_session(const DatagramHeader& header, Nanos now) const noexcept;
+  void remember_present() noexcept;
+  bool answered() const noexcept { return snapshot_.echoed_sent != -kForever; }
   void take_echo(const DatagramHeader& header, Nanos now) noexcept;
 
   std::uint64_t session_;
@@ -88,15 +97,18 @@ class PeerCore {
   std::uint64_t peer_session_ = 0;
   Nanos peer_sent_ = 0;
   Arrivals arrivals_;
-  std::array<std::uint64_t, 8> retired_{};
-  std::size_t next_retired_ = 0;
+  std::array<Replaced, 8> replaced_{};
+  std::size_t next_replaced_ = 0;
+  Nanos replaced_at_ = -kForever;  // when one session last took another's place
   LinkSnapshot snapshot_;
   RejectCounts rejects_{};
 };
 
 // One end of the link: sends Local, receives Remote. Newest wins: within a session only a rising
-// sequence moves the state. Another session is accepted at once when there is none, else once the
-// present one has been silent for over 200 ms; the eight sessions last replaced never come back.
+// sequence moves the state. Another session is accepted at once when there is none or the present
+// one has never answered ours (a recording does not), but then not within 200 ms of the last such
+// change; else once the present one has been silent for over 200 ms. Of the eight sessions last
+// replaced, those that had answered never come back.
 // No allocation after construction; every method is real-time safe. One thread at a time.
 template <typename Local, typename Remote>
 class LinkPeer {

@@ -17,6 +17,18 @@ class SessionTest : public ::testing::Test {
     state.stop_epoch = static_cast<std::uint32_t>(sequence);
     return slave.on_datagram(datagram(sample_header(session, sequence), state), now);
   }
+  // As above, from a master that has heard us: it echoes what we send now.
+  Reject receive_answer(std::uint64_t session, std::uint64_t sequence, Nanos now) {
+    std::array<std::uint8_t, kMaxDatagram> out;
+    EXPECT_NE(slave.poll(now, sample_slave(), out), 0u);
+    DatagramHeader header = sample_header(session, sequence);
+    header.echo_session = kOwn;
+    header.echo_sequence = slave.snapshot().sent;
+    header.echo_sent = now;
+    MasterState state = sample_master();
+    state.stop_epoch = static_cast<std::uint32_t>(sequence);
+    return slave.on_datagram(datagram(header, state), now);
+  }
   SlavePeer slave{kOwn};
 };
 
@@ -52,7 +64,7 @@ TEST_F(SessionTest, TheFirstSessionIsAcceptedAtOnce) {
 }
 
 TEST_F(SessionTest, ARestartedPeerIsAcceptedAfterTwoHundredMillisecondsOfSilence) {
-  (void)receive(1, 9, kStart);
+  (void)receive_answer(1, 9, kStart);
   EXPECT_EQ(receive(2, 1, kStart + kMillisecond), Reject::kSessionBusy);
   EXPECT_EQ(receive(2, 2, kStart + 200 * kMillisecond), Reject::kSessionBusy);
   EXPECT_EQ(slave.snapshot().peer_epoch, 1u);
@@ -62,7 +74,7 @@ TEST_F(SessionTest, ARestartedPeerIsAcceptedAfterTwoHundredMillisecondsOfSilence
 }
 
 TEST_F(SessionTest, AReplacedSessionNeverComesBack) {
-  (void)receive(1, 9, kStart);
+  (void)receive_answer(1, 9, kStart);
   (void)receive(2, 1, kStart + kSecond);
   EXPECT_EQ(receive(1, 10, kStart + kSecond), Reject::kSessionRetired);
   EXPECT_EQ(receive(1, 11, kStart + 10 * kSecond), Reject::kSessionRetired);
@@ -72,7 +84,7 @@ TEST_F(SessionTest, AReplacedSessionNeverComesBack) {
 TEST_F(SessionTest, TheLastEightReplacedSessionsAreRemembered) {
   Nanos now = kStart;
   for (std::uint64_t session = 1; session <= 9; ++session, now += kSecond) {
-    ASSERT_EQ(receive(session, 1, now), Reject::kNone);
+    ASSERT_EQ(receive_answer(session, 1, now), Reject::kNone);
   }
   for (std::uint64_t session = 1; session <= 8; ++session) {
     EXPECT_EQ(receive(session, 2, now), Reject::kSessionRetired) << session;
@@ -88,7 +100,7 @@ TEST_F(SessionTest, ASilentSessionResumesWhereItWas) {
 }
 
 TEST_F(SessionTest, AStalledIntruderDoesNotKeepTheSessionBusy) {
-  (void)receive(1, 9, kStart);
+  (void)receive_answer(1, 9, kStart);
   EXPECT_EQ(receive(1, 9, kStart + 150 * kMillisecond), Reject::kDuplicate);
   EXPECT_EQ(receive(2, 1, kStart + 201 * kMillisecond), Reject::kNone);
 }
@@ -150,6 +162,67 @@ TEST_F(SessionTest, ARecordedSessionPlayedToARestartedSlaveIsNeverConfirmed) {
   }
   EXPECT_EQ(restarted.snapshot().age(now), kMillisecond);
   EXPECT_FALSE(restarted.snapshot().view(now).confirmed);
+}
+
+TEST_F(SessionTest,
+       OneThatNeverAnsweredYieldsAtOnceButNotMoreOftenThanEveryTwoHundredMilliseconds) {
+  EXPECT_EQ(receive(1, 9, kStart), Reject::kNone);
+  EXPECT_EQ(receive(2, 1, kStart + kMillisecond), Reject::kNone);
+  EXPECT_EQ(slave.snapshot().peer_epoch, 2u);
+  EXPECT_EQ(receive(2, 2, kStart + 2 * kMillisecond), Reject::kNone);
+  EXPECT_EQ(receive(3, 1, kStart + 3 * kMillisecond), Reject::kSessionBusy);
+  EXPECT_EQ(receive(2, 3, kStart + 200 * kMillisecond), Reject::kNone);
+  EXPECT_EQ(receive(3, 2, kStart + 201 * kMillisecond), Reject::kSessionBusy);
+  EXPECT_EQ(receive(3, 3, kStart + 202 * kMillisecond), Reject::kNone);
+}
+
+TEST_F(SessionTest, OneThatNeverAnsweredMayComeBackWithWhatIsNewer) {
+  (void)receive(1, 9, kStart);
+  (void)receive(2, 1, kStart);
+  const Nanos later = kStart + 201 * kMillisecond;
+  EXPECT_EQ(receive(1, 8, later), Reject::kStale);
+  EXPECT_EQ(receive(1, 9, later), Reject::kStale);
+  EXPECT_EQ(receive(1, 10, later), Reject::kNone);
+  EXPECT_EQ(receive_answer(1, 11, later), Reject::kNone);
+  EXPECT_EQ(receive(2, 2, later + 300 * kMillisecond), Reject::kNone) << "silent";
+  EXPECT_EQ(receive(1, 12, later + kSecond), Reject::kSessionRetired) << "had answered";
+}
+
+// A recording plays to a restarted slave, and the master it knows nothing of comes in beside it.
+TEST_F(SessionTest, ARecordedSessionKeepsTheRealMasterOutForNoTimeAndIsNeverConfirmed) {
+  for (const int transit : {0, 90, 150, 500}) {
+    SlavePeer restarted{kOwn + 10};
+    MasterPeer master{77};
+    std::vector<std::vector<std::uint8_t>> there, back;  // by the time they were sent
+    int confirmed = -1;
+    const MasterState old = sample_master();
+    MasterState real = sample_master();
+    real.stop_epoch = old.stop_epoch + 1;
+    for (int ms = 0; ms < 6000; ++ms) {
+      const Nanos now = kStart + ms * kMillisecond;
+      const auto recorded = datagram(sample_header(1, static_cast<std::uint64_t>(ms + 1)), old);
+      (void)restarted.on_datagram(recorded, now);
+      there.emplace_back(kMaxDatagram);
+      there.back().resize(master.poll(now, real, there.back()));
+      if (ms >= transit + 5) {
+        (void)restarted.on_datagram(there[static_cast<std::size_t>(ms - transit)], now);
+      }
+      // The slave answers to where the newest datagram came from.
+      back.emplace_back(kMaxDatagram);
+      back.back().resize(restarted.poll(now, sample_slave(), back.back()));
+      if (restarted.newest().stop_epoch != real.stop_epoch) back.back().clear();
+      if (ms >= transit)
+        (void)master.on_datagram(back[static_cast<std::size_t>(ms - transit)], now);
+      if (restarted.snapshot().confirmed(now)) {
+        ASSERT_EQ(restarted.newest().stop_epoch, real.stop_epoch) << ms;
+        if (confirmed < 0) confirmed = ms;
+      }
+    }
+    EXPECT_GE(confirmed, 0);
+    EXPECT_LE(confirmed, transit < 100 ? 10 + 4 * transit : 1800) << transit;
+    EXPECT_TRUE(restarted.snapshot().confirmed(kStart + 6 * kSecond));
+    EXPECT_LT(restarted.snapshot().age(kStart + 6 * kSecond), 5 * kMillisecond);
+  }
 }
 
 TEST_F(SessionTest, AnAnswerProvesASessionForTwelveSecondsAndAnotherSessionStartsAnew) {
