@@ -11,6 +11,7 @@
 #include <boost/asio/ip/udp.hpp>
 
 #include "server/base/reason.h"
+#include "tests/loopback/stopped_thread.h"
 #include "tests/loopback/whole_cell.h"
 
 namespace handrail {
@@ -76,6 +77,45 @@ TEST_F(CellFaultTest, ADeadMasterStopsTheSlaveAndItsSuccessorCanEngage) {
   start_master();  // on the socket file that the dead one left
   ASSERT_TRUE(eventually([](const pb::Status& s) { return s.has_tip(); }));
   EXPECT_NE(status().slave_state(), "engaged");
+  reset_and_engage();
+}
+
+TEST_F(CellFaultTest, AKilledHoldEndsTheEngagementAndIsSaid) {
+  Program hold(folder, "handrail", {"engage", "--hold", "--socket", socket()});
+  (void)hold.after("engaged while this runs");
+  ASSERT_TRUE(slave_reaches("engaged"));
+  order("hand { displacement_mm: [0, 40, 0] duration_s: 20 }");
+  hold.kill();
+  ASSERT_TRUE(slave_reaches("off"));
+  EXPECT_EQ(status().state(), "off");
+  EXPECT_EQ(status().ledger().sentence(),
+            std::string("the arm holds: ") + describe(Reason::kPresence));
+  EXPECT_THAT(status().ledger().way_out(), HasSubstr("handrail engage --hold"));
+  order("engage: true");
+}
+
+TEST_F(CellFaultTest, AHapticThreadThatStandsStillStopsTheArmUntilAnOperatorResets) {
+  order("engage: true");
+  order("hand { displacement_mm: [0, 40, 0] duration_s: 20 }");
+  const Vec3 start = mm(status().slave_command());
+  ASSERT_TRUE(eventually(
+      [&](const pb::Status& s) { return (mm(s.slave_command()) - start).norm() > 1.0; }));
+  const auto threads = other_threads(master->pid());
+  ASSERT_EQ(threads.size(), 1u);
+  {
+    const StoppedThread haptic(threads[0]);
+    if (!haptic.stopped()) GTEST_SKIP() << "no thread can be stopped here";
+    ASSERT_TRUE(slave_reaches("fault"));
+    const pb::Status stands = status();
+    EXPECT_EQ(stands.slave_reason(), describe(Reason::kLinkLost));
+    EXPECT_EQ(stands.ledger().sentence(),
+              std::string("the arm holds: ") + describe(Reason::kThreadStalled));
+    EXPECT_THAT(refusal("stop: true"), HasSubstr("the haptic loop stands still"));
+    EXPECT_EQ(mm(status().slave_command()), mm(stands.slave_command()));
+  }
+  ASSERT_TRUE(reaches("fault")) << "the stop acts now";
+  EXPECT_EQ(status().reason(), std::string(describe(Reason::kStopRequested)));
+  EXPECT_NE(master->after("the haptic loop runs again"), "");
   reset_and_engage();
 }
 

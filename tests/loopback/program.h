@@ -79,6 +79,7 @@ class Program {
   // The number that follows `part`; 0 when there is none.
   int number_after(const std::string& part) { return std::atoi(after(part).c_str()); }
 
+  pid_t pid() const { return pid_; }
   void send(int signal) const { ::kill(pid_, signal); }
   bool running() {
     if (pid_ <= 0) return false;
