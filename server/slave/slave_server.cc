@@ -2,21 +2,11 @@
 
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
-#include <chrono>
-#include <csignal>
 #include <utility>
-// Boost 1.74 uses std::exchange without including it.
-#include <boost/asio.hpp>
 
-#include "server/base/clock.h"
-#include "server/link/pump.h"
-#include "server/link/stall_watch.h"
-#include "server/link/udp_transport.h"
+#include "server/link/link_server.h"
 
 namespace handrail {
-
-namespace asio = boost::asio;
 
 namespace {
 
@@ -29,56 +19,27 @@ struct SlaveServer::Impl {
   Impl(SlaveMailboxes& mailboxes, FtSensor* ft_sensor, SlaveServerOptions opts)
       : boxes(mailboxes), sensor(ft_sensor), options(std::move(opts)) {}
 
-  // The peer's own schedule wakes us, so that every wake-up finds a datagram due.
-  void wait_for_tick(Nanos now) {
-    const Nanos next = now + (known ? std::min(peer.wait_time(now), kSendPeriod) : kSendPeriod);
-    timer.expires_at(std::chrono::steady_clock::time_point(std::chrono::nanoseconds(next)));
-    timer.async_wait([this](const boost::system::error_code& error) {
-      if (error) return;
-      const Nanos woke = monotonic_now();
-      tick(woke);
-      if (finished()) return io.stop();
-      wait_for_tick(woke);
-    });
-  }
-
   void tick(Nanos now) {
-    receive(now);
     poll_sensor(now);
     known = boxes.report.take(report) || known;
     if (!known) return;
-    log_stall(now);
     SlaveState told = report.state;
     if (scene_missing && told.state == SessionState::kOff) told.reason = Reason::kSceneNotLoaded;
-    const std::uint64_t unsendable = peer.snapshot().unsendable;
-    pump.send(now, told, report.good_until);
-    if (unsendable == 0 && peer.snapshot().unsendable != 0) {
-      spdlog::error("own state cannot be sent: {}", describe(peer.last_unsendable()));
-    }
+    link.send(now, told, report.good_until);
   }
 
-  void log_stall(Nanos now) {
-    const StallWatch::Change change = stall.step(now, report.good_until);
-    if (change == StallWatch::Change::kStalled) {
-      spdlog::error("the robot loop stands still: nothing is sent");
-    } else if (change == StallWatch::Change::kRunsAgain) {
-      spdlog::warn("the robot loop runs again, after {} ms", stall.stood_for() / kMillisecond);
-    }
+  static void say(bool bad, const std::string& line) {
+    spdlog::log(bad ? spdlog::level::err : spdlog::level::info, line);
   }
 
-  void receive(Nanos now) {
-    if (!pump.receive(now)) return;
-    if (peer.snapshot().peer_epoch != peer_epoch) {
-      peer_epoch = peer.snapshot().peer_epoch;
-      spdlog::info("master connected, session {}", peer_epoch);
-    }
-    boxes.master.publish({peer.newest(), peer.snapshot()});
+  void hear(Nanos now) {
+    boxes.master.publish({link.newest(), link.snapshot()});
     follow_scene(now);
   }
 
   // While nothing moves, loads our file of the master's scene whenever the two sides differ.
   void follow_scene(Nanos now) {
-    const MasterState& master = peer.newest();
+    const MasterState& master = link.newest();
     const std::string wanted(text_of(master.scene));
     const SlaveState& state = report.state;
     const bool idle = state.state == SessionState::kOff || state.state == SessionState::kFault;
@@ -120,20 +81,13 @@ struct SlaveServer::Impl {
   SlaveMailboxes& boxes;
   FtSensor* sensor;
   SlaveServerOptions options;
-  asio::io_context io{1};
-  asio::steady_timer timer{io};
-  UdpTransport transport{io};
-  SlavePeer peer{random_session_id()};
-  LinkPump<SlaveState, MasterState> pump{transport, peer};
+  LinkServer<SlaveState, MasterState> link{"robot", "master"};
   SlaveReport report;
-  StallWatch stall;
   bool known = false;  // the robot loop has spoken
   Nanos next_scene_try = 0;
   MasterState tried;           // whose scene was looked for last
   std::string scene_problem;   // last one logged
   bool scene_missing = false;  // the last one tried could not be loaded
-  std::uint32_t peer_epoch = 0;
-  std::function<bool()> finished;
 };
 
 SlaveServer::SlaveServer(SlaveMailboxes& boxes, FtSensor* sensor, SlaveServerOptions options)
@@ -141,26 +95,15 @@ SlaveServer::SlaveServer(SlaveMailboxes& boxes, FtSensor* sensor, SlaveServerOpt
 SlaveServer::~SlaveServer() = default;
 
 Status SlaveServer::open() {
-  UdpTransportOptions own;
-  own.address = impl_->options.address;
-  own.port = impl_->options.port;
-  return impl_->transport.open(own);
+  return impl_->link.open({impl_->options.address, impl_->options.port});
 }
 
-std::uint16_t SlaveServer::port() const { return impl_->transport.port(); }
+std::uint16_t SlaveServer::port() const { return impl_->link.port(); }
 
 void SlaveServer::run(std::function<void()> on_signal, std::function<bool()> finished) {
   Impl& impl = *impl_;
-  impl.finished = std::move(finished);
-  asio::signal_set signals(impl.io, SIGINT, SIGTERM);
-  signals.async_wait([&](const boost::system::error_code& error, int) {
-    if (!error) on_signal();
-  });
-  impl.transport.on_readable([&impl] { impl.receive(monotonic_now()); });
-  impl.wait_for_tick(monotonic_now());
-  impl.io.run();
-  spdlog::info("link: {} datagrams accepted, {} rejected, {} sent", impl.peer.snapshot().accepted,
-               impl.peer.snapshot().rejected, impl.peer.snapshot().sent);
+  impl.link.run({[&impl](Nanos now) { impl.hear(now); }, [&impl](Nanos now) { impl.tick(now); },
+                 std::move(on_signal), std::move(finished), &Impl::say});
 }
 
 }  // namespace handrail

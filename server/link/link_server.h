@@ -1,0 +1,120 @@
+// A daemon's IO thread: datagrams as they come, a tick a millisecond, and signals.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <functional>
+#include <string>
+#include <utility>
+
+#include <boost/asio.hpp>
+
+#include "server/base/clock.h"
+#include "server/link/pump.h"
+#include "server/link/stall_watch.h"
+#include "server/link/udp_transport.h"
+
+namespace handrail {
+
+// One end of the link on a socket of its own, and the thread's clock. Says who connects and when
+// the control loop, whose state is sent, stands still. All methods in one thread.
+template <typename Local, typename Remote>
+class LinkServer {
+ public:
+  struct Hooks {
+    std::function<void(Nanos now)> on_news;  // the peer has said something new
+    std::function<void(Nanos now)> on_tick;  // a thousand times a second; send() from here
+    std::function<void()> on_signal;         // SIGINT, SIGTERM
+    std::function<bool()> finished;          // asked after every tick
+    // A line for the log; `bad`: somebody should look.
+    std::function<void(bool bad, const std::string& line)> say;
+  };
+
+  // In what is said: "haptic" of our control loop, "slave" of the other side.
+  LinkServer(const char* own_loop, const char* peer_name)
+      : own_loop_(own_loop), peer_name_(peer_name) {}
+
+  // Binds the port. The error names address or port and what was expected.
+  Status open(const UdpTransportOptions& options) { return transport_.open(options); }
+  std::uint16_t port() const { return transport_.port(); }
+  boost::asio::io_context& io() { return io_; }
+  const Remote& newest() const { return peer_.newest(); }
+  const LinkSnapshot& snapshot() const { return peer_.snapshot(); }
+
+  // Sends `state` if a datagram is due and it is still true.
+  void send(Nanos now, const Local& state, Nanos good_until) {
+    speaking_ = true;
+    log_stall(now, good_until);
+    const std::uint64_t unsendable = snapshot().unsendable;
+    pump_.send(now, state, good_until);
+    if (unsendable == 0 && snapshot().unsendable != 0) {
+      hooks_.say(true,
+                 std::string("own state cannot be sent: ") + describe(peer_.last_unsendable()));
+    }
+  }
+
+  // Until `finished` says so.
+  void run(Hooks hooks) {
+    hooks_ = std::move(hooks);
+    boost::asio::signal_set signals(io_, SIGINT, SIGTERM);
+    signals.async_wait([this](const boost::system::error_code& error, int) {
+      if (!error) hooks_.on_signal();
+    });
+    transport_.on_readable([this] { receive(monotonic_now()); });
+    wait_for_tick(monotonic_now());
+    io_.run();
+    const LinkSnapshot& link = snapshot();
+    hooks_.say(false, "link: " + std::to_string(link.accepted) + " datagrams accepted, " +
+                          std::to_string(link.rejected) + " rejected, " +
+                          std::to_string(link.sent) + " sent");
+  }
+
+ private:
+  // The peer's own schedule wakes us, so that every wake-up finds a datagram due.
+  void wait_for_tick(Nanos now) {
+    const Nanos next =
+        now + (speaking_ ? std::min(peer_.wait_time(now), kSendPeriod) : kSendPeriod);
+    timer_.expires_at(std::chrono::steady_clock::time_point(std::chrono::nanoseconds(next)));
+    timer_.async_wait([this](const boost::system::error_code& error) {
+      if (error) return;
+      const Nanos woke = monotonic_now();
+      receive(woke);
+      hooks_.on_tick(woke);
+      if (hooks_.finished()) return io_.stop();
+      wait_for_tick(woke);
+    });
+  }
+
+  void receive(Nanos now) {
+    if (!pump_.receive(now)) return;
+    if (snapshot().peer_epoch != peer_epoch_) {
+      peer_epoch_ = snapshot().peer_epoch;
+      hooks_.say(false, peer_name_ + " connected, session " + std::to_string(peer_epoch_));
+    }
+    hooks_.on_news(now);
+  }
+
+  void log_stall(Nanos now, Nanos good_until) {
+    const StallWatch::Change change = stall_.step(now, good_until);
+    if (change == StallWatch::Change::kStalled) {
+      hooks_.say(true, "the " + own_loop_ + " loop stands still: nothing is sent, the arm holds");
+    } else if (change == StallWatch::Change::kRunsAgain) {
+      hooks_.say(true, "the " + own_loop_ + " loop runs again, after " +
+                           std::to_string(stall_.stood_for() / kMillisecond) + " ms");
+    }
+  }
+
+  const std::string own_loop_, peer_name_;
+  boost::asio::io_context io_{1};
+  boost::asio::steady_timer timer_{io_};
+  UdpTransport transport_{io_};
+  LinkPeer<Local, Remote> peer_{random_session_id()};
+  LinkPump<Local, Remote> pump_{transport_, peer_};
+  StallWatch stall_;
+  Hooks hooks_;
+  std::uint32_t peer_epoch_ = 0;
+  bool speaking_ = false;
+};
+
+}  // namespace handrail
