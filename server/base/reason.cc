@@ -37,7 +37,7 @@ const char* describe(Reason reason) noexcept {
     case Reason::kBumper: return "contact force over the bumper's threshold: not pushing further";
     case Reason::kShutdown: return "shutting down";
     case Reason::kClutched: return "clutched: hand free, arm holds";
-    case Reason::kToolBlending: return "easing toward the new tool";
+    case Reason::kToolBlending: return "easing after a change of tool";
     case Reason::kForceClamped: return "device force limit reached";
     case Reason::kForceContinuous: return "device continuous force limit reached";
     case Reason::kForceRate: return "force step limited";

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/control/follow_ledger.h"
 #include "server/control/guard.h"
 
 namespace handrail {
@@ -116,11 +117,6 @@ Reason judge_arm(const FollowSettings& settings, const JointVector& q_measured, 
   return Reason::kFollowingError;
 }
 
-void put_stage(FollowLedger& ledger, FollowStage stage, const Vec3& off, Reason why) {
-  ledger.off_S.col(static_cast<int>(stage)) = off.cast<float>();
-  ledger.why[static_cast<std::size_t>(stage)] = why;
-}
-
 // How far the bumper may take the tip off its tool: what it yields to twice its threshold [m].
 double most_yielding(const FollowSettings& settings) {
   return settings.bumper.alpha * std::min(settings.sensor_range, 2.0 * settings.bumper.threshold);
@@ -231,7 +227,7 @@ void follow_step(const FollowSettings& settings, const FollowInput& in, FollowSt
   for (const Reason why : {link.reason, s.session_reason, s.fault, intervention, sensor}) {
     link.reasons.add(why);
   }
-  for (const Reason why : ledger.why) link.reasons.add(why);
+  add_reasons(ledger, link.reasons);
   link.hashes = settings.hashes;
   link.hashes.tools = s.tube.hash();
   link.scene = settings.scene;

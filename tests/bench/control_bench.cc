@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "server/constraint/position_tool.h"
+#include "server/control/follow_ledger.h"
 #include "server/control/guard.h"
 #include "server/control/ledger.h"
 #include "tests/bench/percentile.h"
@@ -113,7 +114,7 @@ struct GuardCall {
   }
 };
 
-// Both ledgers of a tick, from the same points as in the step.
+// Both ledgers of the master's tick, from the same points as in the step.
 struct Ledgers {
   Hand hand{0.05};
   ForceShares shares;
@@ -135,6 +136,26 @@ struct Ledgers {
     benchmark::DoNotOptimize(force);
     benchmark::DoNotOptimize(motion);
     return motion.off_S.col(0);
+  }
+};
+
+// The slave's, with every stage acting: one cycle's differences of points, reasons and copy into
+// the state that is sent.
+struct FollowLedgers {
+  Hand hand{0.05};
+  SlaveState slave;
+  const FollowLedger* operator()() {
+    const Vec3& p = hand.next();
+    FollowLedger ledger;
+    put_stage(ledger, FollowStage::kTube, p - 0.9 * p, Reason::kToolTube);
+    put_stage(ledger, FollowStage::kBumper, 0.9 * p - 0.8 * p, Reason::kBumper);
+    put_stage(ledger, FollowStage::kReach, 0.8 * p - 0.7 * p, Reason::kOutOfReach);
+    put_stage(ledger, FollowStage::kLimits, 0.7 * p - 0.6 * p, Reason::kSingularity);
+    slave.ledger = ledger;
+    slave.reasons = ReasonSet();
+    add_reasons(ledger, slave.reasons);
+    benchmark::DoNotOptimize(slave);
+    return &slave.ledger;
   }
 };
 
@@ -169,9 +190,13 @@ void follow_limited(benchmark::State& s) {
 void guard_pass(benchmark::State& s) { run(s, "guard/passes", kBatch, 0.0, GuardCall(true)); }
 void guard_limit(benchmark::State& s) { run(s, "guard/limits", kBatch, 0.0, GuardCall(false)); }
 
-void ledgers(benchmark::State& s) { run(s, "ledger", kBatch, kLedgerTarget, Ledgers()); }
+void ledgers(benchmark::State& s) { run(s, "ledger/master", kBatch, kLedgerTarget, Ledgers()); }
+void follow_ledgers(benchmark::State& s) {
+  run(s, "ledger/slave", kBatch, kLedgerTarget, FollowLedgers());
+}
 
-BENCHMARK(ledgers)->Name("ledger");
+BENCHMARK(ledgers)->Name("ledger_master");
+BENCHMARK(follow_ledgers)->Name("ledger_slave");
 BENCHMARK(exact_line)->Name("tool_line_exact");
 BENCHMARK(exact_one_way)->Name("tool_one_way_line_exact");
 BENCHMARK(exact_plane)->Name("tool_plane_exact");

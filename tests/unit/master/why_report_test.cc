@@ -98,13 +98,14 @@ TEST_F(WhyReportTest, SmoothingIsNoToolChange) {
   EXPECT_EQ(why().sentence(), "the arm is 4.7 mm from the hand: 4.7 mm smoothing");
   EXPECT_EQ(why().way_out(), "");
   off(MotionStage::kSmoother, Vec3(0, 0, 4.7), Reason::kToolBlending);
-  EXPECT_EQ(why().sentence(), "the arm is 4.7 mm from the hand: 4.7 mm easing toward the new tool");
+  EXPECT_EQ(why().sentence(),
+            "the arm is 4.7 mm from the hand: 4.7 mm easing after a change of tool");
   turn(0, 3.0, 0);
   off(MotionStage::kSmoother, Vec3(0, 0, 1.0), Reason::kNone);
   EXPECT_EQ(why().sentence(),
             "the arm is 1.0 mm and 3.0 deg from the hand: 1.0 mm and 3.0 deg smoothing");
   report.out.motion.eased_angle = 2.0 * kDeg;
-  EXPECT_EQ(why().motion(1).reason(), "easing toward the new tool");
+  EXPECT_EQ(why().motion(1).reason(), "easing after a change of tool");
 }
 
 TEST_F(WhyReportTest, ATipInItsPlaceButTurnedIsSaidInDegrees) {
