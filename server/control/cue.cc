@@ -51,12 +51,19 @@ double cue_force(Cue cue, double t) noexcept {
   return within < 0.0 ? 0.0 : p.size * std::sin(kTurn * p.frequency * within);
 }
 
-Cue KeptBack::step(const MotionLedger& ledger, double dt) noexcept {
+Cue KeptBack::step(const MotionLedger& ledger, const Vec3& p_ST, double dt) noexcept {
   constexpr double kBegins = 2e-3, kEnds = 1e-3;  // [m]
   constexpr double kPatience = 0.1;               // [s]
+  // Limits of acceleration and jerk make the arm follow so much later, at most [s].
+  constexpr double kLag = 0.1;
+  constexpr double kSmoothed = 0.05;  // the slave's cycle is longer than ours [s]
   constexpr auto kReach = static_cast<Eigen::Index>(MotionStage::kReach);
   constexpr auto kSingular = static_cast<Eigen::Index>(MotionStage::kSingularity);
   static_assert(kSingular - kReach == 2, "reach, limits and singularity follow one another");
+  const double moved = ledger.known ? (p_ST - last_p_ST_).norm() : 0.0;
+  speed_ += (moved - speed_ * dt) / std::max(kSmoothed, dt);
+  if (!ledger.known) speed_ = 0.0;
+  last_p_ST_ = p_ST;
   bool acts = false;
   for (auto i = kReach; i <= kSingular; ++i) {
     acts |= ledger.why[static_cast<std::size_t>(i)] != Reason::kNone;
@@ -66,7 +73,8 @@ Cue KeptBack::step(const MotionLedger& ledger, double dt) noexcept {
     return Cue::kNone;
   }
   const double back = ledger.off_S.middleCols<3>(kReach).rowwise().sum().norm();
-  lasted_ = back >= (lasted_ > kPatience ? kEnds : kBegins) ? std::min(lasted_ + dt, 1.0) : 0.0;
+  const double allowed = (lasted_ > kPatience ? kEnds : kBegins) + kLag * speed_;
+  lasted_ = back >= allowed ? std::min(lasted_ + dt, 1.0) : 0.0;
   if (lasted_ <= kPatience) return Cue::kNone;
   const double singular = ledger.off_S.col(kSingular).squaredNorm();
   return 4.0 * singular > back * back ? Cue::kSingularity : Cue::kLimit;

@@ -24,11 +24,14 @@ inline constexpr double kLargestCue = 0.15;
 // What keeps the arm back from where the hand wants it, and for how long. Real-time safe.
 class KeptBack {
  public:
-  // One tick of `dt` [s]. A cue once reach, limits or singularity have kept the tip back by 2 mm
-  // for 100 ms, until it is under 1 mm or they no longer act. An unknown ledger keeps nothing back.
-  Cue step(const MotionLedger& ledger, double dt) noexcept;
+  // One tick of `dt` [s]; the slave commands the tip to `p_ST`, frame S [m]. A cue once reach,
+  // limits or singularity have kept it back for 100 ms by 2 mm more than any moving arm lags, until
+  // that is under 1 mm or they no longer act. An unknown ledger keeps nothing back.
+  Cue step(const MotionLedger& ledger, const Vec3& p_ST, double dt) noexcept;
 
  private:
+  Vec3 last_p_ST_ = Vec3::Zero();
+  double speed_ = 0.0;   // of the tip, low-passed [m/s]
   double lasted_ = 0.0;  // [s], at most 1
 };
 

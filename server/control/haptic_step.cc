@@ -215,12 +215,12 @@ Cue news_of(SessionState before, const HapticState& s) {
 }
 
 // The cue's force this tick, frame M, smaller where the device has no room for all of it.
-Vec3 play_cue(const HapticSettings& settings, SessionState before, const MotionLedger& motion,
-              const Vec3& device, double dt, HapticState& s) {
-  const Cue lasting = s.kept_back.step(motion, dt);
+Vec3 play_cue(const HapticSettings& settings, const HapticInput& in, SessionState before,
+              const HapticOutput& out, double dt, HapticState& s) {
+  const Cue lasting = s.kept_back.step(out.motion, in.slave.X_ST_command.p, dt);
   const double force = s.cue.step(news_of(before, s),
                                   s.session == SessionState::kEngaged ? lasting : Cue::kNone, dt);
-  const double room = settings.force.peak - device.norm();
+  const double room = settings.force.peak - out.shares.device.norm();
   return {0.0, 0.0, force * std::clamp(room / kLargestCue, 0.0, 1.0)};
 }
 
@@ -332,8 +332,7 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
   out.shares = s.arbiter.share(
       settings.force, ladder.force_share * f_tool, ladder.force_share * f_spring,
       s.guide.stiffness(settings.guide) * hand_motion.norm(), hand_ok && !in_doubt, dt);
-  const Vec3 cue = hand_ok ? play_cue(settings, before, out.motion, out.shares.device, dt, s)
-                           : Vec3(Vec3::Zero());
+  const Vec3 cue = hand_ok ? play_cue(settings, in, before, out, dt, s) : Vec3(Vec3::Zero());
   out.shares.device += cue;
   out.shares.limited += cue;
   out.force = account(out.shares, f_tool, Vec3::Zero(), f_spring, cue);

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "server/base/units.h"
-#include "tests/unit/control/haptic_rig.h"
+#include "tests/unit/control/loop_rig.h"
 
 namespace handrail {
 namespace {
@@ -75,7 +75,7 @@ TEST(KeptBack, NeedsTwoMillimetresForATenthOfASecondAndEndsBelowOne) {
   const auto far = [&](double mm, int ticks) {
     Cue cue = Cue::kNone;
     const MotionLedger ledger = kept_back(MotionStage::kLimits, mm * kMm, Reason::kJointSpeed);
-    for (int i = 0; i < ticks; ++i) cue = watch.step(ledger, kTick);
+    for (int i = 0; i < ticks; ++i) cue = watch.step(ledger, Vec3::Zero(), kTick);
     return cue;
   };
   EXPECT_EQ(far(1.9, 1000), Cue::kNone);
@@ -92,7 +92,7 @@ TEST(KeptBack, TellsLimitsFromSingularitiesAndOnlyThose) {
   const auto cue_of = [](const MotionLedger& ledger) {
     KeptBack watch;
     Cue cue = Cue::kNone;
-    for (int i = 0; i < 200; ++i) cue = watch.step(ledger, kTick);
+    for (int i = 0; i < 200; ++i) cue = watch.step(ledger, Vec3::Zero(), kTick);
     return cue;
   };
   const double far = 5.0 * kMm;
@@ -109,6 +109,25 @@ TEST(KeptBack, TellsLimitsFromSingularitiesAndOnlyThose) {
   MotionLedger unknown = kept_back(MotionStage::kLimits, far, Reason::kJointRange);
   unknown.known = false;
   EXPECT_EQ(cue_of(unknown), Cue::kNone);
+}
+
+TEST(KeptBack, AnArmThatMovesMayLagByATenthOfASecondOfItsWay) {
+  for (const double speed : {0.05, 0.5}) {  // [m/s]
+    const auto cue_of = [speed](double lag) {
+      KeptBack watch;
+      Cue cue = Cue::kNone;
+      const auto ledger = kept_back(MotionStage::kLimits, lag, Reason::kJointAcceleration);
+      Vec3 p(0.3, 0, 0.4);
+      (void)watch.step(MotionLedger(), p, kTick);
+      for (int i = 0; i < 1000; ++i) {
+        if (i % 7 == 0) p.y() += speed * 7 * kTick;
+        cue = watch.step(i < 300 ? MotionLedger() : ledger, p, kTick);
+      }
+      return cue;
+    };
+    EXPECT_EQ(cue_of(0.09 * speed), Cue::kNone);
+    EXPECT_EQ(cue_of(0.11 * speed + 0.0025), Cue::kLimit);
+  }
 }
 
 TEST(CuePlayer, RepeatsWhileItLastsAndNeverCutsATrembleOff) {
@@ -190,6 +209,34 @@ TEST_F(HapticCue, OrdinaryFollowingIsNotFelt) {
     rig.tick();
     ASSERT_EQ(rig.out.force.cue, Vec3(Vec3::Zero())) << i;
   }
+}
+
+// The whole loop, with a slave that plans: what a hand ordinarily does is never felt.
+TEST(HapticCueLoop, AHandThatWorksFeelsNothingAndOneThatReachesTooFarDoes) {
+  test::LoopRig loop;
+  loop.master.order(OrderKind::kEngage);
+  for (int i = 0; i < 200; ++i) loop.tick();
+  ASSERT_EQ(loop.master.session(), SessionState::kEngaged);
+  const Pose start = loop.master.in.hand.X_MH;
+  double back = 0.0;
+  for (int i = 0; i < 10'000; ++i) {
+    const double t = i * kTick;
+    const Vec3 way(std::sin(4.1 * t), std::sin(5.3 * t), std::sin(6.1 * t));
+    loop.master.in.hand.X_MH.p = start.p + 10.0 * kMm * way;
+    loop.master.in.hand.X_MH.q = rotation_exp(0.1 * way) * start.q;
+    loop.tick();
+    back = std::max(back, loop.stage(MotionStage::kLimits).norm());
+    ASSERT_EQ(loop.master.out.force.cue, Vec3(Vec3::Zero())) << i;
+  }
+  EXPECT_GT(back, 2.0 * kMm) << "or this says nothing";
+  const Vec3 outward = loop.master.state->engagement.to_hand({0.2, 0, 0});
+  double felt = 0.0;
+  for (int i = 0; i < 6000; ++i) {
+    loop.master.in.hand.X_MH.p += kTick / 2.0 * outward;
+    loop.tick();
+    felt = std::max(felt, loop.master.out.force.cue.norm());
+  }
+  EXPECT_GT(felt, 0.1);
 }
 
 TEST_F(HapticCue, BesideAForceAtTheDevicesPeakThereIsNoRoomForACue) {

@@ -3,12 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include <deque>
-#include <vector>
-
 #include "tests/unit/constraint/tool_samples.h"
-#include "tests/unit/control/follow_rig.h"
-#include "tests/unit/control/haptic_rig.h"
+#include "tests/unit/control/loop_rig.h"
 
 namespace handrail {
 namespace {
@@ -17,42 +13,8 @@ using test::Dice;
 using test::FollowRig;
 using test::HapticRig;
 
-constexpr int kThere = 20, kBack = 10;  // ticks of transit
-
-// Both steps with a constant delay between them; the slave has a cycle every seven ticks.
-struct Loop {
-  HapticRig master;
-  FollowRig slave;
-  std::vector<MasterState> sent;
-  std::deque<SlaveState> back;
-
-  Loop() {
-    master.play_slave = false;
-    slave.cycle();
-    master.in.slave = slave.out.link;
-  }
-  void tick() {
-    master.tick();
-    sent.push_back(master.out.link);
-    const std::size_t now = sent.size();
-    if (now % 7 == 0 && now > kThere) {
-      slave.in.master_known = true;
-      slave.in.master_age = 0;
-      slave.in.master_sequence = now - kThere;
-      slave.in.master = sent[now - kThere];
-      slave.cycle();
-    }
-    back.push_back(slave.out.link);
-    if (back.size() > kBack) {
-      master.in.slave = back.front();
-      back.pop_front();
-    }
-  }
-  Vec3 stage(MotionStage s) const { return master.out.motion.off_S.col(static_cast<int>(s)); }
-};
-
 TEST(Ledger, TheStagesLeadFromTheHandToTheArmAndTheLinksIsWhatIsOnItsWay) {
-  Loop loop;
+  test::LoopRig loop;
   loop.master.order(OrderKind::kEngage);
   for (int i = 0; i < 200; ++i) loop.tick();
   ASSERT_EQ(loop.master.session(), SessionState::kEngaged);
