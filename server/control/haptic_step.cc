@@ -305,7 +305,7 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
   Vec3 torque = Vec3::Zero();
   out.deviation = out.deviation_angle = 0.0;
   out.blending = false;
-  out.motion = MotionLedger();
+  out.motion.known = false;
   if (s.driving) {
     const Pose X_SH = s.engagement.to_slave(s.X_MH);
     const Guidance guidance = s.guide.step(settings.guide, X_SH, dt);
@@ -318,7 +318,7 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
     torque = ladder.force_share * torque_of(settings, s, guidance.twist_pull);
     out.blending = guidance.blending;
     out.deviation = s.guide.position().active() ? pull_M.norm() : 0.0;
-    if (in.slave.has_pose) out.motion = account(X_SH, guidance, in.slave);
+    if (in.slave.has_pose) account(X_SH, guidance, in.slave, out.motion);
     out.deviation_angle = s.guide.orientation().deviation(X_SH.q);
     if (guidance.blending) out.reasons.add(Reason::kToolBlending);
   }

@@ -38,18 +38,22 @@ ForceLedger account(const ForceShares& shares, const Vec3& tool, const Vec3& wal
   return out;
 }
 
-MotionLedger account(const Pose& X_SH, const Guidance& guidance, const SlaveState& slave) noexcept {
-  MotionLedger out;
+void account(const Pose& X_SH, const Guidance& guidance, const SlaveState& slave,
+             MotionLedger& out) noexcept {
   const Vec3& p_SU = guidance.X_SC.p;
   const Vec3 smoothed = p_SU - guidance.X_SP.p;
   // Mostly the easing of a tool change, else the mean of the last samples.
   const bool eased = 4.0 * guidance.offset.squaredNorm() > smoothed.squaredNorm();
   const auto put = [&out](MotionStage stage, const Vec3& off, Reason why) {
     out.off_S.col(static_cast<int>(stage)) = off;
-    if (off.squaredNorm() > kNothing * kNothing) out.why[static_cast<std::size_t>(stage)] = why;
+    out.why[static_cast<std::size_t>(stage)] =
+        off.squaredNorm() > kNothing * kNothing ? why : Reason::kNone;
   };
   put(MotionStage::kTool, guidance.X_SP.p - X_SH.p, Reason::kToolTube);
   put(MotionStage::kSmoother, smoothed, eased ? Reason::kToolBlending : Reason::kNone);
+  // The slave's last stage is one of these two.
+  put(MotionStage::kLimits, Vec3::Zero(), Reason::kNone);
+  put(MotionStage::kSingularity, Vec3::Zero(), Reason::kNone);
   Vec3 there = Vec3::Zero();
   for (int i = 0; i < FollowLedger::kStages; ++i) {
     const Reason why = slave.ledger.why[static_cast<std::size_t>(i)];
@@ -67,7 +71,6 @@ MotionLedger account(const Pose& X_SH, const Guidance& guidance, const SlaveStat
   out.q_ST = slave.X_ST_command.q;
   out.eased_angle = guidance.offset_angle;
   out.known = true;
-  return out;
 }
 
 }  // namespace handrail

@@ -59,7 +59,8 @@ struct MotionLedger {
 };
 
 // From the hand at `X_SH` over the tools and the command, as the guide made them this tick, to
-// where the slave says that it commands the arm. Real-time safe.
-MotionLedger account(const Pose& X_SH, const Guidance& guidance, const SlaveState& slave) noexcept;
+// where the slave says that it commands the arm: fills every field of `out`. Real-time safe.
+void account(const Pose& X_SH, const Guidance& guidance, const SlaveState& slave,
+             MotionLedger& out) noexcept;
 
 }  // namespace handrail

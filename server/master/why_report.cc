@@ -50,8 +50,7 @@ Share slave_turn(const SlaveState& slave) {
   return {MotionStage::kLink};
 }
 
-Shares shares_of(const HapticOutput& out, const SlaveState& slave) {
-  const MotionLedger& ledger = out.motion;
+Shares shares_of(const MotionLedger& ledger, const SlaveState& slave, bool old_loop) {
   Shares shares;
   for (std::size_t i = 0; i < shares.size(); ++i) {
     shares[i].stage = static_cast<MotionStage>(i);
@@ -70,7 +69,7 @@ Shares shares_of(const HapticOutput& out, const SlaveState& slave) {
          smoothed);
   turned(slave_turn(slave), angle_between(ledger.q_SU, ledger.q_ST));
   Share& link = shares[static_cast<std::size_t>(MotionStage::kLink)];
-  if (link.why == Reason::kNone && out.reasons.has(Reason::kLoopAge)) link.why = Reason::kLoopAge;
+  if (link.why == Reason::kNone && old_loop) link.why = Reason::kLoopAge;
   return shares;
 }
 
@@ -210,8 +209,9 @@ std::string way_out_of(Reason reason, int joint, const JointVector& q) {
 
 void set_ledger(pb::Ledger* out, const HapticReport& report, const SlaveState& slave,
                 const LinkSnapshot& link, Nanos now) {
-  const MotionLedger& ledger = report.out.motion;
-  const Shares shares = shares_of(report.out, slave);
+  // What is not known is nothing.
+  const MotionLedger ledger = report.out.motion.known ? report.out.motion : MotionLedger();
+  const Shares shares = shares_of(ledger, slave, report.out.reasons.has(Reason::kLoopAge));
   out->set_behind_mm(ledger.off_S.rowwise().sum().norm() / kMm);
   out->set_behind_deg(angle_between(ledger.q_SH, ledger.q_ST) / kDeg);
   set_sentence(out, report, slave, link, shares, now);

@@ -132,7 +132,7 @@ struct Ledgers {
     force = account(shares, p, p, p, p);
     guidance.X_SP.p = 2.0 * p;
     guidance.X_SC.p = 3.0 * p;
-    motion = account({p, Quat::Identity()}, guidance, slave);
+    account({p, Quat::Identity()}, guidance, slave, motion);
     benchmark::DoNotOptimize(force);
     benchmark::DoNotOptimize(motion);
     return motion.off_S.col(0);
