@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "server/base/deletable.h"
 #include "server/control/follow_ledger.h"
-#include "server/control/guard.h"
 
 namespace handrail {
 namespace {
@@ -43,15 +43,16 @@ void advance_session(const FollowInput& in, FollowState& s, Reason own_fault) {
   session.confirmed = in.link.confirmed;
   session.new_session = in.new_session;
   session.robot_ready = in.robot_ready && s.placed;
-  session.fault = in.stop_input               ? Reason::kStopInput
-                  : in.fault != Reason::kNone ? in.fault
-                                              : own_fault;
+  session.fault = in.stop_input && kept(Check::kStopInput) ? Reason::kStopInput
+                  : in.fault != Reason::kNone              ? in.fault
+                                                           : own_fault;
   session.shutdown = in.shutdown;
   if (in.master_known) {
     session.desired = in.master.desired;
     session.master = in.master.state;
     session.aligned = aligned(in.master, s.motion);
-    session.stop_latched = in.master.stop_epoch != in.master.released_epoch;
+    session.stop_latched =
+        kept(Check::kStopEpoch) && in.master.stop_epoch != in.master.released_epoch;
     // A reset older than this fault, meant for a slave before us, must not release it.
     if ((in.new_session || !s.master_heard) && s.session == SessionState::kFault &&
         s.fault_epoch == in.master.fault_reset) {
@@ -84,6 +85,7 @@ void advance_session(const FollowInput& in, FollowState& s, Reason own_fault) {
 
 // Between fresh and hold the approach slows to nothing.
 double share_of_speed(Nanos age) {
+  if (!kept(Check::kWatchdog)) return 1.0;
   const double over = to_seconds(age - 5 * kMillisecond) / 0.015;
   return std::clamp(1.0 - over, 0.0, 1.0);
 }
@@ -106,8 +108,8 @@ Reason read_force(const FollowSettings& settings, const FollowInput& in, FollowS
 // A fault the arm itself shows, and its joint.
 Reason judge_arm(const FollowSettings& settings, const JointVector& q_measured, FollowState& s,
                  std::int8_t& joint) {
-  const bool lost =
-      s.placed && s.following.lost(settings.following, s.motion.q, q_measured, settings.motion.dt);
+  const bool lost = s.placed && s.following.lost(settings.following, s.motion.joints.q, q_measured,
+                                                 settings.motion.dt);
   if (s.joints.broken()) {
     joint = static_cast<std::int8_t>(s.joints.joint());
     return Reason::kEncoderInvalid;
@@ -135,12 +137,15 @@ Reason follow(const FollowSettings& settings, const FollowInput& in, FollowState
   }
   s.oldest_applied = std::max(s.oldest_applied, in.master_age);
   s.applied_sequence = in.master_sequence;
-  if (s.session == SessionState::kEngaged) s.tube.close(settings.motion.dt);
+  if (s.session == SessionState::kEngaged) s.tube.close(s.motion.X_ST.p, settings.motion.dt);
   const Pose X_SN = s.tube.project(in.master.X_SU, s.motion.X_ST);
   Bumped bumped = bump(settings.bumper, X_SN.p, s.f_E_S, s.motion.X_ST.p);
   bumped.p_SB = s.tube.bounded(bumped.p_SB, most_yielding(settings));
-  const Reason limit =
-      move_toward(settings.motion, {bumped.p_SB, X_SN.q}, share_of_speed(in.master_age), s.motion);
+  // Beside its tool the tip goes only as far as command and contact take it; one that comes nearer
+  // from further off, or flies by when the tool is called, does not go further than it is.
+  const double room = std::max(s.tube.distance(bumped.p_SB), s.tube.distance(s.motion.X_ST.p));
+  const Moved moved = move_toward(settings.motion, s.tube.space(room), {bumped.p_SB, X_SN.q},
+                                  share_of_speed(in.master_age), s.motion);
   const Vec3 on_tool = X_SN.p - in.master.X_SU.p, yielded = bumped.p_SB - X_SN.p;
   const Reason tube = on_tool.isZero(0.0)     ? Reason::kNone
                       : s.tube.radius() > 0.0 ? Reason::kToolBlending
@@ -148,8 +153,11 @@ Reason follow(const FollowSettings& settings, const FollowInput& in, FollowState
   put_stage(ledger, FollowStage::kTube, on_tool, tube);
   put_stage(ledger, FollowStage::kBumper, yielded,
             yielded.isZero(0.0) ? Reason::kNone : Reason::kBumper);
-  put_stage(ledger, FollowStage::kLimits, s.motion.X_ST.p - bumped.p_SB, limit);
-  return bumped.acting ? Reason::kBumper : limit;
+  put_stage(ledger, FollowStage::kReach, moved.p_goal - bumped.p_SB, moved.reach.reason);
+  put_stage(ledger, FollowStage::kLimits, s.motion.X_ST.p - moved.p_goal, moved.limit.reason);
+  const Verdict& why = moved.reach.reason != Reason::kNone ? moved.reach : moved.limit;
+  ledger.joint = why.joint;
+  return bumped.acting ? Reason::kBumper : why.reason;
 }
 
 }  // namespace
@@ -173,22 +181,17 @@ void follow_step(const FollowSettings& settings, const FollowInput& in, FollowSt
 
   Reason intervention = Reason::kNone;
   if (s.placed) {
-    const MotionState before = s.motion;
+    const GuardState before = s.motion.joints;
     if (follows(s.session)) {
       intervention = follow(settings, in, s, ledger);
     } else {
       brake(settings.motion, s.motion);
     }
     const Vec3 planned = s.motion.X_ST.p;
-    const Guarded safe =
-        guard(settings.motion.limits, before.q, before.step, s.motion.q, settings.motion.dt);
+    const Verdict safe = pass_guard(settings.motion, before, s.motion);
     if (safe.reason != Reason::kNone) {
-      s.motion.q = safe.q;
-      s.motion.step = safe.q - before.q;
-      s.motion.X_ST = forward(settings.motion.arm, safe.q);
-      s.motion.tip_step = {s.motion.X_ST.p - before.X_ST.p,
-                           rotation_log(s.motion.X_ST.q * before.X_ST.q.conjugate())};
       intervention = safe.reason;
+      ++s.guarded;
       if (follows(s.session)) {
         put_stage(ledger, FollowStage::kLimits,
                   ledger.off_S.col(static_cast<int>(FollowStage::kLimits)).cast<double>() +
@@ -196,7 +199,7 @@ void follow_step(const FollowSettings& settings, const FollowInput& in, FollowSt
                   safe.reason);
       }
     }
-    out.q_target = s.motion.q;
+    out.q_target = s.motion.joints.q;
   } else {
     out.q_target = q_measured;
   }

@@ -61,6 +61,7 @@ struct FollowState {
   JointMonitor joints;
   FollowingMonitor following;
   std::uint64_t applied_sequence = 0;
+  std::uint64_t guarded = 0;  // cycles in which the guard did not let the command pass
 };
 
 // Places the commands where the controller holds the arm; until then nothing is followed.

@@ -1,50 +1,70 @@
 // The last function before the actuator: small, pure, without I/O.
+//
+// It passes a command or brakes; it never steers. Whatever it answers leaves
+// every joint able to stop within its range, speed, acceleration and jerk by
+// the stop law of jerk_law.h, and the stop law keeps what it starts with; so no
+// sequence of commands can break a limit.
 #pragma once
+
+#include <array>
+#include <cstdint>
 
 #include "server/base/joints.h"
 #include "server/base/reason.h"
+#include "server/control/jerk_law.h"
+#include "server/kinematics/rv2a.h"
 
 namespace handrail {
 
-// Longest step with `room` left ahead from which the steps that follow, each shorter by `a` > 0,
-// still end within the room. Steps y, y - a, y - 2a, ... sum to at most (y + a/2)^2 / (2a). Any
-// unit, as long as both have it. Real-time safe.
-double longest_stoppable(double room, double a) noexcept;
-
-// What one cycle's joint step may be, given where the last command stands and how fast it moves.
-struct StepBox {
-  JointVector low;    // <= high [rad]
-  JointVector high;   // [rad]
-  JointVector brake;  // the step that slows every joint as fast as allowed; always within the box
-
-  bool contains(const JointVector& step) const noexcept {
-    // Negated so that a NaN is outside.
-    return !((step - low).minCoeff() < -kTolerance) && !((high - step).minCoeff() < -kTolerance) &&
-           step.allFinite();
-  }
-  // Largest s in 0..1 for which from + s (to - from) stays in the box, `from` being in it.
-  double largest_share(const JointVector& from, const JointVector& to) const noexcept;
-
-  static constexpr double kTolerance = 1e-12;  // [rad]
+// Where the commanded tip may be, frame S [m].
+struct Workspace {
+  Vec3 low = Vec3(-2.0, -2.0, -2.0);
+  Vec3 high = Vec3(2.0, 2.0, 2.0);
 };
 
-// The box of steps from `q` after a step `last`, both commanded, never measured (limiting against
-// the measured position halves the speed). `margin` in (0, 1] takes that share of speed and
-// acceleration. Each joint can still stop before the end of its range with the share `reserve` of
-// its acceleration. dt > 0 [s]. Real-time safe.
-StepBox step_box(const JointLimits& limits, const JointVector& q, const JointVector& last,
-                 double dt, double margin, double reserve) noexcept;
+// The joints' limits in units of the cycle, with what the checks need worked
+// out once.
+struct GuardLimits {
+  // `dt` > 0 [s]. Every limit positive.
+  GuardLimits(const JointLimits& joints, const ArmGeometry& arm, const Workspace& workspace,
+              double dt) noexcept;
 
-struct Guarded {
-  JointVector q;                  // safe to send
-  Reason reason = Reason::kNone;  // kGuard when it is not what was asked
+  std::array<AxisLimits, kJoints> axis;
+  JointVector lower, upper;  // [rad]
+  JointVector plenty;        // more room to a range's end than any stop takes [rad]
+  JointVector lever;         // the tip moves at most this far with one radian of the joint [m]
+  double furthest = 0.0;     // more than the tip goes in any stop [m]
+  ArmGeometry arm;
+  Workspace workspace;
 };
 
-// Lets `q_wanted` pass if the step to it is in the box; else takes the furthest safe step toward
-// it, or brakes when it is not finite. For every input the result is finite, within speed and
-// acceleration of `q` and `last`, and never closer to a range end than the joint can stop, if the
-// same held for `q` and `last`. Real-time safe.
-Guarded guard(const JointLimits& limits, const JointVector& q, const JointVector& last,
-              const JointVector& q_wanted, double dt) noexcept;
+// The last three commands: `q` [rad], its step and the step's change [rad].
+// Commanded, never measured.
+struct GuardState {
+  JointVector q = JointVector::Zero();
+  JointVector step = JointVector::Zero();
+  JointVector change = JointVector::Zero();
+  double clearance = 0.0;  // the tip is at least this far inside the workspace;
+                           // 0: not known [m]
+};
+
+struct Verdict {
+  Reason reason = Reason::kNone;  // kNone: passes
+  std::int8_t joint = -1;         // 0..5, the joint to blame; -1: the tip, or all
+};
+
+// What guard() would say of `wanted`. Checks finite, workspace, joint range,
+// speed, acceleration, jerk. A state out of its limits may come back. Real-time
+// safe.
+Verdict guard_allows(const GuardLimits& limits, const GuardState& state,
+                     const JointVector& wanted) noexcept;
+
+// Lets `wanted` pass bit for bit if it is allowed; else every joint takes one
+// cycle of its stop law. state.q is what to send. For every input it is within
+// every limit if `state` was. Real-time safe.
+Verdict guard(const GuardLimits& limits, GuardState& state, const JointVector& wanted) noexcept;
+
+// One cycle of every joint's stop law. Real-time safe.
+void guard_brake(const GuardLimits& limits, GuardState& state) noexcept;
 
 }  // namespace handrail

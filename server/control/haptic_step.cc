@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/base/deletable.h"
 #include "server/control/tool_tube.h"
 
 namespace handrail {
@@ -141,7 +142,8 @@ Reason carry_out(const HapticSettings& settings, const HapticInput& in, const La
 // Nobody there is as good as a clutch held; for long, the engagement ends.
 void see_presence(const HapticSettings& settings, const HapticInput& in, double dt,
                   HapticState& s) {
-  s.present = present(settings.presence, in.hand.valid && in.hand.enable_button, in.hold_heard);
+  s.present = !kept(Check::kPresence) ||
+              present(settings.presence, in.hand.valid && in.hand.enable_button, in.hold_heard);
   s.absent_for = s.present ? 0.0 : std::min(s.absent_for + dt, kAbsence);
   if (s.want_engaged && s.absent_for >= kAbsence) {
     s.want_engaged = s.want_clutched = false;

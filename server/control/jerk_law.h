@@ -76,11 +76,15 @@ inline double stop_peak(const AxisLimits& limits, double v, double a) noexcept {
 
 // Change of step toward `target`: the largest whose stop is not beyond it and whose speed stays
 // within the limit, so that the axis never passes the target even if nothing is ever asked again;
-// an axis that must pass it stops. Faster than the limit it slows to it. Bounded work.
-inline double track_change(const AxisLimits& limits, const AxisState& s, double target) noexcept {
+// an axis that must pass it stops, with up to `hard` >= 1 times the acceleration and jerk: with some
+// to spare, limits that shrink a little on the way make it pass nothing. Faster than the limit it
+// slows to it. Bounded work.
+inline double track_change(const AxisLimits& limits, const AxisState& s, double target,
+                           double hard = 1.0) noexcept {
   const double side = target >= s.x ? 1.0 : -1.0;
   const double room = side * (target - s.x), v = side * s.v, a = side * s.a;
-  const double brake = stop_change(limits, v, a);
+  const double brake =
+      stop_change({limits.speed, hard * limits.acceleration, hard * limits.jerk}, v, a);
   const auto left = [&](double change) {
     const double next = v + change;
     return room - next - stop_reach(limits, next, change);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/base/deletable.h"
+
 namespace handrail {
 namespace {
 
@@ -17,6 +19,7 @@ bool equal(const Wrench& a, const Wrench& b) { return a.force == b.force && a.to
 }  // namespace
 
 Reason WrenchMonitor::judge(const Wrench& f, bool fresh, double range) noexcept {
+  if (!kept(Check::kSensor)) return Reason::kNone;
   if (!fresh) return Reason::kSensorMissing;
   if (!is_finite(f) || f.force.cwiseAbs().maxCoeff() > range) return Reason::kSensorInvalid;
   const bool same = known_ && equal(f, last_);
@@ -32,10 +35,12 @@ Reason WrenchMonitor::judge(const Wrench& f, bool fresh, double range) noexcept 
   repeating_ = same ? std::min(repeating_ + 1, kStuckFor) : 0;
   changing_ = same ? 0 : std::min(changing_ + 1, kNoisyFor);
   if (changing_ >= kNoisyFor) noisy_ = true;
-  return noisy_ && repeating_ >= kStuckFor ? Reason::kSensorStuck : Reason::kNone;
+  const bool stuck = kept(Check::kStuck) && noisy_ && repeating_ >= kStuckFor;
+  return stuck ? Reason::kSensorStuck : Reason::kNone;
 }
 
 const JointVector& JointMonitor::judge(const JointVector& q) noexcept {
+  if (!kept(Check::kEncoder)) return q_ = q;
   const bool finite = q.allFinite();
   Eigen::Index worst = 0;
   if (!finite) {
@@ -55,19 +60,29 @@ const JointVector& JointMonitor::judge(const JointVector& q) noexcept {
 }
 
 void FollowingMonitor::restart(const JointVector& q) noexcept {
-  slow_ = last_ = q;
+  images_.fill(q);
+  last_ = q;
+  unjudged_ = 0.0;
   outside_ = 0;
 }
 
 bool FollowingMonitor::lost(const FollowingSettings& settings, const JointVector& q_command,
                             const JointVector& q_measured, double dt) noexcept {
-  if (!settings.checked) return false;
-  const JointVector below = slow_.cwiseMin(q_command), above = slow_.cwiseMax(q_command);
-  const double beyond =
-      (below - q_measured).cwiseMax(q_measured - above).maxCoeff(&joint_) - settings.room;
-  // A cycle's delay: what was commanded last enters the lag now.
-  slow_ += (last_ - slow_) * (1.0 - std::exp(-dt / settings.slowest));
+  if (!settings.checked || !kept(Check::kFollowing)) return false;
+  JointVector below = q_command, above = q_command;
+  for (std::size_t i = 0; i < kLags.size(); ++i) {
+    // A cycle's delay: what was commanded last enters the lag now.
+    images_[i] += (last_ - images_[i]) * (1.0 - std::exp(-dt / (kLags[i] * settings.slowest)));
+    below = below.cwiseMin(images_[i]);
+    above = above.cwiseMax(images_[i]);
+  }
+  const JointVector out = (below - q_measured).cwiseMax(q_measured - above);
+  const double beyond = (out - (q_command - last_).cwiseAbs()).maxCoeff(&joint_) - settings.room;
   last_ = q_command;
+  if (unjudged_ >= 0.0) {
+    unjudged_ = beyond > 0.0 && unjudged_ < 5.0 * settings.slowest ? unjudged_ + dt : -1.0;
+    return false;
+  }
   outside_ = beyond > 0.0 ? std::min(outside_ + 1, 2) : 0;
   return outside_ >= 2;
 }

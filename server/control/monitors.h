@@ -1,6 +1,8 @@
 // What says that a sensor, an encoder or the arm itself is not to be trusted.
 #pragma once
 
+#include <array>
+
 #include "server/base/joints.h"
 #include "server/base/reason.h"
 #include "server/base/spatial.h"
@@ -45,11 +47,12 @@ class JointMonitor {
 struct FollowingSettings {
   bool checked = true;
   double slowest = 0.100;  // time constant of the slowest sound arm, after a cycle's delay [s]
-  double room = 0.05;      // beside it [rad]
+  double room = 0.01;      // beside it, and as far as the command moves in a cycle [rad]
 };
 
-// Judges whether the arm follows: the measured joints lie between the command and its image behind
-// a lag of `slowest`. Real-time safe.
+// Judges whether the arm follows: the measured joints lie among the command and its images behind
+// lags of up to `slowest`. An arm taken over in motion has five times that to come to where it is
+// commanded before it is judged. Real-time safe.
 class FollowingMonitor {
  public:
   void restart(const JointVector& q) noexcept;
@@ -60,8 +63,14 @@ class FollowingMonitor {
   int joint() const noexcept { return joint_; }
 
  private:
-  JointVector slow_ = JointVector::Zero();
+  // Of `slowest`. Where a joint turns, images of lags between two others lie beside both: by a
+  // milliradian at most, as close as these are.
+  static constexpr std::array<double, 7> kLags = {0.04, 0.1, 0.2, 0.35, 0.55, 0.75, 1.0};
+
+  std::array<JointVector, kLags.size()> images_{};
   JointVector last_ = JointVector::Zero();
+  double unjudged_ =
+      0.0;  // since the restart, while the arm is on its way [s]; negative: it has come
   int outside_ = 0;
   int joint_ = -1;
 };

@@ -1,5 +1,7 @@
 #include "server/control/session.h"
 
+#include "server/base/deletable.h"
+
 namespace handrail {
 namespace {
 
@@ -14,6 +16,11 @@ constexpr SessionState kHoming = SessionState::kHoming;
 bool flowing(LinkRung link) { return link == LinkRung::kFresh || link == LinkRung::kSlow; }
 bool lost(LinkRung link) {
   return link == LinkRung::kNone || link == LinkRung::kLost || link == LinkRung::kClosed;
+}
+
+template <typename Input>
+bool confirmed(const Input& in) {
+  return in.confirmed || !kept(Check::kConfirmed);
 }
 
 SessionState driving(Desired desired) {
@@ -43,8 +50,8 @@ Reason reason_of(LinkRung link) noexcept {
 LinkRung rung_of(bool ever, Nanos age) noexcept {
   if (!ever) return LinkRung::kNone;
   if (age <= 5 * kMillisecond) return LinkRung::kFresh;
-  if (age <= 20 * kMillisecond) return LinkRung::kSlow;
-  if (age <= 200 * kMillisecond) return LinkRung::kHold;
+  if (age <= 20 * kMillisecond || !kept(Check::kWatchdog)) return LinkRung::kSlow;
+  if (age <= 200 * kMillisecond || !kept(Check::kLatch)) return LinkRung::kHold;
   if (age <= kSecond) return LinkRung::kLost;
   return LinkRung::kClosed;
 }
@@ -56,7 +63,7 @@ SessionStep next_master(SessionState state, const MasterSessionInput& in) noexce
     case kHoming:
       if (in.desired == Desired::kOff) return {kOff, Reason::kNotEngaged};
       if (!flowing(in.link)) return {kOff, reason_of(in.link)};
-      if (!in.confirmed) return {kOff, Reason::kNotConfirmed};
+      if (!confirmed(in)) return {kOff, Reason::kNotConfirmed};
       if (in.peer == kFault) return {kOff, Reason::kPeerFault};
       if (in.mismatch != Reason::kNone) return {kOff, in.mismatch};
       if (in.ready) return {kAligning, Reason::kNone};
@@ -80,7 +87,7 @@ SessionStep next_master(SessionState state, const MasterSessionInput& in) noexce
       if (in.peer == kOff || in.peer == kAligning || in.peer == kHoming)
         return {kFault, Reason::kSessionClosed};
       if (!flowing(in.link) || in.peer == kHold) return {kHold, Reason::kLinkHold};
-      if (!in.confirmed) return {kHold, Reason::kNotConfirmed};
+      if (!confirmed(in)) return {kHold, Reason::kNotConfirmed};
       return {driving(in.desired),
               in.desired == Desired::kClutched ? Reason::kClutched : reason_of(in.link)};
     case kFault:
@@ -99,11 +106,11 @@ SessionStep next_slave(SessionState state, const SlaveSessionInput& in) noexcept
   switch (state) {
     case kOff:
     case kHoming: {
-      const bool asked = flowing(in.link) && in.confirmed && !in.new_session &&
+      const bool asked = flowing(in.link) && confirmed(in) && !in.new_session &&
                          in.desired != Desired::kOff && in.master == kAligning;
       if (!in.robot_ready) return {asked ? kHoming : kOff, Reason::kRobotNotConnected};
       if (!flowing(in.link)) return {kOff, reason_of(in.link)};
-      if (!in.confirmed) return {kOff, Reason::kNotConfirmed};
+      if (!confirmed(in)) return {kOff, Reason::kNotConfirmed};
       if (!asked) return {kOff, Reason::kNotEngaged};
       return {kAligning, Reason::kNone};
     }
@@ -112,7 +119,7 @@ SessionStep next_slave(SessionState state, const SlaveSessionInput& in) noexcept
         return {kOff, Reason::kNotEngaged};
       }
       if (!flowing(in.link)) return {kOff, reason_of(in.link)};
-      if (!in.confirmed) return {kOff, Reason::kNotConfirmed};
+      if (!confirmed(in)) return {kOff, Reason::kNotConfirmed};
       if (!in.robot_ready) return {kOff, Reason::kRobotNotConnected};
       if (!in.aligned) return {kAligning, Reason::kAlignmentMismatch};
       return {kEngaged, Reason::kNone};
@@ -122,7 +129,7 @@ SessionStep next_slave(SessionState state, const SlaveSessionInput& in) noexcept
       if (in.new_session) return {kOff, Reason::kSessionClosed};
       if (lost(in.link)) return {kFault, Reason::kLinkLost};
       if (!flowing(in.link)) return {kHold, Reason::kLinkHold};
-      if (!in.confirmed) return {kHold, Reason::kNotConfirmed};
+      if (!confirmed(in)) return {kHold, Reason::kNotConfirmed};
       if (in.desired == Desired::kOff || in.master == kOff || in.master == kFault) {
         return {kOff, Reason::kNotEngaged};
       }

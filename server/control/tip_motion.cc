@@ -2,303 +2,320 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
-#include "server/control/guard.h"
-#include "server/control/joint_brake.h"
+#include "server/control/slide.h"
+#include "server/control/tip_law.h"
+#include "server/kinematics/reach.h"
 
 namespace handrail {
 namespace {
 
-constexpr double kTurnSpeed = 6.0;  // turning faster than J6 ever could [rad/s]
-constexpr double kArrived = 1e-12;  // [m], [rad]: below rounding
-// Room for the path's curvature in joint space and for the wire's 32-bit floats, so that the guard,
-// which takes no margin, never has to act.
-// Room for the wire's 32-bit floats, so that the guard, which takes no margin, never has to act.
-constexpr double kMargin = 0.97;
-// A joint's acceleration is shared between the bend of the path in joint space at the present speed
-// and the braking that must remain possible: bends may take this share ...
-constexpr double kBendShare = 0.4;
-// ... and braking takes what the bend leaves of this one, but at least the last.
-constexpr double kBrakeShare = 0.9;
-constexpr double kLeastBrakeShare = 0.3;
-constexpr double kRangeReserve = 0.5;
-constexpr double kPlentyOfRoom = 0.25;  // [rad]: no bend within a stopping distance takes as much
-constexpr double kNearWrist = 0.2;      // |sin J5| under which J4 and J6 may bend sharply
-constexpr double kAtEnd = 1e-9;         // [rad]
-constexpr int kHalvings = 6;
+constexpr double kArrived = 1e-12;   // [m], [rad]: below rounding
+constexpr double kFound = 2e-8;      // what a search for the end of reach leaves [m], [rad]
+constexpr double kOnSpace = 5e-6;    // further off a tip is not on its space [m]
+constexpr double kSlow = 0.02;       // a tip that moves less is as good as standing [m/s]
+constexpr double kStanding = 0.002;  // [m/s]
+constexpr double kLever = 0.1;
+constexpr int kAround = 70;             // cycles
+constexpr double kGoing = 1e-5;         // slower is standing [rad]
+constexpr double kNearly = 1e-2;        // [rad]
+constexpr int kStraightAgain = 15;      // straight steps in a row end a slide
+constexpr double kDetour = 2.5;         // so many times longer the straight way is none
+constexpr double kSoon = 15.0;          // cycles
+constexpr double kAhead = 0.95;         // cosine: the tip moves toward its goal
+constexpr double kPasses = 1e-7;        // [m]
+constexpr double kPassesFree = 1e-4;    // [m]
+constexpr double kGoesBack = 1e-12;     // [m]
+constexpr double kBehind = 1e-3;        // less to go is not worth a reason [m]
+constexpr double kTurnBehind = 1e-2;    // [rad]
+constexpr double kNearWrist = 0.05;     // |sin J5|
+constexpr double kNearShoulder = 0.02;  // [m]
+constexpr double kShare = 0.88;         // of the joints' acceleration and jerk, for a straight step
+constexpr double kShareAtEnd = 0.7;     // where the joints' share of a straight step changes much
+constexpr double kHardest = 0.915;      // for braking: a little less than a stop plan's
 
-struct Candidate {
-  Twist tip;         // tip step
-  Pose X_ST;         // where it leads
-  JointVector step;  // joint step
-};
-
+Twist operator+(const Twist& a, const Twist& b) {
+  return {a.linear + b.linear, a.angular + b.angular};
+}
+Twist operator-(const Twist& a, const Twist& b) {
+  return {a.linear - b.linear, a.angular - b.angular};
+}
 Twist operator*(double s, const Twist& t) { return {s * t.linear, s * t.angular}; }
-Twist blend(const Twist& from, const Twist& to, double s) {
-  return {from.linear + s * (to.linear - from.linear),
-          from.angular + s * (to.angular - from.angular)};
+
+Twist between(const Pose& from, const Pose& to) {
+  return {to.p - from.p, rotation_log(to.q * from.q.conjugate())};
 }
 
-// The same pose with the wrist flipped: (J4 + pi, -J5, J6 + pi), turned the way nearest the seed. A
-// path straight through J5 = 0 keeps J4 and J6 and changes the sign of J5; holding on to the sign
-// would spin J4 and J6 by half a turn instead.
-void take_nearer_wrist(const JointVector& seed, JointVector& q) {
-  JointVector flipped = q;
-  flipped[4] = -q[4];
-  for (const int i : {3, 5}) {
-    flipped[i] += q[i] > seed[i] ? -std::numbers::pi : std::numbers::pi;
+// The state after commanding `q`, whose tip is at X.
+void move_to(const PlanLimits& limits, const JointVector& q, const Pose& X, TipMotion& m) {
+  const Twist step = between(m.X_ST, X);
+  advance(limits, m.joints, q);
+  m.tip_change = step - m.tip_step;
+  m.tip_step = step;
+  m.X_ST = X;
+  if (m.joints.step.isZero(0.0)) {
+    m.tip_step = Twist();
+    if (m.joints.change.isZero(0.0)) m.tip_change = Twist();
   }
-  if ((flipped - seed).cwiseAbs().maxCoeff() < (q - seed).cwiseAbs().maxCoeff()) q = flipped;
 }
 
-bool candidate(const MotionSettings& settings, const MotionState& state, const Twist& tip,
-               Candidate& out) {
-  out.tip = tip;
-  out.X_ST.p = state.X_ST.p + tip.linear;
-  out.X_ST.q = tip.angular.isZero(0.0) ? state.X_ST.q
-                                       : (rotation_exp(tip.angular) * state.X_ST.q).normalized();
-  JointVector q;
-  if (inverse_near(settings.arm, out.X_ST, state.q, q) != InverseStatus::kOk) return false;
-  if (std::abs(q[4]) < kNearWrist) take_nearer_wrist(state.q, q);
-  out.step = q - state.q;
-  return true;
+// One cycle of the stop plan, or standing.
+void play(const PlanLimits& limits, MotionState& state) {
+  JointVector q = state.joints.q;
+  if (!state.stop.done()) q = state.stop.q[static_cast<std::size_t>(state.stop.next++)];
+  const bool same = q == state.joints.q;
+  move_to(limits, q, same ? state.X_ST : forward(limits.guard.arm, q), state);
 }
 
-void accept(const Candidate& c, MotionState& state) {
-  state.q += c.step;
-  state.step = c.step;
-  state.X_ST = c.X_ST;
-  state.tip_step = c.tip;
-}
-
-// How slowly the tip may go on along its last step: the joint that needs longest to stop decides.
-struct Braking {
-  double share = 0.0;                      // of the last tip step
-  JointVector step = JointVector::Zero();  // the joint step that makes, nearly
+// Steps of the tip to choose from.
+struct Ways {
+  Twist wanted, gentle;  // with all, and with little of what the joints can do
+  Twist stop;
 };
 
-Braking slowest(const MotionSettings& settings, const MotionState& state) {
-  Braking out;
-  if (standing(state)) return out;
-  // Going on at the same speed takes this step, which differs from the last by the path's bend.
-  Candidate c;
-  const JointVector on = candidate(settings, state, state.tip_step, c) ? c.step : state.step;
-  for (int i = 0; i < kJoints; ++i) {
-    const double a = kMargin * settings.limits.max_acceleration[i] * settings.dt * settings.dt;
-    const double needed = std::abs(state.step[i]) - a;
-    if (needed > 0.0 && on[i] * state.step[i] > 0.0) {
-      out.share = std::max(out.share, needed / std::abs(on[i]));
+class Planner {
+ public:
+  Planner(const MotionSettings& settings, const TipSpace& space, MotionState& state)
+      : settings_(settings), limits_(settings.guard()), space_(space), state_(state) {}
+
+  void set_goal(const Vec3& p) { p_goal_ = p; }
+  const PlanLimits& limits() const { return limits_; }
+  const Verdict& refused() const { return refused_; }
+
+  // Takes the straight step if the joints can and could stop after it.
+  bool straight(const Twist& step) {
+    Pose X;
+    X.p = space_.nearest(state_.X_ST.p + step.linear);
+    X.q = step.angular.isZero(0.0) ? state_.X_ST.q
+                                   : (rotation_exp(step.angular) * state_.X_ST.q).normalized();
+    JointVector q;
+    if (!solve_near(limits_.guard.arm, X, state_.joints.q, q)) {
+      return refuse({Reason::kOutOfReach, -1});
     }
+    return take(q, X);
   }
-  out.share = std::min(out.share, 1.0);
-  out.step = out.share * on;
-  return out;
-}
 
-// Stops in joint space: for the cycle in which the straight path cannot be kept.
-void brake_joints(const MotionSettings& settings, const StepBox& box, MotionState& state) {
-  const Pose before = state.X_ST;
-  state.step = joint_brake(settings, state, box);
-  state.q += state.step;
-  state.X_ST = forward(settings.arm, state.q);
-  state.tip_step = {state.X_ST.p - before.p, rotation_log(state.X_ST.q * before.q.conjugate())};
-}
-
-// Speed at which the path may be followed, at most 1, in units of the candidate `c` a cycle; `half`
-// is the joint step to its middle, `remaining` the way to the target in the same units. Slow enough
-// for the bends, to stop on the target and to stop every joint before the end of its range;
-// `at_range` says whether the last of these decided.
-double allowed_speed(const MotionSettings& settings, const MotionState& state, const Candidate& c,
-                     const JointVector& half, double remaining, bool& at_range) {
-  const double size = c.tip.linear.norm() + c.tip.angular.norm();
-  const double last = (state.tip_step.linear.norm() + state.tip_step.angular.norm()) / size;
-  double speed = 1.0;
-  double ranged = 1.0;      // what the ranges allow
-  double stop = remaining;  // deceleration along the path, candidates a cycle^2
-  for (int i = 0; i < kJoints; ++i) {
-    const double a = settings.limits.max_acceleration[i] * settings.dt * settings.dt;
-    // q(s) = slope s + bend s^2 / 2 through the middle and the end.
-    const double slope = 4.0 * half[i] - c.step[i];
-    const double bend = std::abs(4.0 * (c.step[i] - 2.0 * half[i]));
-    if (bend * speed * speed > kBendShare * a) speed = std::sqrt(kBendShare * a / bend);
-    const double brake = std::max(kLeastBrakeShare * a, kBrakeShare * a - bend * last * last);
-    const double rate = std::max(std::abs(slope), std::abs(c.step[i]));
-    if (rate * remaining > kBrakeShare * a) stop = std::min(stop, brake / rate);
-    const double room = c.step[i] > 0.0 ? settings.limits.upper[i] - state.q[i]
-                                        : state.q[i] - settings.limits.lower[i];
-    const double toward = longest_stoppable(room, std::min(brake, 0.6 * a));
-    if (rate * ranged > toward) ranged = toward / rate;
+  // What the stop would do now.
+  Twist next_of_stop() const {
+    if (state_.stop.done()) return {};
+    const JointVector& q = state_.stop.q[static_cast<std::size_t>(state_.stop.next)];
+    return between(state_.X_ST, forward(limits_.guard.arm, q));
   }
-  speed = std::min(speed, longest_stoppable(remaining, stop));
-  at_range = ranged < speed;
-  return std::min(speed, ranged);
-}
 
-// Which limit of the box the step `to` breaks first.
-Reason binding(const MotionSettings& settings, const MotionState& state, const StepBox& box,
-               const JointVector& to) {
-  if (singularity_margin(settings.arm, state.q).wrist < 0.05) return Reason::kSingularity;
-  Reason reason = Reason::kJointAcceleration;
-  for (int i = 0; i < kJoints; ++i) {
-    if (to[i] <= box.high[i] && to[i] >= box.low[i]) continue;
-    const double v = 0.9 * settings.limits.max_speed[i] * settings.dt;
-    const double end = to[i] > 0.0 ? settings.limits.upper[i] : settings.limits.lower[i];
-    if (std::abs(end - state.q[i]) < 1.0 * settings.limits.max_speed[i] * settings.dt) {
-      return Reason::kJointRange;
+  // The straight way with less of everything, down to little more than the stop.
+  bool slower(const Ways& ways, const Twist& first, const Twist& second) {
+    if (straight(first)) return true;
+    const Twist more = ways.gentle - ways.stop;
+    for (const Twist& step :
+         {second, ways.gentle, ways.stop + 0.6 * more, ways.stop + 0.3 * more}) {
+      if (straight(step)) return true;
     }
-    if (std::abs(state.step[i]) > v) reason = Reason::kJointSpeed;
+    return false;
   }
-  return reason;
-}
 
-// What braking may use of a joint's acceleration, and what planning leaves for it near a range's
-// end.
-StepBox braking_box(const MotionSettings& settings, const MotionState& state) {
-  return step_box(settings.limits, state.q, state.step, settings.dt, kMargin, kMargin);
-}
-StepBox planning_box(const MotionSettings& settings, const MotionState& state) {
-  return step_box(settings.limits, state.q, state.step, settings.dt, kMargin, kRangeReserve);
-}
-
-// kNone when the tip, having taken step `c`, could brake along it and every joint would still be in
-// its range where it comes to rest; else what is in the way. Steps chosen so leave a way to stop on
-// the path at any time.
-Reason stopping_limit(const MotionSettings& settings, const MotionState& state,
-                      const Candidate& c) {
-  double cycles = 0.0;  // braking takes this many from the step's speed
-  double room = 1e9;    // least room of a joint beyond a straight stop in joint space
-  for (int i = 0; i < kJoints; ++i) {
-    const double a = settings.limits.max_acceleration[i] * settings.dt * settings.dt;
-    cycles = std::max(cycles, std::abs(c.step[i]) / (kRangeReserve * a));
-  }
-  const double further = 0.5 * cycles;  // way to rest, in units of the step
-  for (int i = 0; i < kJoints; ++i) {
-    const double end = state.q[i] + (1.0 + further) * c.step[i];
-    room = std::min({room, settings.limits.upper[i] - end, end - settings.limits.lower[i]});
-  }
-  if (room > kPlentyOfRoom && std::abs(std::sin(state.q[4])) > kNearWrist) return Reason::kNone;
-  MotionState there;
-  there.q = state.q + c.step;
-  there.X_ST = c.X_ST;
-  Candidate rest;
-  if (!candidate(settings, there, further * c.tip, rest)) return Reason::kOutOfReach;
-  const JointVector q = there.q + rest.step;
-  if ((settings.limits.upper - q).minCoeff() < -kAtEnd ||
-      (q - settings.limits.lower).minCoeff() < -kAtEnd) {
-    return Reason::kJointRange;
-  }
-  const double bent =
-      0.5 * kBendShare * settings.dt * settings.dt * (cycles + 1.0) * (cycles + 1.0);
-  const JointVector bend = (rest.step - further * c.step).cwiseAbs();
-  return (bend - bent * settings.limits.max_acceleration).maxCoeff() > 0.0 ? Reason::kSingularity
-                                                                           : Reason::kNone;
-}
-
-// Takes the longest blend between braking and `wanted` that the limits allow.
-void step_between(const MotionSettings& settings, const StepBox& box, const Candidate& wanted,
-                  MotionState& state) {
-  const Braking braking = slowest(settings, state);
-  const Twist slow = braking.share * state.tip_step;
-  double share = box.largest_share(braking.step, wanted.step);
-  Candidate c;
-  for (int i = 0; i < 4 && share > 0.0; ++i, share *= 0.6) {
-    if (candidate(settings, state, blend(slow, wanted.tip, share), c) && box.contains(c.step) &&
-        stopping_limit(settings, state, c) == Reason::kNone) {
-      accept(c, state);
-      return;
+  // By the joints' own way: the tip keeps its place and way while its turn lags; and where that
+  // does not lead on, nothing holding the tip, the joints go round.
+  bool otherwise(const Ways& ways, const JointVector& there, double speed) {
+    state_.sliding = kStraightAgain;
+    if (state_.around == 0) {
+      for (const Twist* step : {&ways.wanted, &ways.gentle, &ways.stop}) {
+        if (sliding(there, state_.X_ST.p + step->linear, speed)) return true;
+      }
     }
+    if (!space_.everything()) return false;
+    state_.around = state_.around > 0 ? state_.around - 1 : kAround;
+    return by_joints(there, speed) || by_joints(there, 0.4 * speed);
   }
-  const StepBox last_resort = braking_box(settings, state);
-  if (candidate(settings, state, slow, c) && last_resort.contains(c.step)) {
-    accept(c, state);
-  } else {
-    brake_joints(settings, last_resort, state);
+
+ private:
+  // The joints' own way, the tip at p.
+  bool sliding(const JointVector& there, const Vec3& p, double speed) {
+    JointVector q;
+    if (!slide(limits_, space_, state_, there, p, speed, q)) {
+      return refuse({Reason::kOutOfReach, -1});
+    }
+    const bool going = (q - state_.joints.q).cwiseAbs().maxCoeff() > kGoing ||
+                       (there - q).cwiseAbs().maxCoeff() < kNearly;
+    return going && take(q, forward(limits_.guard.arm, q));
   }
+
+  // The joints' own way wherever the tip goes.
+  bool by_joints(const JointVector& there, double speed) {
+    const JointVector q = own_way(limits_, state_.joints, there, speed);
+    const Pose X = forward(limits_.guard.arm, q);
+    return (X.p - state_.X_ST.p).norm() <= settings_.tip_speed * settings_.dt && take(q, X, false);
+  }
+
+  bool refuse(const Verdict& why) {
+    if (refused_.reason == Reason::kNone) refused_ = why;
+    return false;
+  }
+
+  bool take(const JointVector& q, const Pose& X, bool on_path = true) {
+    if (space_.forward_S.dot(X.p - state_.X_ST.p) < -kGoesBack) {
+      return refuse({Reason::kToolTube, -1});
+    }
+    const Verdict verdict = plan_allows(limits_, state_.joints, q);
+    if (verdict.reason != Reason::kNone) return refuse(verdict);
+    TipMotion next = state_;
+    move_to(limits_, q, X, next);
+    Verdict why;
+    if (!plan_stop(limits_, space_, next, on_path, trial_, why)) return refuse(why);
+    if (passes(next)) return refuse({Reason::kJointAcceleration, -1});
+    static_cast<TipMotion&>(state_) = next;
+    state_.stop = trial_;
+    return true;
+  }
+
+  // Whether the stop from `next` ends beyond the goal that lies ahead.
+  bool passes(const TipMotion& next) const {
+    const Vec3 way = p_goal_ - state_.X_ST.p;
+    const Vec3& step = next.tip_step.linear;
+    // A slow tip that turns may waver about its place.
+    if (trial_.size == 0 || step.norm() < kSlow * settings_.dt) return false;
+    if (way.dot(step) < kAhead * way.norm() * step.norm()) return false;
+    const JointVector& end = trial_.q[static_cast<std::size_t>(trial_.size - 1)];
+    const double most = space_.freedom() < 3 ? kPasses : kPassesFree;
+    return (forward(limits_.guard.arm, end).p - p_goal_).dot(way) > most * way.norm();
+  }
+
+  const MotionSettings& settings_;
+  Vec3 p_goal_ = Vec3::Zero();
+  PlanLimits limits_;
+  const TipSpace& space_;
+  MotionState& state_;
+  StopPlan trial_;
+  Verdict refused_;  // why the first proposal was
+};
+
+// `space` as it holds now: without its room once the tip and its target are on the point, line or
+// plane itself, on the tip's side of it while it is off it and its target is not on the other;
+// everything while the tip is further off than the room.
+TipSpace space_now(const TipSpace& space, const Vec3& p_target, const TipMotion& m) {
+  const double off = space.distance(m.X_ST.p);
+  if (off > space.room + kOnSpace) return {};
+  TipSpace now = space;
+  const Vec3 target = space.off(p_target);
+  if (off < kOnSpace && target.norm() < kOnSpace) now.room = 0.0;
+  // What is to come nearer does not come to the other side.
+  const Vec3 side = space.off(m.X_ST.p) / off;
+  if (off >= kOnSpace && target.dot(side) > -kOnSpace) now.side_S = side;
+  return now;
+}
+
+// Why the place or the turn asked for is not gone to.
+Verdict beyond_reach(const Reached& reached) {
+  if (reached.joint < 0) return {};
+  const bool stretched = reached.arm && reached.joint == 2;
+  return {stretched ? Reason::kOutOfReach : Reason::kJointRange, reached.joint};
+}
+
+// Of the tip, with what turns at an arm's length of kLever [m].
+double tip_speed(const TipMotion& m) {
+  return m.tip_step.linear.norm() + kLever * m.tip_step.angular.norm();
+}
+
+// About how many cycles the joints' own way takes.
+double own_cycles(const PlanLimits& limits, const JointVector& q, const JointVector& there) {
+  double most = 0.0;
+  for (int i = 0; i < kJoints; ++i) {
+    const AxisLimits& l = limits.axis[static_cast<std::size_t>(i)];
+    const double way = std::abs(there[i] - q[i]);
+    most = std::max({most, way / l.speed, std::sqrt(way / l.acceleration)});
+  }
+  return most;
+}
+
+// True for what the straight way runs into; false for what only slows it.
+bool blocked(Reason why) {
+  return why == Reason::kSingularity || why == Reason::kJointRange || why == Reason::kOutOfReach ||
+         why == Reason::kWorkspace;
+}
+
+bool near_singular(const ArmGeometry& arm, const JointVector& q) {
+  const SingularityMargin margin = singularity_margin(arm, q);
+  return margin.wrist < kNearWrist || margin.shoulder < kNearShoulder;
 }
 
 }  // namespace
 
 MotionState standing_at(const ArmGeometry& arm, const JointVector& q) noexcept {
   MotionState state;
-  state.q = q;
+  state.joints.q = q;
   state.X_ST = forward(arm, q);
   return state;
 }
 
-Reason move_toward(const MotionSettings& settings, const Pose& target, double share,
-                   MotionState& state) noexcept {
-  Twist way{target.p - state.X_ST.p, rotation_log(target.q * state.X_ST.q.conjugate())};
-  double length = way.linear.norm();
-  double turn = way.angular.norm();
-  if (length < kArrived) length = 0.0, way.linear.setZero();
-  if (turn < kArrived) turn = 0.0, way.angular.setZero();
-  if (length == 0.0 && turn == 0.0) {
-    if (standing(state)) {
-      state.tip_step = Twist();
-      return Reason::kNone;
-    }
-    brake(settings, state);
-    return Reason::kNone;
+Moved move_toward(const MotionSettings& settings, const TipSpace& space, const Pose& target,
+                  double share, MotionState& state) noexcept {
+  const TipSpace within = space_now(space, target.p, state);
+  Planner planner(settings, within, state);
+  const Reached reached =
+      nearest_reachable(settings.arm, settings.limits, within, {within.nearest(target.p), target.q},
+                        state.joints.q, planner.limits().from_end);
+  const Pose goal{within.nearest(reached.X.p), reached.X.q};
+  planner.set_goal(goal.p);
+  const bool in_reach = reached.joint < 0;
+  Moved moved{goal.p, beyond_reach(reached), {}};
+
+  const TipProposal proposal(planner.limits(), within, {settings.tip_speed, settings.dt, share},
+                             state, goal);
+  const Twist way = proposal.way();
+  const double arrived = in_reach ? kArrived : kFound;
+  if (way.linear.norm() < arrived && way.angular.norm() < arrived) {
+    play(planner.limits(), state);
+    return moved;
   }
 
-  // At most one cycle of the way, in units of which the rest is `cycles` long.
-  const double cycles = std::max(
-      {1.0, length / (settings.tip_speed * settings.dt), turn / (kTurnSpeed * settings.dt)});
-  Candidate c;
-  double part = 1.0 / cycles;
-  int halvings = 0;
-  while (!candidate(settings, state, part * way, c)) {
-    if (++halvings > kHalvings) {
-      brake(settings, state);
-      return Reason::kOutOfReach;
-    }
-    part *= 0.5;
+  const double most = in_reach ? kShare : kShareAtEnd;
+  const Twist wanted = state.tip_step + proposal.change(most, most, kHardest / most);
+  const bool direct =
+      proposal.cycles() < kDetour * own_cycles(planner.limits(), state.joints.q, reached.q) + kSoon;
+  if (direct && planner.straight(wanted)) {
+    state.sliding = std::max(0, state.sliding - 1);
+    state.around = std::max(0, state.around - 1);
+    const bool behind = way.linear.norm() > kBehind || way.angular.norm() > kTurnBehind;
+    if (behind) moved.limit = proposal.limiting();
+    return moved;
   }
-
-  Candidate half;
-  const bool known = candidate(settings, state, (0.5 * part) * way, half);
-  bool at_range = false;
-  const double speed = share * allowed_speed(settings, state, c, known ? half.step : 0.5 * c.step,
-                                             1.0 / part, at_range);
-  if (speed < 1.0 && !candidate(settings, state, (speed * part) * way, c)) {
-    brake(settings, state);
-    return Reason::kOutOfReach;
+  const bool singular = !direct || near_singular(settings.arm, state.joints.q);
+  moved.limit = singular ? Verdict{Reason::kSingularity, -1} : planner.refused();
+  const Ways ways{wanted, state.tip_step + proposal.change(0.35 * kShare, 0.15 * kShare, 1.0),
+                  planner.next_of_stop()};
+  if (direct && state.sliding == 0) {
+    const double hard = kHardest / most;
+    const Twist go = state.tip_step + proposal.change(0.75 * kShare, 0.22 * kShare, hard);
+    const Twist both = state.tip_step + proposal.change(0.5 * kShare, 0.35 * kShare, hard);
+    if (planner.slower(ways, go, both)) return moved;
   }
-
-  const StepBox box = planning_box(settings, state);
-  Reason reason = Reason::kNone;
-  if (!box.contains(c.step)) {
-    reason = binding(settings, state, box, c.step);
-  } else if (reason = stopping_limit(settings, state, c); reason == Reason::kNone) {
-    accept(c, state);
-    if (halvings > 0) return Reason::kOutOfReach;
-    if (at_range) return Reason::kJointRange;
-    return cycles > 1.0 && length > settings.tip_speed * settings.dt ? Reason::kTipSpeed
-                                                                     : Reason::kNone;
-  }
-  step_between(settings, box, c, state);
-  return reason;
+  // Slowed into first, then slid along.
+  const double slow = blocked(moved.limit.reason) ? kSlow : kStanding;
+  const bool slides = state.sliding > 0 || tip_speed(state) < slow * settings.dt;
+  if (!slides || !planner.otherwise(ways, reached.q, share)) play(planner.limits(), state);
+  return moved;
 }
 
 void brake(const MotionSettings& settings, MotionState& state) noexcept {
-  if (standing(state)) {
-    state.tip_step = Twist();
-    return;
+  play(PlanLimits(settings.guard()), state);
+}
+
+Verdict pass_guard(const MotionSettings& settings, const GuardState& before,
+                   MotionState& state) noexcept {
+  const GuardLimits limits = settings.guard();
+  GuardState sent = before;
+  const Verdict verdict = guard(limits, sent, state.joints.q);
+  if (verdict.reason != Reason::kNone) {
+    // No plan starts here: the joints stop each by its own law until they
+    // stand.
+    const Pose X_first = forward(settings.arm, before.q - before.step);
+    const Pose X_last = forward(settings.arm, before.q);
+    state.X_ST = forward(settings.arm, sent.q);
+    state.tip_step = between(X_last, state.X_ST);
+    state.tip_change = state.tip_step - between(X_first, X_last);
+    state.stop = StopPlan();
   }
-  const StepBox box = braking_box(settings, state);
-  const double share = slowest(settings, state).share;
-  if (share == 0.0) {
-    state.step.setZero();
-    state.tip_step = Twist();
-    return;
-  }
-  Candidate c;
-  if (candidate(settings, state, share * state.tip_step, c) && box.contains(c.step)) {
-    accept(c, state);
-  } else {
-    brake_joints(settings, box, state);
-  }
+  state.joints = sent;
+  return verdict;
 }
 
 }  // namespace handrail

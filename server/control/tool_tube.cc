@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/base/deletable.h"
 #include "server/base/fnv.h"
 #include "server/control/blend.h"
 
@@ -63,8 +64,8 @@ Reason ToolTube::take(const MasterState& master, const Pose& X_ST) noexcept {
   return Reason::kNone;
 }
 
-void ToolTube::close(double dt) noexcept {
-  radius_ = let_go(radius_, kCatchUp, dt);
+void ToolTube::close(const Vec3& p_ST, double dt) noexcept {
+  radius_ = std::min(let_go(radius_, kCatchUp, dt), distance(p_ST));
   angle_ = let_go(angle_, kCatchUpRotation, dt);
 }
 
@@ -82,13 +83,22 @@ Vec3 ToolTube::across(const Vec3& p) const noexcept {
   }
 }
 
+TipSpace ToolTube::space(double room) const noexcept {
+  if (!kept(Check::kToolTube)) return {};
+  TipSpace space = space_of(position_);
+  space.room = room;
+  return space;
+}
+
 Vec3 ToolTube::bounded(const Vec3& p, double contact) const noexcept {
+  if (!kept(Check::kToolTube)) return p;
   const Vec3 off = across(p);
   const double size = off.norm(), most = radius_ + contact;
   return size > most + kOnTool ? Vec3(p - off * (1.0 - most / size)) : p;
 }
 
 Pose ToolTube::project(const Pose& X_SU, const Pose& X_ST) noexcept {
+  if (!kept(Check::kToolTube)) return X_SU;
   Pose X = X_SU;
   const Vec3& along = position_.direction_S;
   const double travel = (X.p - position_.p_SA).dot(along);
@@ -99,6 +109,10 @@ Pose ToolTube::project(const Pose& X_SU, const Pose& X_ST) noexcept {
   if (position_.one_way) allowed = std::max(allowed, tip);
   if (allowed != travel) X.p += (allowed - travel) * along;
   X.p = bounded(X.p, 0.0);
+  // From where the tip is to the tool, not beyond it.
+  const Vec3 side = across(X_ST.p);
+  const double beyond = across(X.p).dot(side);
+  if (beyond < 0.0) X.p -= beyond / side.squaredNorm() * side;
 
   if (!orientation_.active()) return X;
   const Quat q_tool = orientation_.advance(X.q);

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "server/base/link_state.h"
+#include "server/base/tip_space.h"
 #include "server/constraint/orientation_tool.h"
 
 namespace handrail {
@@ -20,8 +21,9 @@ class ToolTube {
   // one held, or another one of the same epoch: that command must not be applied.
   Reason take(const MasterState& master, const Pose& X_ST) noexcept;
 
-  // Shrinks what commands may be off, for `dt` [s]. To be called while the hand drives.
-  void close(double dt) noexcept;
+  // Shrinks what commands may be off, for `dt` [s], and to where the tip at `p_ST` has come nearer.
+  // To be called while the hand drives.
+  void close(const Vec3& p_ST, double dt) noexcept;
 
   // `X_SU` on the tools as far as they must be; on a one-way tool never behind the tip, and not
   // beyond an end. A command within a nanometre passes bit for bit.
@@ -29,6 +31,9 @@ class ToolTube {
 
   // `p` no further off the position tool than `contact` [m] beside what commands may be off.
   Vec3 bounded(const Vec3& p, double contact) const noexcept;
+
+  // Where the tip may be, `room` [m] beside the position tool.
+  TipSpace space(double room) const noexcept;
 
   // Distance and angle a command may be off the tools [m], [rad].
   double radius() const noexcept { return radius_; }

@@ -116,7 +116,7 @@ void RobotLoop::take_settings() {
   if (!settings_wait_ || !idle || !standing(state_.motion)) return;
   settings_ = next_settings_;
   settings_wait_ = false;
-  if (state_.placed) place(settings_, state_.motion.q, state_);
+  if (state_.placed) place(settings_, state_.motion.joints.q, state_);
 }
 
 void RobotLoop::publish(Nanos busy_for) {

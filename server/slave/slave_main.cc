@@ -20,6 +20,10 @@
 #include "server/slave/robot_loop.h"
 #include "server/slave/slave_server.h"
 
+#ifdef HANDRAIL_DELETABLE
+#error "a build whose checks can be left out is for handrail-lab only"
+#endif
+
 namespace handrail {
 namespace {
 

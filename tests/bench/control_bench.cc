@@ -17,7 +17,9 @@ namespace {
 constexpr double kToolTarget = 50.0;      // [ns]
 constexpr double kLedgerTarget = 50.0;    // [ns]
 constexpr double kHapticTarget = 1000.0;  // [ns]
-constexpr double kFollowTarget = 2000.0;  // [ns]
+constexpr double kGuardTarget = 100.0;    // [ns]
+constexpr double kFollowTarget = 20e3;    // [ns]
+constexpr double kHostileTarget = 200e3;  // [ns]
 constexpr int kBatch = 20;
 
 // A hand at up to 0.2 m/s along a fixed pattern: 0.2 mm a tick.
@@ -103,14 +105,22 @@ struct FollowCycle {
 };
 
 struct GuardCall {
-  JointVector q = test::home(), last = JointVector::Zero(), wanted = test::home();
-  bool pass;
-  explicit GuardCall(bool lets_pass) : pass(lets_pass) {
-    wanted += (pass ? 0.5 : 50.0) * rv2a_limits().max_acceleration * (0.0071 * 0.0071);
+  GuardLimits limits{rv2a_limits(), ArmGeometry(), Workspace(), 0.0071};
+  GuardState start;
+  JointVector wanted = test::home();
+  GuardCall(bool pass, bool moving) {
+    start.q = test::home();
+    start.clearance = 1.0;
+    if (moving) start.step = 0.5 * rv2a_limits().max_speed * 0.0071;
+    wanted += start.step;
+    if (!pass) wanted += rv2a_limits().max_speed * 0.0071;
   }
-  Guarded operator()() {
+  Verdict operator()() {
+    GuardState state = start;
     benchmark::DoNotOptimize(wanted);
-    return guard(rv2a_limits(), q, last, wanted, 0.0071);
+    const Verdict verdict = guard(limits, state, wanted);
+    benchmark::DoNotOptimize(state);
+    return verdict;
   }
 };
 
@@ -185,10 +195,14 @@ void follow_free(benchmark::State& s) {
   run(s, "follow_step/line", 1, kFollowTarget, FollowCycle(true));
 }
 void follow_limited(benchmark::State& s) {
-  run(s, "follow_step/line under limits", 1, kFollowTarget, FollowCycle(false));
+  run(s, "follow_step/line under limits", 1, kHostileTarget, FollowCycle(false));
 }
-void guard_pass(benchmark::State& s) { run(s, "guard/passes", kBatch, 0.0, GuardCall(true)); }
-void guard_limit(benchmark::State& s) { run(s, "guard/limits", kBatch, 0.0, GuardCall(false)); }
+void guard_pass(benchmark::State& s) {
+  run(s, "guard/passes", kBatch, kGuardTarget, GuardCall(true, true));
+}
+void guard_refuse(benchmark::State& s) {
+  run(s, "guard/brakes", kBatch, kGuardTarget, GuardCall(false, true));
+}
 
 void ledgers(benchmark::State& s) { run(s, "ledger/master", kBatch, kLedgerTarget, Ledgers()); }
 void follow_ledgers(benchmark::State& s) {
@@ -207,12 +221,12 @@ BENCHMARK(haptic_free)->Name("haptic_step_free");
 BENCHMARK(follow_free)->Name("follow_step_free");
 BENCHMARK(follow_limited)->Name("follow_step_limited");
 BENCHMARK(guard_pass)->Name("guard_passes");
-BENCHMARK(guard_limit)->Name("guard_limits");
+BENCHMARK(guard_refuse)->Name("guard_brakes");
 
 [[maybe_unused]] const bool compared = [] {
   // The same targets on the machine where KDL's forward took 595 ns.
   compare("haptic_step/line and N-rotation", "interleaved/kdl_forward", 1000.0 / 595.0);
-  compare("follow_step/line under limits", "interleaved/kdl_forward", 2000.0 / 595.0);
+  compare("follow_step/line under limits", "interleaved/kdl_forward", kHostileTarget / 595.0);
   compare("tool/line exact", "interleaved/kdl_forward", 50.0 / 595.0);
   return true;
 }();

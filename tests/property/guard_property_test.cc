@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include "server/base/random.h"
 #include "server/control/guard.h"
 #include "tests/unit/control/follow_rig.h"
 
@@ -12,7 +13,6 @@ namespace handrail {
 namespace {
 
 using test::FollowRig;
-using test::LimitWatch;
 
 // Below `n`, at full size: the default starts with the low ends of all ranges.
 int below(int n) { return *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(0, n)); }
@@ -65,22 +65,85 @@ Pose any_target(const Pose& here) {
   return X;
 }
 
-RC_GTEST_PROP(GuardProperty, WhateverIsWantedTheNextJointsAreWithinEveryLimit, ()) {
+// Commands made to break what the guard keeps: jumps, ends of ranges, edges of each limit, no
+// numbers.
+double hostile(int kind, const GuardLimits& limits, const GuardState& s, int i, Random& random) {
+  const AxisLimits& l = limits.axis[static_cast<std::size_t>(i)];
+  const double u = random.uniform(), on = s.q[i] + s.step[i];
+  switch (kind) {
+    case 0:
+      return s.q[i] + 0.3 * random.normal();
+    case 1:
+      return limits.lower[i] + u * (limits.upper[i] - limits.lower[i]);
+    case 2:
+      return u < 0.5 ? 1e9 : -1e9;
+    case 3:
+      return u < 0.1 ? std::numeric_limits<double>::quiet_NaN() : on;
+    case 4:
+      return limits.upper[i] + 1e-3 * (u - 0.5);
+    case 5:
+      return limits.lower[i];
+    case 6:
+      return on + s.change[i] + 1.2 * (2.0 * u - 1.0) * l.jerk;
+    case 7:
+      return u < 0.01 ? 1e308 : s.q[i] + (i % 2 == 0 ? l.speed : -l.speed);
+    case 8:
+      return on + (u < 0.5 ? l.acceleration : -l.acceleration);
+    default:
+      return on + 2.2 * (u - 0.5) * l.acceleration;
+  }
+}
+
+// 10^6 commands. The workspace's faces cut through where the tip goes.
+TEST(GuardProperty, AMillionHostileCommandsNeverBreakALimitAndStopsEndInTime) {
   constexpr double kDt = 0.0071;
-  const JointLimits& limits = rv2a_limits();
-  JointVector q = any_joints(1.0), last = JointVector::Zero(), before = q;
-  LimitWatch watch;
-  const int cycles = 50 + below(150);
-  for (int i = 0; i < cycles; ++i) {
-    JointVector wanted = any_joints(1.0);
-    if (below(10) == 0) wanted[below(kJoints)] = odd_number();
-    const Guarded out = guard(limits, q, last, wanted, kDt);
-    watch.see(limits, kDt, before, q, out.q);
-    RC_ASSERT(watch.kept());
-    RC_ASSERT((out.reason == Reason::kNone) == (out.q == wanted));
-    before = q;
-    last = out.q - q;
-    q = out.q;
+  Random random(7);
+  const ArmGeometry arm;
+  for (const double jerk_time : {0.01, 0.02, 0.05}) {
+    JointLimits joints = rv2a_limits();
+    joints.max_jerk = joints.max_acceleration / jerk_time;
+    Workspace workspace;
+    workspace.high = Vec3(0.9, 0.5, 1.0);
+    const GuardLimits limits(joints, arm, workspace, kDt);
+    GuardState state;
+    state.q = test::home();
+    test::JointWatch watch;
+    watch.see(joints, kDt, state.q);
+    int kind = 0, left = 0, passed = 0;
+    double outside = -1.0, late = -1e9;
+    for (int k = 0; k < 333'334; ++k) {
+      if (left-- <= 0) {
+        kind = static_cast<int>(10.0 * random.uniform());
+        left = static_cast<int>(60.0 * random.uniform());
+        // A stop from here.
+        double bound = 0.0;
+        for (std::size_t i = 0; i < kJoints; ++i) {
+          const AxisLimits& l = limits.axis[i];
+          bound = std::max(bound, std::abs(state.step[static_cast<int>(i)]) / l.acceleration +
+                                      2.5 * l.acceleration / l.jerk);
+        }
+        GuardState stopping = state;
+        int cycles = 0;
+        do {
+          guard_brake(limits, stopping);
+          ++cycles;
+        } while (!stopping.step.isZero(0.0) && cycles < 300);
+        late = std::max(late, cycles - 1 - bound);
+      }
+      JointVector wanted;
+      for (int i = 0; i < kJoints; ++i) wanted[i] = hostile(kind, limits, state, i, random);
+      const Verdict verdict = guard(limits, state, wanted);
+      passed += verdict.reason == Reason::kNone;
+      ASSERT_EQ(verdict.reason == Reason::kNone, state.q == wanted);
+      watch.see(joints, kDt, state.q);
+      const Vec3 p = forward(arm, state.q).p;
+      outside =
+          std::max({outside, (p - workspace.high).maxCoeff(), (workspace.low - p).maxCoeff()});
+    }
+    EXPECT_TRUE(watch.kept()) << jerk_time;
+    EXPECT_LE(outside, 0.0);
+    EXPECT_LT(late, 1.0);
+    EXPECT_GT(passed, 10'000);
   }
 }
 

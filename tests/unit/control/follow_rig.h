@@ -2,38 +2,11 @@
 // told to be, and a watch on every joint step.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-
 #include "server/control/follow_step.h"
 #include "tests/support/arm_samples.h"
+#include "tests/unit/control/joint_watch.h"
 
 namespace handrail::test {
-
-// Greatest share of a limit that any step has taken; 1 is the limit itself.
-struct LimitWatch {
-  double speed = 0.0;
-  double acceleration = 0.0;
-  double range = -1e9;  // how far beyond the range [rad]; negative inside
-  bool finite = true;
-
-  bool kept() const { return finite && speed <= kFull && acceleration <= kFull && range <= 1e-9; }
-
-  void see(const JointLimits& limits, double dt, const JointVector& before_last,
-           const JointVector& last, const JointVector& now) {
-    finite = finite && now.allFinite();
-    const JointVector step = now - last, change = step - (last - before_last);
-    for (int i = 0; i < kJoints; ++i) {
-      speed = std::max(speed, std::abs(step[i]) / (limits.max_speed[i] * dt));
-      acceleration =
-          std::max(acceleration, std::abs(change[i]) / (limits.max_acceleration[i] * dt * dt));
-      range = std::max({range, now[i] - limits.upper[i], limits.lower[i] - now[i]});
-    }
-  }
-
- private:
-  static constexpr double kFull = 1.0 + 1e-9;
-};
 
 inline JointVector home() { return joints_deg(0, 0, 90, 0, 90, 0); }
 
@@ -42,17 +15,17 @@ class FollowRig {
   explicit FollowRig(const JointVector& q = home()) {
     settings.motion.limits = rv2a_limits();
     in.robot_ready = true;
-    in.q_measured = before_ = last_ = q;
+    in.q_measured = last_ = q;
     in.wrench_valid = true;
     place(settings, q, state);
+    watch.see(settings.motion.limits, settings.motion.dt, q);
   }
 
   // One cycle with what `in` says.
   void cycle() {
     follow_step(settings, in, state, out);
-    watch.see(settings.motion.limits, settings.motion.dt, before_, last_, out.q_target);
-    guarded += out.link.reason == Reason::kGuard ? 1 : 0;
-    before_ = last_;
+    watch.see(settings.motion.limits, settings.motion.dt, out.q_target);
+    guarded = static_cast<int>(state.guarded);
     last_ = in.q_measured = out.q_target;
     tip = forward(settings.motion.arm, out.q_target);
   }
@@ -84,12 +57,12 @@ class FollowRig {
   FollowState state;
   FollowInput in;
   FollowOutput out;
-  LimitWatch watch;
+  JointWatch watch;
   int guarded = 0;  // cycles in which the guard had to act
   Pose tip;         // forward kinematics of the newest target
 
  private:
-  JointVector before_, last_;
+  JointVector last_;
 };
 
 }  // namespace handrail::test

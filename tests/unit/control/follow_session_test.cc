@@ -215,6 +215,22 @@ TEST(FollowSession, AResetOfAnEarlierSlavesFaultDoesNotReleaseThisOnes) {
   EXPECT_EQ(rig.out.link.state, SessionState::kOff);
 }
 
+TEST(FollowSession, AResetOfAMasterThatHasNotAnsweredReleasesNothing) {
+  FollowRig rig;
+  rig.engage();
+  rig.in.fault = Reason::kRobotAlarm;
+  rig.cycle();
+  rig.in.fault = Reason::kNone;
+  rig.in.master.fault_reset = rig.out.link.fault_epoch;
+  rig.in.master.state = SessionState::kOff;
+  rig.in.link.confirmed = false;
+  for (int i = 0; i < 10; ++i) rig.cycle();
+  EXPECT_EQ(rig.out.link.state, SessionState::kFault);
+  rig.in.link.confirmed = true;
+  rig.cycle();
+  EXPECT_EQ(rig.out.link.state, SessionState::kOff);
+}
+
 TEST(FollowSession, AMasterFirstHeardAfterTheFaultDoesNotReleaseItByAnOldReset) {
   for (const bool another : {false, true}) {
     FollowRig rig;

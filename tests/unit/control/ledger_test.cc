@@ -116,5 +116,26 @@ TEST(Ledger, TheForcesAddUpAndEachIsWhatItsStageDid) {
   }
 }
 
+TEST(Ledger, WhatThePeakTakesIsTheClampsAndWhatTheStepLimitHoldsBackTheGovernors) {
+  ForceLimits limits;
+  limits.peak = 3.3;
+  limits.continuous = 3.3;
+  const auto settled = [&](const Vec3& tool, int ticks) {
+    Arbiter arbiter;
+    ForceShares shares;
+    for (int i = 0; i < ticks; ++i) {
+      shares = arbiter.share(limits, tool, Vec3::Zero(), 0.0, true, 1e-3);
+    }
+    return account(shares, tool, Vec3::Zero(), Vec3::Zero(), Vec3::Zero());
+  };
+  const ForceLedger over = settled({0, 5, 0}, 5000);
+  EXPECT_NEAR(over.clamp.y(), 3.3 - 5.0, 1e-9);
+  EXPECT_LT(over.governor.norm(), 1e-9);
+  const ForceLedger begun = settled({0, 2, 0}, 1);
+  EXPECT_EQ(begun.clamp, Vec3(Vec3::Zero()));
+  EXPECT_LT(begun.governor.y(), -1.0);
+  EXPECT_NEAR(begun.governor.y(), begun.device.y() - 2.0, 1e-12);
+}
+
 }  // namespace
 }  // namespace handrail

@@ -111,6 +111,58 @@ TEST(FollowingMonitor, AnArmOfAnySoundLagIsSilentForTenMinutes) {
   }
 }
 
+// A joint anywhere, each way drawn from its limits, and each arm of its own lag and delay.
+TEST(FollowingMonitor, AnArmOfAnySoundLagIsSilentWhateverTheMotion) {
+  const double speed = 4.0 * kCycle, change = 26.0 * kCycle * kCycle;
+  for (int run = 0; run < 200; ++run) {
+    Dice dice(static_cast<std::uint32_t>(100 + run));
+    const double lag = dice.between(0.001, 0.090);
+    FollowingMonitor monitor;
+    JointVector q = JointVector::Zero(), last = q, arm = q;
+    monitor.restart(q);
+    double step = 0.0, wanted = 0.0;
+    for (int i = 0; i < 2000; ++i) {
+      arm += (last - arm) * (1.0 - std::exp(-kCycle / lag));
+      ASSERT_FALSE(monitor.lost({}, q, arm, kCycle)) << run << " cycle " << i;
+      if (dice.between(0, 1) < 0.05) wanted = dice.between(-speed, speed);
+      step += std::clamp(wanted - step, -change, change);
+      last = q;
+      q[2] += step;
+    }
+  }
+}
+
+TEST(FollowingMonitor, AnArmThatStandsWhileASlowCommandGoesOnIsSeenInTime) {
+  FollowingMonitor monitor;
+  JointVector q = JointVector::Zero();
+  monitor.restart(q);
+  // At 0.2 rad/s the slowest sound arm is 22 mrad behind; 11 mrad more are no sound arm.
+  int cycles = 0;
+  for (; !monitor.lost({}, q, JointVector::Zero(), kCycle); ++cycles) q[1] += 0.2 * kCycle;
+  EXPECT_LT(cycles * kCycle, 0.25);
+  EXPECT_GT(cycles * kCycle, 0.05);
+}
+
+// A slave that starts anew while the arm still comes to where its predecessor sent it.
+TEST(FollowingMonitor, AnArmTakenOverInMotionMayArriveAndOneThatNeverDoesIsSeen) {
+  for (const bool arrives : {true, false}) {
+    FollowingMonitor monitor;
+    const JointVector q = JointVector::Zero();
+    JointVector arm = JointVector::Constant(0.1);
+    monitor.restart(q);
+    int cycles = 0;
+    for (; cycles < 200; ++cycles) {
+      if (arrives) arm *= std::exp(-kCycle / 0.09);
+      if (monitor.lost({}, q, arm, kCycle)) break;
+    }
+    if (arrives) {
+      EXPECT_EQ(cycles, 200);
+    } else {
+      EXPECT_LT(cycles * kCycle, 0.6);
+    }
+  }
+}
+
 TEST(FollowingMonitor, AnArmThatStopsOnItsWayIsSeen) {
   Dice dice(5);
   for (int until = 200; until < 400; until += 7) {

@@ -61,8 +61,9 @@ TEST(ToolTube, AWrongMasterNeverTakesTheTipOffItsTool) {
       if (pushed) rig.in.f_E_T.force = dice.within(200.0);
       rig.follow(X);
       const double now = off(tool, rig.tip.p);
-      ASSERT_LE(now, nearest + kOnTool + (pushed ? kContact : 0.0))
-          << "run " << run << " cycle " << i;
+      // On its way there the stop of a tip that flies by may lead outward a little.
+      const double room = nearest > kOnTool ? 2e-3 : kOnTool;
+      ASSERT_LE(now, nearest + room + (pushed ? kContact : 0.0)) << "run " << run << " cycle " << i;
       nearest = std::min(nearest, now);
     }
     EXPECT_TRUE(rig.watch.kept());

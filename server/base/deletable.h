@@ -1,0 +1,46 @@
+// Checks that the lab can leave out, to show that the fault matrix needs every one of them.
+#pragma once
+
+#include <cstdint>
+
+namespace handrail {
+
+enum class Check : std::uint8_t {
+  kFinite,        // the guard's
+  kWorkspace,     //
+  kRange,         //
+  kSpeed,         //
+  kAcceleration,  //
+  kJerk,          //
+  kFollowing,     // the arm does not follow
+  kSensor,        // no or bad readings of the force sensor
+  kStuck,         // it repeats itself
+  kEncoder,       // bad measured joints
+  kWatchdog,      // nothing fresh for 20 ms: slow, hold, poor
+  kLatch,         // nothing fresh for 200 ms: an operator has to engage again
+  kSequence,      // only a rising sequence is newest
+  kConfirmed,     // a session that has not answered this one is not obeyed
+  kStopEpoch,     // the operator's stop in every datagram
+  kPresence,      // somebody is there
+  kLoopAge,       // the loop's age is said and fades the force
+  kQuality,       // a poor link holds, engaging waits for a good one
+  kStaleSend,     // what a loop has not renewed is not sent
+  kToolTube,      // the slave's own hold on the tools
+  kLease,         // one operator drives
+  kStopInput,     // the local stop circuit
+  kCount
+};
+
+// Whether a check is made. Always, but in a build with HANDRAIL_DELETABLE, which no daemon accepts.
+#ifdef HANDRAIL_DELETABLE
+inline constexpr bool kDeletable = true;
+inline std::uint64_t deleted_checks = 0;  // a bit for each; changed only while nothing else runs
+inline bool kept(Check check) noexcept {
+  return ((deleted_checks >> static_cast<unsigned>(check)) & 1u) == 0;
+}
+#else
+inline constexpr bool kDeletable = false;
+constexpr bool kept(Check) noexcept { return true; }
+#endif
+
+}  // namespace handrail

@@ -1,0 +1,164 @@
+#include "server/kinematics/reach.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "server/kinematics/box_solve.h"
+#include "server/kinematics/jacobian.h"
+
+namespace handrail {
+namespace {
+
+constexpr double kAsTurned = 1e-5; // [rad]
+constexpr double kStrict = 1e8;     // weight of staying on the space; of going along it it is 1
+constexpr double kTurn = 1e-8;      // weight of the orientation beside the place [m^2]
+constexpr double kDamping = 1e-11;  // so that a solution exists
+constexpr double kSlack = 1e-6;       // less beyond an end is rounding [rad]
+constexpr double kLongest = 0.3;    // of one step of a search [rad]
+constexpr double kFound = 1e-10;    // [rad]
+constexpr double kBeyond = 100.0;   // what a radian beyond a range counts beside one of turning
+constexpr int kArmSteps = 16;
+constexpr int kWristSteps = 8;
+
+struct Ranges {
+  JointVector low, high;
+
+  double beyond(const JointVector& q, int i) const {
+    return std::max({0.0, q[i] - high[i], low[i] - q[i]});
+  }
+  // The joint furthest beyond its end of those from `first`, -1 for none.
+  std::int8_t worst(const JointVector& q, std::int8_t first, std::int8_t last) const {
+    std::int8_t joint = -1;
+    double most = kSlack;
+    for (std::int8_t i = first; i <= last; ++i) {
+      if (beyond(q, i) > most) {
+        most = beyond(q, i);
+        joint = i;
+      }
+    }
+    return joint;
+  }
+  // The joint nearest to an end of its range.
+  std::int8_t nearest_end(const JointVector& q, std::int8_t first, std::int8_t last) const {
+    std::int8_t joint = first;
+    double least = 1e9;
+    for (std::int8_t i = first; i <= last; ++i) {
+      const double left = std::min(high[i] - q[i], q[i] - low[i]);
+      if (left < least) {
+        least = left;
+        joint = i;
+      }
+    }
+    return joint;
+  }
+};
+
+// The wrist's other ways to turn the tip as at `q`: flipped, J4 and J6 half a turn either way; the
+// one within its ranges that is nearest to the seed.
+JointVector best_wrist(const Ranges& ranges, const JointVector& q, const JointVector& seed) {
+  JointVector best = q;
+  double least = 1e9;
+  for (const int flip : {0, 1}) {
+    for (const int turns_4 : {-1, 1}) {
+      for (const int turns_6 : {-1, 1}) {
+        JointVector c = q;
+        if (flip == 1) c[4] = -q[4];
+        c[3] += flip * turns_4 * std::numbers::pi;
+        c[5] += flip * turns_6 * std::numbers::pi;
+        const double beyond = ranges.beyond(c, 3) + ranges.beyond(c, 4) + ranges.beyond(c, 5);
+        const double cost = (c - seed).tail<3>().cwiseAbs().maxCoeff() + kBeyond * beyond;
+        if (cost < least) {
+          least = cost;
+          best = c;
+        }
+      }
+    }
+  }
+  return best;
+}
+
+// Turns J1 to J3 so that the wrist centre comes to `goal`, or as near as it may along the space;
+// where it comes.
+Vec3 reach_wrist(const ArmGeometry& arm, const Ranges& ranges, const TipSpace& space,
+                 const Vec3& goal, JointVector& q) {
+  ArmGeometry to_wrist = arm;
+  to_wrist.d6 = 0.0;
+  q = q.cwiseMax(ranges.low).cwiseMin(ranges.high);
+  for (int step = 0; step < kArmSteps; ++step) {
+    const Mat3 J = tip_jacobian(to_wrist, q).linear.leftCols<3>();
+    const Vec3 way = goal - forward(to_wrist, q).p;
+    // What of the way stays out of reach bends the circles the joints move on: without it the
+    // steps toward something far away would overshoot.
+    Mat3 H = (way.norm() * J.colwise().norm().array() + kDamping).matrix().asDiagonal();
+    Vec3 g = Vec3::Zero();
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 row = J.transpose() * space.axes_S.col(k);
+      const double weight = k < space.freedom() ? 1.0 : kStrict;
+      H += weight * row * row.transpose();
+      g += weight * space.axes_S.col(k).dot(way) * row;
+    }
+    const Vec3 longest = Vec3::Constant(kLongest);
+    const Vec3 low = (ranges.low - q).head<3>().cwiseMax(-longest);
+    const Vec3 high = (ranges.high - q).head<3>().cwiseMin(longest);
+    const Vec3 d = solve_in_box<3>(H, g, low, high, Vec3::Ones());
+    q.head<3>() += d;
+    if (d.cwiseAbs().maxCoeff() < kFound) break;
+  }
+  return forward(to_wrist, q).p;
+}
+
+// Joints that turn the tip as near to `goal` as the ranges allow, in its place.
+JointVector turn_tip(const ArmGeometry& arm, const Ranges& ranges, const Pose& goal,
+                     JointVector q) {
+  q = q.cwiseMax(ranges.low).cwiseMin(ranges.high);
+  for (int step = 0; step < kWristSteps; ++step) {
+    const Pose X = forward(arm, q);
+    const TipJacobian J = tip_jacobian(arm, q);
+    Eigen::Matrix<double, kJoints, kJoints> H =
+        J.linear.transpose() * J.linear + kTurn * J.angular.transpose() * J.angular;
+    const Vec3 turn = rotation_log(goal.q * X.q.conjugate());
+    H.diagonal().array() += kTurn * turn.norm() + kDamping;
+    const JointVector g =
+        J.linear.transpose() * (goal.p - X.p) + kTurn * J.angular.transpose() * turn;
+    const JointVector longest = JointVector::Constant(kLongest);
+    const JointVector low = (ranges.low - q).cwiseMax(-longest);
+    const JointVector high = (ranges.high - q).cwiseMin(longest);
+    const JointVector d = solve_in_box<kJoints>(H, g, low, high, JointVector::Ones());
+    q += d;
+    if (d.cwiseAbs().maxCoeff() < kFound) break;
+  }
+  return q;
+}
+
+}  // namespace
+
+Reached nearest_reachable(const ArmGeometry& arm, const JointLimits& limits, const TipSpace& space,
+                          const Pose& X, const JointVector& seed,
+                          const JointVector& inside) noexcept {
+  const Ranges ranges{limits.lower + inside, limits.upper - inside};
+  Reached out{seed, X, -1, false};
+  const bool solved = inverse_near(arm, X, seed, out.q) == InverseStatus::kOk;
+  if (solved) out.q = best_wrist(ranges, out.q, seed);
+  out.joint = solved ? ranges.worst(out.q, 0, 5) : std::int8_t{2};
+  if (out.joint < 0) return out;
+
+  // The place first, turned as the tip is now; then the turn.
+  Pose goal{X.p, forward(arm, seed).q};
+  // Turned as asked for it forgets by how little it is not, cycle after cycle.
+  if (angle_between(goal.q, X.q) < kAsTurned) goal.q = X.q;
+  JointVector q = seed;
+  out.arm = inverse_near(arm, goal, seed, q) != InverseStatus::kOk || ranges.worst(q, 0, 2) >= 0;
+  if (out.arm) {
+    q = seed;
+    const Vec3 to_tip = arm.d6 * (goal.q * Vec3::UnitZ());
+    goal.p = space.nearest(reach_wrist(arm, ranges, space, X.p - to_tip, q) + to_tip);
+    out.joint = ranges.nearest_end(q, 0, 2);
+    inverse_near(arm, goal, q, q);
+  }
+  out.q = turn_tip(arm, ranges, {goal.p, X.q}, q);
+  out.X = forward(arm, out.q);
+  return out;
+}
+
+}  // namespace handrail

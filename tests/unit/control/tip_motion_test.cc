@@ -1,0 +1,184 @@
+#include "server/control/tip_motion.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "tests/support/arm_samples.h"
+#include "tests/unit/control/motion_rig.h"
+
+namespace handrail {
+namespace {
+
+using test::between;
+using test::joints_deg;
+using test::MotionRig;
+using test::normal;
+
+const JointVector kHome = joints_deg(0, 0, 90, 0, 90, 0);
+
+TipSpace space_of(int free, const Vec3& p, Random& random) {
+  const Vec3 d = normal(random).normalized();
+  if (free == 0) return point_space(p);
+  if (free == 1) return line_space(p, d);
+  if (free == 2) return plane_space(p, d);
+  return {};
+}
+
+class TipMotionIn : public testing::TestWithParam<int> {};
+
+// Targets that jump, wave and shake, in and out of reach; stops asked for at any time.
+TEST_P(TipMotionIn, ItsSpaceStaysThereAndWithinEveryLimitAndStopsInTimeWithoutTheGuard) {
+  Random random(3);
+  int stops = 0;
+  for (int run = 0; run < 12; ++run) {
+    JointVector q = kHome;
+    for (int i = 0; i < kJoints; ++i) q[i] += between(random, -0.4, 0.4);
+    MotionRig rig(q);
+    const Pose start = rig.state.X_ST;
+    rig.space = space_of(GetParam(), start.p, random);
+    const Vec3 direction = normal(random).normalized();
+    Pose aim = start;
+    int mode = 0, left = 0;
+    for (int k = 0; k < 600; ++k) {
+      if (left-- <= 0) {
+        mode = static_cast<int>(between(random, 0, 4));
+        left = 30 + static_cast<int>(between(random, 0, 60));
+        aim.p = start.p + 0.15 * normal(random);
+        aim.q = (rotation_exp(0.5 * normal(random)) * start.q).normalized();
+      }
+      Pose target = aim;
+      if (mode == 1) target.p = start.p + 0.1 * std::sin(0.0446 * k) * direction;
+      if (mode == 2) target.p += 0.02 * normal(random);
+      if (k % 75 == 74) {
+        ASSERT_LE(rig.cycles_to_stop(), rig.stop_bound()) << "run " << run << " cycle " << k;
+        ++stops;
+      }
+      rig.follow(target);
+    }
+    ASSERT_TRUE(rig.watch.kept()) << run;
+    ASSERT_EQ(rig.guarded, 0) << run;
+    ASSERT_LT(rig.off_space, 1e-8) << run;
+  }
+  EXPECT_EQ(stops, 12 * 8);
+}
+
+INSTANTIATE_TEST_SUITE_P(PointLinePlaneAndFree, TipMotionIn, testing::Range(0, 4));
+
+// Delay and shape error of the tip behind a sine of 1 Hz, best fit.
+struct Lag {
+  double delay = 0.0;  // [s]
+  double shape = 0.0;  // [m] rms
+};
+
+Lag lag_of(double amplitude) {
+  MotionRig rig(kHome);
+  const Pose start = rig.state.X_ST;
+  std::vector<double> tip, when;
+  for (int k = 0; k < 1500; ++k) {
+    const double t = k * rig.settings.dt;
+    rig.follow({start.p + Vec3(0, amplitude * std::sin(2.0 * std::numbers::pi * t), 0), start.q});
+    if (k < 300) continue;
+    tip.push_back(rig.state.X_ST.p.y() - start.p.y());
+    when.push_back(t);
+  }
+  EXPECT_EQ(rig.guarded, 0);
+  EXPECT_TRUE(rig.watch.kept());
+  Lag best{0.0, 1e9};
+  for (double delay = 0.0; delay < 0.15; delay += 0.0005) {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < tip.size(); ++k) {
+      const double wanted = amplitude * std::sin(2.0 * std::numbers::pi * (when[k] - delay));
+      sum += (tip[k] - wanted) * (tip[k] - wanted);
+    }
+    const double rms = std::sqrt(sum / static_cast<double>(tip.size()));
+    if (rms < best.shape) best = {delay, rms};
+  }
+  return best;
+}
+
+// What stopping on the command wherever it may end costs: v/2a + a/2j.
+TEST(TipMotion, FollowsAHandAtOneHertzWithTheLagOfItsLimitsAndNoMore) {
+  const Lag small = lag_of(0.025), middle = lag_of(0.05), large = lag_of(0.1);
+  RecordProperty("lag_25mm_ms", std::to_string(1e3 * small.delay));
+  RecordProperty("lag_50mm_ms", std::to_string(1e3 * middle.delay));
+  RecordProperty("lag_100mm_ms", std::to_string(1e3 * large.delay));
+  EXPECT_LT(small.delay, 0.021);
+  EXPECT_LT(middle.delay, 0.033);
+  EXPECT_LT(large.delay, 0.055);
+  EXPECT_LT(small.shape, 0.4e-3);
+  EXPECT_LT(middle.shape, 1.3e-3);
+}
+
+// A tip that holds its place, give or take, still turns as fast as it can.
+TEST(TipMotion, ATurnIsNotHeldUpByAPlaceThatIsAllButReached) {
+  MotionRig rig(kHome);
+  const Pose start = rig.state.X_ST;
+  Random random(8);
+  double behind = 0.0;
+  for (int k = 0; k < 1500; ++k) {
+    const double t = k * rig.settings.dt;
+    const Vec3 turn(0.1 * std::sin(3.0 * t), 0.1 * std::sin(3.7 * t), 0.1 * std::sin(2.3 * t));
+    rig.follow({start.p + 2e-5 * normal(random), (rotation_exp(turn) * start.q).normalized()});
+    if (k > 100) {
+      behind = std::max(behind, angle_between(rig.state.X_ST.q, rotation_exp(turn) * start.q));
+    }
+  }
+  EXPECT_LT(behind, 0.06);
+  EXPECT_EQ(rig.guarded, 0);
+}
+
+struct Push {
+  const char* name;
+  JointVector q;     // where it starts
+  JointVector past;  // whose orientation the far end has; and whose place, if `away` is zero
+  Vec3 away;         // the far end from the start [m]
+};
+
+class PushedFor60Seconds : public testing::TestWithParam<int> {
+ public:
+  static Push push() {
+    switch (GetParam()) {
+      case 0:
+        return {"turned through a straight wrist", joints_deg(0, 0, 90, 20, 40, 0),
+                joints_deg(0, 0, 90, -40, -29, 0), Vec3::Zero()};
+      case 1:
+        return {"a millimetre beside a straight wrist", joints_deg(0, 0, 90, 0, 30, 0),
+                joints_deg(0, 0, 90, 0, 30, 0), Vec3(0.03, 0.001, 0.16)};
+      case 2:
+        return {"the wrist over the base axis", joints_deg(0, -30, 150, 0, 60, 0),
+                joints_deg(0, -30, 150, 0, 60, 0), Vec3(-0.6, 0.02, 0.2)};
+      default:
+        return {"out of reach", kHome, kHome, Vec3(1.5, 0.3, 0.3)};
+    }
+  }
+};
+
+TEST_P(PushedFor60Seconds, TheArmNeverFreezesNorNeedsTheGuardAndComesBack) {
+  const Push push = PushedFor60Seconds::push();
+  MotionRig rig(push.q);
+  const Pose start = rig.state.X_ST;
+  const Quat q_far = forward(rig.settings.arm, push.past).q;
+  for (int k = 0; k < 8450; ++k) {
+    const double t = k * rig.settings.dt;
+    const double far = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * 0.1 * t);
+    const double around = 2.0 * std::numbers::pi * 0.25 * t;
+    rig.follow({start.p + far * push.away + 0.01 * Vec3(std::sin(around), std::cos(around), 0.0),
+                start.q.slerp(far, q_far)});
+  }
+  EXPECT_LE(rig.frozen, 2) << push.name;  // the end of a stop is two equal commands
+  EXPECT_EQ(rig.guarded, 0) << push.name;
+  EXPECT_TRUE(rig.watch.kept()) << push.name;
+  int cycles = 0;
+  while (cycles < 1000 && ((rig.state.X_ST.p - start.p).norm() > 1e-4 ||
+                           angle_between(rig.state.X_ST.q, start.q) > 1e-3)) {
+    rig.follow(start);
+    ++cycles;
+  }
+  EXPECT_LT(cycles * rig.settings.dt, 1.5) << push.name;
+}
+
+INSTANTIATE_TEST_SUITE_P(WristBesideShoulderAndReach, PushedFor60Seconds, testing::Range(0, 4));
+
+}  // namespace
+}  // namespace handrail
