@@ -256,6 +256,11 @@ void add_faults(CLI::App& app, FaultCommand& faults) {
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   sub->add_flag("--json", faults.json, "print the rows as JSON");
+  auto* without = sub->add_option("--delete", faults.without,
+                                  "leave a check out, such as jerk; needs the build 'deletable'");
+  sub->add_flag("--prove", faults.prove,
+                "leave every check out in turn: 1 if a row does not turn red; same build")
+      ->excludes(without);
 }
 
 int run(int argc, char** argv) {

@@ -78,6 +78,11 @@ void LinkWay::inject(std::span<const std::uint8_t> bytes, Nanos now) noexcept {
   launch(datagram, now);
 }
 
+std::span<const std::uint8_t> LinkWay::newest() const noexcept {
+  const Datagram& last = history_[(remembered_ + kHistory - 1) % kHistory];
+  return std::span(last.bytes).first(last.size);
+}
+
 void LinkWay::remember(const Datagram& datagram) noexcept {
   history_[remembered_++ % kHistory] = datagram;
 }

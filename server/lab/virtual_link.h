@@ -73,6 +73,9 @@ class LinkWay {
   // Throws away what waits in the queue: the receiving program has died.
   void flush() noexcept;
 
+  // The bytes of the datagram sent last; empty: none yet.
+  std::span<const std::uint8_t> newest() const noexcept;
+
   const WayCounters& counters() const noexcept { return counters_; }
   // What was taken since the last clear_deliveries().
   std::span<const Delivery> deliveries() const noexcept { return {taken_.data(), taken_count_}; }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <random>
 
+#include "server/base/deletable.h"
+
 namespace handrail {
 
 Nanos LinkSnapshot::age(Nanos now) const noexcept {
@@ -16,7 +18,8 @@ Nanos LinkSnapshot::loop_age(Nanos now) const noexcept {
 bool LinkSnapshot::confirmed(Nanos now) const noexcept { return loop_age(now) <= kConfirmedAge; }
 
 LinkQuality LinkSnapshot::quality(Nanos now) const noexcept {
-  return age(now) > kPoorAge ? LinkQuality::kPoor : grade_of(received_of_100);
+  return age(now) > kPoorAge && kept(Check::kWatchdog) ? LinkQuality::kPoor
+                                                       : grade_of(received_of_100);
 }
 
 LinkView LinkSnapshot::view(Nanos now) const noexcept {
@@ -52,7 +55,7 @@ Reject PeerCore::accept(const DatagramHeader& header, Nanos now) noexcept {
     const Reject order = arrivals_.add(header.sequence);
     snapshot_.received_of_100 = arrivals_.received();
     snapshot_.loss_share = arrivals_.loss_share();
-    if (order != Reject::kNone) return order;
+    if (order != Reject::kNone && kept(Check::kSequence)) return order;
   } else {
     const Reject cause = accept_session(header, now);
     if (cause != Reject::kNone) return cause;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 
+#include "server/base/deletable.h"
 #include "server/base/time.h"
 #include "server/link/peer.h"
 #include "server/link/transport.h"
@@ -50,7 +51,7 @@ class LinkPump {
   // Sends `state` if a datagram is due and it is still true: a loop that stands still falls silent,
   // and the other side's ladder does the rest.
   void send(Nanos now, const Local& state, Nanos good_until = kForever) noexcept {
-    if (now > good_until) return peer_.withhold(now);
+    if (now > good_until && kept(Check::kStaleSend)) return peer_.withhold(now);
     const std::size_t size = peer_.poll(now, state, buffer_);
     if (size != 0) (void)transport_.send(std::span(buffer_).first(size));
   }

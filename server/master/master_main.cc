@@ -22,6 +22,10 @@
 #include "server/scene/config_io.h"
 #include "server/scene/scene_library.h"
 
+#ifdef HANDRAIL_DELETABLE
+#error "a build whose checks can be left out is for handrail-lab only"
+#endif
+
 namespace handrail {
 namespace {
 

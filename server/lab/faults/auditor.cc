@@ -7,10 +7,7 @@
 namespace handrail {
 namespace {
 
-constexpr double kRounding = 1e-9;       // of a limit
-constexpr double kStandingStep = 1e-12;  // a smaller step is none [rad]
-constexpr double kCatchUp = 0.06;        // a tip off its tool comes to it at least this fast [m/s]
-constexpr double kToolGrace = 0.3;       // from when a tool comes to when that counts [s]
+constexpr double kRounding = 1e-9;  // of a limit
 
 bool drives(const MasterState& state) {
   return state.desired != Desired::kOff &&
@@ -20,38 +17,12 @@ bool drives(const MasterState& state) {
 
 }  // namespace
 
-const char* name_of(Breach breach) noexcept {
-  switch (breach) {
-    case Breach::kNotFinite:
-      return "not finite";
-    case Breach::kRange:
-      return "joint range";
-    case Breach::kSpeed:
-      return "joint speed";
-    case Breach::kAcceleration:
-      return "joint acceleration";
-    case Breach::kJerk:
-      return "joint jerk";
-    case Breach::kUnled:
-      return "moved without being led";
-    case Breach::kLateStop:
-      return "stopped late";
-    case Breach::kUnasked:
-      return "went where nobody asked";
-    case Breach::kOffTool:
-      return "off the tool";
-    case Breach::kCount:
-      break;
-  }
-  return "unknown";
-}
-
 std::uint64_t AuditReport::total() const noexcept {
   return std::accumulate(breaches.begin(), breaches.end(), std::uint64_t{0});
 }
 
 Auditor::Auditor(const AuditLimits& limits)
-    : limits_(limits), dt_(to_seconds(limits.period)), sent_(kRemembered) {}
+    : limits_(limits), dt_(to_seconds(limits.period)), sent_(kRemembered), joints_(limits) {}
 
 void Auditor::sent(std::uint64_t number, std::uint32_t incarnation, const MasterState& state,
                    bool repeated) noexcept {
@@ -84,11 +55,7 @@ void Auditor::delivered(const Delivery& delivery) noexcept {
   if (!entry.repeated) heard_at_ = delivery.at;
   if (entry.aligning) latched_ = must_stop_ = false;
   if (entry.has_command) remember_place(entry.p_SU, delivery.at);
-  if (entry.tool.epoch != tool_.definition().epoch) {
-    tool_ = PositionTool(entry.tool, GuidanceMethod::kExact, 1e-4);
-    tool_led_ = 0.0;
-    tool_radius_ = -1.0;  // the next cycle's distance
-  }
+  take_tool(entry);
 }
 
 void Auditor::must_stop(Nanos at) noexcept {
@@ -97,62 +64,49 @@ void Auditor::must_stop(Nanos at) noexcept {
   must_stop_at_ = at;
 }
 
+void Auditor::felt(const Wrench& f) noexcept {
+  if (!is_finite(f) || f.force.norm() > limits_.force * (1.0 + kRounding)) breach(Breach::kForce);
+}
+
+void Auditor::reported(std::uint64_t applied) noexcept {
+  if (applied == applied_) return;
+  if (applied < applied_ && applied != 0 && newest_.incarnation == applied_of_) {
+    breach(Breach::kBackward);
+  }
+  applied_ = applied;
+  applied_of_ = newest_.incarnation;
+}
+
 void Auditor::commanded(const JointVector& q, Nanos at) noexcept {
   ++report_.cycles;
-  if (!q.allFinite()) {
-    breach(Breach::kNotFinite);
-    return;
-  }
-  const bool was_moving = moving_;
-  if (!placed_) {
-    placed_ = true;
-    q_ = q;
-  }
+  const bool was_moving = joints_.moving();
   // The stop is judged by how fast the arm was before this command.
+  stop_time_ = joints_.time_to_stop();
   check_led(at);
   if (!led_ && !stopping_) begin_stop(at);
   if (led_ && stopping_) end_stop();
   stop_needs_operator_ = stop_needs_operator_ || latched_ || must_stop_ || newest_.stops;
-  check_limits(q);
-  tip_ = forward(limits_.arm, q).p;
-  if (!moving_) rest_ = tip_;
-  if (moving_) {
-    ++report_.moved;
-    if (!led_) {
-      const bool stood = !was_moving;
-      if (stood) {
-        breach(Breach::kUnled);
-      } else if (at - stop_from_ > stop_allowed_) {
-        breach(Breach::kLateStop);
-      }
-      last_moved_ = at;
-    }
-    check_place(at);
-  }
+  if (!joints_.commanded(q, report_.breaches)) return;
+  report_.speed = joints_.speed();
+  report_.acceleration = joints_.acceleration();
+  report_.jerk = joints_.jerk();
+  if (report_.cycles == 1) tips_.fill(tip());
   check_tool();
-}
-
-void Auditor::check_limits(const JointVector& q) noexcept {
-  const JointVector step = q - q_;
-  const JointVector change = step - step_;
-  const JointVector jolt = change - change_;
-  q_ = q;
-  step_ = step;
-  change_ = change;
-  moving_ = step.cwiseAbs().maxCoeff() > kStandingStep;
-  const JointLimits& joints = limits_.joints;
-  const double v = (step.array().abs() / (joints.max_speed.array() * dt_)).maxCoeff();
-  const double a =
-      (change.array().abs() / (joints.max_acceleration.array() * dt_ * dt_)).maxCoeff();
-  const double j = (jolt.array().abs() / (limits_.max_jerk.array() * dt_ * dt_ * dt_)).maxCoeff();
-  report_.speed = std::max(report_.speed, v);
-  report_.acceleration = std::max(report_.acceleration, a);
-  report_.jerk = std::max(report_.jerk, j);
-  if (v > 1.0 + kRounding) breach(Breach::kSpeed);
-  if (a > 1.0 + kRounding) breach(Breach::kAcceleration);
-  if (j > 1.0 + kRounding) breach(Breach::kJerk);
-  const bool below = ((q - joints.lower).array() < -kRounding).any();
-  if (below || ((joints.upper - q).array() < -kRounding).any()) breach(Breach::kRange);
+  tips_ = {tip(), tips_[0], tips_[1]};
+  if (!joints_.moving()) {
+    rest_ = tip();
+    return;
+  }
+  ++report_.moved;
+  if (!led_) {
+    if (!was_moving) {
+      breach(Breach::kUnled);
+    } else if (at - stop_from_ > stop_allowed_) {
+      breach(Breach::kLateStop);
+    }
+    last_moved_ = at;
+  }
+  check_place(at);
 }
 
 void Auditor::check_led(Nanos at) noexcept {
@@ -166,7 +120,7 @@ void Auditor::check_led(Nanos at) noexcept {
 
 void Auditor::begin_stop(Nanos at) noexcept {
   stopping_ = true;
-  stop_while_moving_ = moving_;
+  stop_while_moving_ = joints_.moving();
   stop_needs_operator_ = false;
   const Nanos age = heard_ ? at - heard_at_ : 0;
   stop_from_ = at;
@@ -179,12 +133,7 @@ void Auditor::begin_stop(Nanos at) noexcept {
   } else if (heard_) {
     stop_from_ = told_at_;
   }
-  double longest = 0.0;
-  for (int i = 0; i < kJoints; ++i) {
-    const double a = limits_.joints.max_acceleration[i];
-    longest = std::max(longest, std::abs(step_[i]) / dt_ / a + 2.5 * a / limits_.max_jerk[i]);
-  }
-  stop_allowed_ += from_seconds(longest);
+  stop_allowed_ += from_seconds(stop_time_);
   last_moved_ = stop_from_;
 }
 
@@ -221,7 +170,8 @@ void Auditor::remember_place(const Vec3& p, Nanos at) noexcept {
   box.high = box.high.cwiseMax(p);
 }
 
-// A tip that only ever moves toward fresh commands stays among them and where it stood.
+// A tip that only ever moves toward fresh commands stays among them and where it stood, but for its
+// stop where they turn before it.
 void Auditor::check_place(Nanos at) noexcept {
   if (!heard_) return;
   Vec3 low = rest_.cwiseMin(newest_.p_SU);
@@ -231,24 +181,42 @@ void Auditor::check_place(Nanos at) noexcept {
     low = low.cwiseMin(box.low);
     high = high.cwiseMax(box.high);
   }
-  const bool outside =
-      ((tip_ - low).array() < -kRoom).any() || ((high - tip_).array() < -kRoom).any();
-  if (outside) breach(Breach::kUnasked);
+  const double outside = std::max((low - tip()).maxCoeff(), (tip() - high).maxCoeff());
+  if (outside <= 0.0) tip_tail_ = 0.5 * (tips_[0] - tips_[1]).norm() / dt_ * stop_time_;
+  if (outside > kRoom + tip_tail_) breach(Breach::kUnasked);
 }
 
-// Once on a tool the tip stays there; until then it comes nearer, and at least so fast while led.
+// What the slave must take: a newer definition, or whatever the master comes back with. Another
+// definition of the same epoch is none.
+void Auditor::take_tool(const Sent& entry) noexcept {
+  const bool newer = entry.tool.epoch > tool_.epoch;
+  if (!newer && !entry.aligning && entry.incarnation == tool_of_) return;
+  tool_of_ = entry.incarnation;
+  if (entry.tool.epoch == tool_.epoch && hash_of(entry.tool) == hash_of(tool_)) return;
+  tool_ = entry.tool;
+  space_ = space_of(tool_);
+  tool_new_ = true;
+}
+
+// How far from the tool the tip's stop may take it: at its speed across, with what its acceleration
+// still adds, for as long as the joints may need [m].
+double Auditor::tool_tail() const noexcept {
+  const Vec3 step = space_.off(tips_[0]) - space_.off(tips_[1]);
+  const Vec3 last = space_.off(tips_[1]) - space_.off(tips_[2]);
+  const double shed =
+      (limits_.joints.max_acceleration.array() / limits_.max_jerk.array()).maxCoeff();
+  const double speed = (step.norm() + 0.5 * shed / dt_ * (step - last).norm()) / dt_;
+  return speed * stop_time_;
+}
+
+// A tip beside its tool only ever comes nearer, but for its own stopping way: what it was when the
+// tool came, and at each command since. Once on it, it stays.
 void Auditor::check_tool() noexcept {
-  if (!tool_.active()) return;
-  const double distance = tool_.distance(tip_);
-  if (tool_radius_ < 0.0) tool_radius_ = distance;
-  if (led_) tool_led_ += dt_;
-  if (tool_led_ <= kToolGrace) {
-    tool_radius_ = std::max(tool_radius_, distance);
-    return;
-  }
-  if (led_) tool_radius_ = std::max(0.0, tool_radius_ - kCatchUp * dt_);
-  if (distance > tool_radius_ + kOffTool) breach(Breach::kOffTool);
-  tool_radius_ = std::min(tool_radius_, distance);
+  if (space_.everything()) return;
+  const double before = space_.distance(tips_[0]) + tool_tail();
+  tool_reach_ = tool_new_ ? before : std::min(tool_reach_, before);
+  tool_new_ = false;
+  if (space_.distance(tip()) > tool_reach_ + limits_.contact + kOffTool) breach(Breach::kOffTool);
 }
 
 }  // namespace handrail

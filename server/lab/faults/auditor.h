@@ -1,40 +1,17 @@
-// The judge of a fault run. It sees the joint commands and the network's truth, nothing of what
-// master or slave think.
+// The judge of a fault run. It sees the joint commands, the force on the hand and the network's
+// truth, nothing of what master or slave think.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <vector>
 
-#include "server/base/joints.h"
 #include "server/base/link_state.h"
-#include "server/constraint/position_tool.h"
-#include "server/kinematics/rv2a.h"
+#include "server/base/tip_space.h"
+#include "server/lab/faults/joint_audit.h"
 #include "server/lab/virtual_link.h"
 
 namespace handrail {
-
-struct AuditLimits {
-  JointLimits joints;
-  JointVector max_jerk = JointVector::Zero();  // third difference of commands / dt^3 [rad/s^3]
-  ArmGeometry arm;
-  Nanos period = 7'100 * kMicrosecond;  // of the commands
-};
-
-// What a command can do wrong.
-enum class Breach : std::uint8_t {
-  kNotFinite,
-  kRange,
-  kSpeed,
-  kAcceleration,
-  kJerk,
-  kUnled,     // moved while nothing let it
-  kLateStop,  // still moving after the stop bound
-  kUnasked,   // the tip is where no command of the last seconds was
-  kOffTool,
-  kCount
-};
-const char* name_of(Breach breach) noexcept;
 
 // One stop, from what forced it to the last command that moved.
 struct AuditedStop {
@@ -43,7 +20,7 @@ struct AuditedStop {
 };
 
 struct AuditReport {
-  std::array<std::uint64_t, static_cast<std::size_t>(Breach::kCount)> breaches{};
+  BreachCounts breaches{};
   std::uint64_t cycles = 0;
   std::uint64_t moved = 0;    // cycles that moved a joint
   std::uint64_t fresh = 0;    // datagrams that were the newest of the authentic master's session
@@ -71,7 +48,8 @@ class Auditor {
   static constexpr Nanos kLatch = 200 * kMillisecond;
   // Of the stop bound beside the joints' own time: one cycle and 2 ms.
   static constexpr Nanos kOverhead = 2 * kMillisecond;
-  // A tip further from all recent commands than this goes where nobody sent it [m].
+  // A tip further from all recent commands than this, and than its own stop takes it where they turn
+  // before it, goes where nobody sent it [m].
   static constexpr double kRoom = 0.005;
   static constexpr double kOffTool = 1e-5;  // [m]
 
@@ -89,14 +67,19 @@ class Auditor {
   // The slave commands `q`, once a cycle. The arm stands on the first one.
   void commanded(const JointVector& q, Nanos at) noexcept;
 
+  // The force on the hand, frame M.
+  void felt(const Wrench& f) noexcept;
+  // The slave says which datagram of its session it follows; 0: none yet.
+  void reported(std::uint64_t applied) noexcept;
+
   // The run is over: counts a stop that still lasts.
   void finish() noexcept;
 
   const AuditReport& report() const noexcept { return report_; }
   // Tip of the newest command, and its distance from the newest command delivered [m].
-  const Vec3& tip() const noexcept { return tip_; }
-  double behind() const noexcept { return heard_ ? (tip_ - newest_.p_SU).norm() : 0.0; }
-  bool moving() const noexcept { return moving_; }
+  const Vec3& tip() const noexcept { return joints_.tip(); }
+  double behind() const noexcept { return heard_ ? (tip() - newest_.p_SU).norm() : 0.0; }
+  bool moving() const noexcept { return joints_.moving(); }
   // Whether the arm may move toward the newest command, as of the last cycle.
   bool led() const noexcept { return led_; }
 
@@ -123,13 +106,14 @@ class Auditor {
   };
 
   void breach(Breach kind) noexcept { ++report_.breaches[static_cast<std::size_t>(kind)]; }
-  void check_limits(const JointVector& q) noexcept;
   void check_led(Nanos at) noexcept;
   void begin_stop(Nanos at) noexcept;
   void end_stop() noexcept;
   void record_stop() noexcept;
   void check_place(Nanos at) noexcept;
+  void take_tool(const Sent& entry) noexcept;
   void check_tool() noexcept;
+  double tool_tail() const noexcept;
   void remember_place(const Vec3& p, Nanos at) noexcept;
 
   AuditLimits limits_;
@@ -145,13 +129,8 @@ class Auditor {
   Nanos must_stop_at_ = 0;
   bool latched_ = false;
 
-  bool placed_ = false;
-  JointVector q_ = JointVector::Zero();
-  JointVector step_ = JointVector::Zero();
-  JointVector change_ = JointVector::Zero();
-  bool moving_ = false;
+  JointAudit joints_;
   bool led_ = false;
-  Vec3 tip_ = Vec3::Zero();
   Vec3 rest_ = Vec3::Zero();  // where the tip last stood
 
   bool stopping_ = false;
@@ -162,9 +141,16 @@ class Auditor {
   Nanos stop_allowed_ = 0;
 
   std::array<Box, kBuckets> boxes_{};
-  PositionTool tool_;
-  double tool_radius_ = 0.0;
-  double tool_led_ = 0.0;  // time led since the tool came [s]
+  std::array<Vec3, 3> tips_{};  // of the last commands, newest first
+  double tip_tail_ = 0.0;  // how far its stop took the tip where it was last among the commands [m]
+  double stop_time_ = 0.0;      // that the joints needed at the last command [s]
+  ToolDefinition tool_;
+  std::uint32_t tool_of_ = 0;  // incarnation
+  TipSpace space_;
+  bool tool_new_ = false;    // since the last command
+  double tool_reach_ = 0.0;  // the tip goes no further from the tool [m]
+  std::uint64_t applied_ = 0;
+  std::uint32_t applied_of_ = 0;  // incarnation
 };
 
 }  // namespace handrail

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "server/lab/console.h"
+#include "server/lab/faults/fault_proof.h"
 #include "server/lab/study/parallel.h"
 
 namespace handrail {
@@ -41,6 +42,7 @@ void add_run(FaultResult& result, const FaultOutcome& run, std::uint64_t seed, i
     result.found = run.found;
   }
   result.violations += run.violations;
+  result.settled = std::max(result.settled, run.settled);
   ++result.runs;
 }
 
@@ -81,6 +83,21 @@ std::vector<FaultResult> run_faults(const std::vector<FaultRow>& rows, std::uint
   return results;
 }
 
+int runs_that_find(const FaultRow& row, int runs, const char* what, std::uint64_t seed, int threads,
+                   const std::atomic<bool>& cancelled) {
+  const int used = std::min(runs, row.runs);
+  std::atomic<int> found = 0;
+  run_parallel(
+      static_cast<std::size_t>(used), threads,
+      [&](std::size_t i) {
+        const int index = static_cast<int>(i);
+        const FaultOutcome out = row.run(seed_of(seed, row, index), index);
+        if (out.found.find(what) != std::string::npos) ++found;
+      },
+      [](std::size_t) {}, &cancelled);
+  return found;
+}
+
 std::string fault_json(const std::vector<FaultResult>& results) {
   std::string out = "{\"rows\": [";
   for (const FaultResult& r : results) {
@@ -103,10 +120,42 @@ std::string fault_table(const std::vector<FaultResult>& results) {
     out += fmt::format("  {:<5}{:<60}{:>5}{:>12}{:>11.4g}{:>11.4g}  {:<18}{}\n", r.row->id,
                        r.row->what, r.runs, r.violations, r.worst, r.bound, r.row->unit, upper);
   }
+  double settled = 0.0;
+  for (const FaultResult& r : results) settled = std::max(settled, r.settled);
+  if (settled > 0.0) {
+    out += fmt::format(
+        "  the simulated arm's joints moved on for up to {:.0f} ms after the last "
+        "command of a stop\n",
+        settled);
+  }
   return out;
 }
 
+namespace {
+
+int prove(const FaultCommand& command, const std::atomic<bool>& cancelled) {
+  const auto results = prove_faults(command.seed, command.threads, cancelled);
+  if (cancelled) return complain(Status::error("cancelled"), kCancelled);
+  std::fputs((command.json ? proof_json(results) : proof_table(results)).c_str(), stdout);
+  const bool all =
+      std::all_of(results.begin(), results.end(), [](const ProofResult& r) { return r.proven(); });
+  return all ? kDone : kFailed;
+}
+
+}  // namespace
+
 int run_fault_command(const FaultCommand& command, const std::atomic<bool>& cancelled) {
+  if (!kDeletable && (command.prove || !command.without.empty())) {
+    return complain(Status::error("this build always makes every check; cmake --preset deletable "
+                                  "makes one that can leave them out"),
+                    kUsage);
+  }
+  if (command.prove) return prove(command, cancelled);
+  if (!command.without.empty() && !delete_check(command.without)) {
+    std::string known;
+    for (const FaultProof& proof : fault_proofs()) known += std::string(" ") + proof.name;
+    return complain(Status::error("no check '" + command.without + "'; there are" + known), kUsage);
+  }
   std::vector<FaultRow> rows;
   for (const FaultRow& row : fault_rows()) {
     if (std::string(row.id).starts_with(command.row)) rows.push_back(row);

@@ -15,6 +15,8 @@ struct FaultCommand {
   std::uint64_t seed = 1;
   int threads = 0;  // 0: one a core; results do not depend on it
   bool json = false;
+  std::string without;  // a check to leave out
+  bool prove = false;   // instead: every check left out in turn
 };
 
 struct FaultResult {
@@ -26,17 +28,23 @@ struct FaultResult {
   double bound = 0.0;
   std::uint64_t shown_seed = 0;  // of the first run with a violation, else of the worst
   int shown_index = 0;
-  std::string found;  // by that run
+  std::string found;     // by that run
+  double settled = 0.0;  // of all runs [ms]
 };
 
 // All runs of `rows`, on `threads` threads. Fewer when cancelled.
 std::vector<FaultResult> run_faults(const std::vector<FaultRow>& rows, std::uint64_t seed,
                                     int threads, const std::atomic<bool>& cancelled);
 
+// How many of the first `runs` of a row find violations named `what`.
+int runs_that_find(const FaultRow& row, int runs, const char* what, std::uint64_t seed, int threads,
+                   const std::atomic<bool>& cancelled);
+
 std::string fault_json(const std::vector<FaultResult>& results);
 std::string fault_table(const std::vector<FaultResult>& results);
 
-// Exit codes: 0 no violations, 1 some, 2 no such row, 130 cancelled.
+// Exit codes: 0 no violations, or every check proven to be needed; 1 some, or not; 2 no such row or
+// check; 130 cancelled.
 int run_fault_command(const FaultCommand& command, const std::atomic<bool>& cancelled);
 
 }  // namespace handrail

@@ -19,10 +19,15 @@ struct FaultRow {
 
 // Of the network: N1 to N6, N9 to N11, N13.
 const std::vector<FaultRow>& network_rows();
-// Of programs, clocks and other masters: P1, P5, C2, X2, X9.
+// Of programs, clocks and other masters: P1, P5, C2, X2b, X9a.
 const std::vector<FaultRow>& process_rows();
 // Of sensor, encoder, haptic device, stop circuit and servos: S1 to S5.
 const std::vector<FaultRow>& device_rows();
+
+// Of sessions and operators: N1d, S6, X4, X8, X9b.
+const std::vector<FaultRow>& session_rows();
+// Of the guard alone: X2a.
+const std::vector<FaultRow>& guard_rows();
 
 // All of them, in the matrix's order.
 std::vector<FaultRow> fault_rows();

@@ -26,15 +26,18 @@ Scene plain_scene() {
   return scene;
 }
 
-std::unique_ptr<Cell> make_cell(std::uint64_t seed, Nanos master_clock, Nanos slave_clock) {
+std::unique_ptr<Cell> make_cell(std::uint64_t seed, const FaultOptions& fault) {
   const Scene scene = plain_scene();
   auto options = std::make_unique<CellOptions>();
   options->haptic = haptic_settings(scene, omni_capabilities(false));
+  options->haptic.ladder.good_for = kSecond;
+  options->haptic.ladder.fade_loop = fault.fade_loop;
+  options->haptic.presence = fault.presence;
   options->follow = follow_settings(scene, options->rig.controller.period, true, 1000.0);
   options->rig.controller.arm.geometry.d6 = scene.tip_length;
   options->rig.controller.arm.seed = seed;
   options->rig.sensor.seed = seed + 1;
-  options->net = CellNetOptions{seed + 2, master_clock, slave_clock};
+  options->net = CellNetOptions{seed + 2, fault.master_clock, fault.slave_clock};
   return std::make_unique<Cell>(*options);
 }
 
@@ -44,6 +47,7 @@ AuditLimits audit_limits() {
   limits.joints = scene.limits.joints;
   limits.max_jerk = scene.limits.joints.max_jerk;
   limits.arm.d6 = scene.tip_length;
+  limits.force = omni_capabilities(false).max_force;
   return limits;
 }
 
@@ -69,10 +73,8 @@ void measure(FaultOutcome& outcome, double worst, double bound) {
 }
 
 // Three translations and a turn, each a sine of 0.3 to 0.9 Hz: up to 18 mm and 0.15 rad.
-FaultRun::FaultRun(std::uint64_t seed, Nanos master_clock, Nanos slave_clock)
-    : random_(seed ^ 0xfa17ULL),
-      cell_(make_cell(seed, master_clock, slave_clock)),
-      auditor_(audit_limits()) {
+FaultRun::FaultRun(std::uint64_t seed, const FaultOptions& options)
+    : random_(seed ^ 0xfa17ULL), cell_(make_cell(seed, options)), auditor_(audit_limits()) {
   for (std::size_t k = 0; k < 4; ++k) {
     hand_[k] = (k < 3 ? 18.0 * kMm : 0.15) * (0.5 + 0.5 * random_.uniform());
     hand_[k + 4] = 2.0 * std::numbers::pi * (0.3 + 0.6 * random_.uniform());
@@ -106,8 +108,10 @@ void FaultRun::tick(const HapticOrder& order) {
   cell_->net()->link().to_master().clear_deliveries();
   cell_->tick(hand_now(), order);
   feed_auditor();
+  follow_loop();
+  watch_servo();
   const bool should = auditor_.led();
-  if (!should || engaged()) led_since_ = now();
+  if (!should || may_hold_ || engaged()) led_since_ = now();
   if (now() - led_since_ > kResumePatience) ++not_resumed_;
 }
 
@@ -133,13 +137,52 @@ void FaultRun::feed_auditor() {
     }
   }
   take(now());
+  auditor_.reported(cell_->slave().applied_sequence);
+  auditor_.felt(cell_->master().f_H_M);
   // What was sent in this tick is delivered in the next at the earliest.
   for (; sent_ < way.counters().sent;) {
+    master_sent_[(sent_ + 1) % kLoop] = now();
     auditor_.sent(++sent_, incarnation_, instead_ != nullptr ? *instead_ : cell_->master().link,
                   stalled_);
   }
   for (const Delivery& back : cell_->net()->link().to_master().deliveries()) {
     master_heard_ = back.at;
+  }
+}
+
+// By the truth of the network alone.
+void FaultRun::follow_loop() {
+  VirtualLink& link = cell_->net()->link();
+  for (const Delivery& there : link.to_slave().deliveries()) {
+    if (there.authentic) {
+      slave_knows_ = std::max(slave_knows_, master_sent_[there.number % kLoop]);
+    }
+  }
+  while (slave_sent_ < link.to_master().counters().sent) {
+    slave_answers_[++slave_sent_ % kLoop] = slave_knows_;
+  }
+  for (const Delivery& back : link.to_master().deliveries()) {
+    if (back.authentic) answered_ = std::max(answered_, slave_answers_[back.number % kLoop]);
+  }
+}
+
+double FaultRun::tracking_error() const {
+  return errors_ == 0 ? 0.0 : std::sqrt(error_squared_ / static_cast<double>(errors_));
+}
+
+// Once a cycle of the controller.
+void FaultRun::watch_servo() {
+  constexpr double kStill = 1e-5;  // [rad] a cycle
+  if (cell_->targets().empty()) return;
+  error_squared_ += (auditor_.tip() - cell_->master().link.X_SU.p).squaredNorm();
+  ++errors_;
+  const JointVector& q = cell_->rig().controller().arm().joints();
+  const bool still = (q - q_arm_).cwiseAbs().maxCoeff() < kStill;
+  q_arm_ = q;
+  if (auditor_.moving()) {
+    stood_since_ = now();
+  } else if (!still && stood_since_ >= 0) {
+    settled_ = std::max(settled_, to_seconds(now() - stood_since_) * 1e3);
   }
 }
 
@@ -157,6 +200,8 @@ bool FaultRun::engage() {
   run(kSecond);
   last_fresh_ = -1;
   longest_gap_ = 0;
+  error_squared_ = 0.0;
+  errors_ = 0;
   return true;
 }
 
@@ -208,6 +253,7 @@ FaultOutcome FaultRun::outcome() {
   }
   find(out, report.worst.took > report.worst.allowed && report.of(Breach::kLateStop) == 0,
        name_of(Breach::kLateStop));
+  out.settled = settled_;
   find(out, not_resumed_, "ms not engaged with a link that had come back");
   return out;
 }

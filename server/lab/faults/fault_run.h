@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <vector>
 
 #include "server/lab/cell.h"
 #include "server/lab/faults/auditor.h"
@@ -19,6 +20,15 @@ struct FaultOutcome {
   double worst = 0.0;
   double bound = 0.0;
   std::string found;  // names of the violations, for people
+  // How long the arm's joints went on after the last command of a stop, at most [ms].
+  double settled = 0.0;
+};
+
+struct FaultOptions {
+  Nanos master_clock = 0;  // before the run's
+  Nanos slave_clock = 0;
+  Presence presence = Presence::kNone;
+  Nanos fade_loop = 600 * kMillisecond;  // an older loop takes the force away
 };
 
 // Faults of the devices: called with what the device says and when, they may change it. Empty:
@@ -39,7 +49,7 @@ struct FaultLayers final : public CellTap {
 // Same seed, same calls: same bits. The hand's motion and the network are drawn from the seed.
 class FaultRun {
  public:
-  explicit FaultRun(std::uint64_t seed, Nanos master_clock = 0, Nanos slave_clock = 0);
+  explicit FaultRun(std::uint64_t seed, const FaultOptions& options = {});
 
   LinkFaults& to_slave() { return cell_->net()->link().to_slave().faults; }
   LinkFaults& to_master() { return cell_->net()->link().to_master().faults; }
@@ -53,6 +63,8 @@ class FaultRun {
   void drive(Nanos span);
   void tick(const HapticOrder& order = {});
 
+  // A poor link: the arm need not go on whenever something fresh comes.
+  void let_hold() { may_hold_ = true; }
   void stall_master(bool stalled);
   void restart_master();
   // Goes out instead of what the master's step gives, while not null. Not owned.
@@ -67,6 +79,11 @@ class FaultRun {
   Nanos master_heard() const { return master_heard_; }
   // Ticks in which the arm was not engaged although the auditor had let it move for half a second.
   std::uint64_t not_resumed() const { return not_resumed_; }
+  // Age of the newest datagram of the master that the slave had answered when it sent what last
+  // reached the master: what the master should take for its loop's age. kForever: none yet.
+  Nanos loop_age() const { return answered_ < 0 ? kForever : now() - answered_; }
+  // Root of the mean squared distance of the arm's commands from what the master commands [m].
+  double tracking_error() const;
   // Longest time between two fresh datagrams at the slave since engage().
   Nanos longest_gap() const { return longest_gap_; }
   bool engaged() const;
@@ -76,6 +93,8 @@ class FaultRun {
 
  private:
   void feed_auditor();
+  void follow_loop();
+  void watch_servo();
   HandReading hand_now();
 
   Random random_;
@@ -94,6 +113,21 @@ class FaultRun {
   Nanos longest_gap_ = 0;
   Nanos led_since_ = -1;
   std::uint64_t not_resumed_ = 0;
+  bool may_hold_ = false;
+
+  // Of the last so many datagrams, by number: when the master's was sent, what the slave's answers.
+  static constexpr std::size_t kLoop = 8192;
+  std::vector<Nanos> master_sent_ = std::vector<Nanos>(kLoop);
+  std::vector<Nanos> slave_answers_ = std::vector<Nanos>(kLoop, -1);
+  Nanos slave_knows_ = -1;
+  std::uint64_t slave_sent_ = 0;
+  Nanos answered_ = -1;
+
+  double error_squared_ = 0.0;
+  std::uint64_t errors_ = 0;
+  JointVector q_arm_ = JointVector::Zero();
+  Nanos stood_since_ = -1;  // commands
+  double settled_ = 0.0;
 };
 
 // What the run has measured, in the row's unit.

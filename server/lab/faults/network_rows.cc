@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "server/lab/faults/fault_rows.h"
 
@@ -39,6 +40,25 @@ FaultOutcome n1(std::uint64_t seed, double loss, bool may_trip) {
 FaultOutcome n1a(std::uint64_t seed, int) { return n1(seed, 0.1, false); }
 FaultOutcome n1b(std::uint64_t seed, int) { return n1(seed, 0.3, true); }
 
+// A minute of up to 10 % loss, against the same minute without.
+FaultOutcome n1c(std::uint64_t seed, int index) {
+  constexpr std::array<double, 3> kLosses = {0.01, 0.05, 0.1};
+  FaultRun clean(seed);
+  FaultRun run(seed);
+  if (!clean.engage() || !run.engage()) return not_engaged();
+  LinkFaults faults;
+  faults.loss = kLosses[static_cast<std::size_t>(index) % kLosses.size()];
+  run.set_network(faults);
+  clean.run(60 * kSecond);
+  run.run(60 * kSecond);
+  FaultOutcome out = run.outcome();
+  judge_order(run, out);
+  judge_never_tripped(run, out);
+  measure(out, run.tracking_error() / clean.tracking_error(), 1.5);
+  find(out, out.worst > out.bound, "the arm follows worse");
+  return out;
+}
+
 // Bursts of loss of 2 to 200 ms, 5 % of the time.
 FaultOutcome n2(std::uint64_t seed, int index) {
   constexpr std::array<double, 5> kMeans = {2.0, 5.0, 10.0, 50.0, 200.0};
@@ -55,19 +75,34 @@ FaultOutcome n2(std::uint64_t seed, int index) {
   return out;
 }
 
-// A constant delay one way, up to 500 ms: slow to feel, but drivable.
+// A constant delay one way, up to 500 ms: slow to feel, but drivable; its age is shown, and said
+// from 100 ms on.
 FaultOutcome n3(std::uint64_t seed, int index) {
+  constexpr Nanos kWarned = 100 * kMillisecond;
   constexpr std::array<int, 6> kDelays = {0, 10, 50, 100, 200, 500};
   FaultRun run(seed);
   LinkFaults faults;
   faults.delay = kDelays[static_cast<std::size_t>(index) % kDelays.size()] * kMillisecond;
   run.set_network(faults);
   if (!run.engage()) return not_engaged();
-  run.run(20 * kSecond);
+  double off = 0.0;
+  std::uint64_t unsaid = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    run.tick();
+    const Nanos loop = run.loop_age();
+    const Nanos shown = run.cell().net()->master().snapshot().loop_age(run.now());
+    // What takes a tick is not the network's.
+    off = std::max(off, (std::abs(in_ms(shown - loop)) - 1.0) / std::max(in_ms(loop), 1.0));
+    const bool said = run.cell().master().reasons.has(Reason::kLoopAge);
+    if (loop > kWarned + 2 * kMillisecond && !said) ++unsaid;
+    if (loop < kWarned - 2 * kMillisecond && said) ++unsaid;
+  }
   FaultOutcome out = run.outcome();
   judge_order(run, out);
   judge_never_tripped(run, out);
-  measure(out, in_ms(run.longest_gap()), in_ms(Auditor::kWatchdog));
+  find(out, unsaid, "ms of a wrong warning");
+  measure(out, 100.0 * std::max(off, 0.0), 5.0);
+  find(out, out.worst > out.bound, "wrong age shown");
   return out;
 }
 
@@ -79,8 +114,8 @@ FaultOutcome n4(std::uint64_t seed, int index) {
   faults.delay = 50 * kMillisecond;
   faults.jitter = kJitters[static_cast<std::size_t>(index) % kJitters.size()] * kMillisecond;
   faults.reorder = index % 8 < 4 ? 0.0 : 1.0;  // every second time each takes its own way
-  run.set_network(faults);
   if (!run.engage()) return not_engaged();
+  run.set_network(faults);
   run.drive(20 * kSecond);
   FaultOutcome out = run.outcome();
   judge_order(run, out);
@@ -149,12 +184,19 @@ FaultOutcome n9(std::uint64_t seed, int index) {
   return out;
 }
 
-// One direction alone goes dark: the slave stops, the master's force goes.
-FaultOutcome n10(std::uint64_t seed, bool to_slave) {
+// One direction alone goes dark: the slave stops, the master's force goes. Every second time the
+// arm is on its way to a command 12 cm ahead.
+FaultOutcome n10(std::uint64_t seed, int index, bool to_slave) {
   constexpr Nanos kForceGone = 50 * kMillisecond;
   FaultRun run(seed);
   if (!run.engage()) return not_engaged();
   run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
+  MasterState far = run.cell().master().link;
+  if (to_slave && index % 2 == 1) {
+    far.X_SU.p += Vec3(0.0, 0.06, 0.1);
+    run.send_instead(&far);
+    run.run(100 * kMillisecond);
+  }
   (to_slave ? run.to_slave() : run.to_master()).loss = 1.0;
   run.tick();
   Nanos last_force = run.master_heard();
@@ -172,24 +214,53 @@ FaultOutcome n10(std::uint64_t seed, bool to_slave) {
   find(out, out.worst > out.bound, "force stayed");
   return out;
 }
-FaultOutcome n10a(std::uint64_t seed, int) { return n10(seed, true); }
-FaultOutcome n10b(std::uint64_t seed, int) { return n10(seed, false); }
+FaultOutcome n10a(std::uint64_t seed, int index) { return n10(seed, index, true); }
+FaultOutcome n10b(std::uint64_t seed, int index) { return n10(seed, index, false); }
 
-// A narrow way with a queue of a second.
+// A narrow way with a queue of a second: the loop's age passes its limit, which takes the force
+// away, and comes back.
 FaultOutcome n11(std::uint64_t seed, int index) {
+  constexpr Nanos kLimit = 300 * kMillisecond;
+  constexpr Nanos kQueue = kSecond;
   constexpr std::array<int, 4> kRates = {64'000, 256'000, 1'000'000, 2'000'000};
-  FaultRun run(seed);
+  FaultOptions options;
+  options.fade_loop = kLimit;
+  FaultRun run(seed, options);
   if (!run.engage()) return not_engaged();
+  run.let_hold();  // most of what is sent is dropped: the link is poor
   LinkFaults faults;
+  faults.queue = kQueue;
   faults.rate_bps = kRates[static_cast<std::size_t>(index) % kRates.size()];
   run.set_network(faults);
-  run.drive(20 * kSecond);
+  Nanos worst = 0;
+  std::uint64_t backlog = 0;
+  Nanos over_since = -1;
+  for (int i = 0; i < 20'000; ++i) {
+    run.drive(kMillisecond);
+    const Nanos loop = run.loop_age();
+    const bool faded = run.cell().master().reasons.has(Reason::kForceFaded);
+    const bool over = loop > kLimit && run.cell().master_state().session != SessionState::kOff;
+    if (!over || faded) {
+      over_since = -1;
+    } else {
+      if (over_since < 0) over_since = run.now() - kMillisecond;
+      worst = std::max(worst, run.now() - over_since);
+    }
+    // Both ways' queues, full, and what it takes to notice.
+    if (run.now() - run.master_heard() < 20 * kMillisecond && loop > 2 * kQueue + kSecond / 2) {
+      ++backlog;
+    }
+  }
   run.set_network({});
   run.drive(5 * kSecond);
   const bool engaged = run.engaged();
   FaultOutcome out = run.outcome();
   judge_order(run, out);
   find(out, !engaged, "not engaged again");
+  find(out, backlog, "ms with a growing backlog");
+  find(out, run.loop_age() > 20 * kMillisecond, "the loop stayed old");
+  measure(out, in_ms(worst), 5.0);
+  find(out, out.worst > out.bound, "an old loop kept its force");
   return out;
 }
 
@@ -223,15 +294,16 @@ const std::vector<FaultRow>& network_rows() {
   static const std::vector<FaultRow> rows = {
       {"N1a", "10 % loss each way for 10 minutes: no trip", "ms gap", 1, n1a},
       {"N1b", "30 % loss each way for 10 minutes: nothing latches", "ms gap", 1, n1b},
+      {"N1c", "up to 10 % loss: the arm follows as well", "of the clean error", 3, n1c},
       {"N2", "bursts of loss of 2 to 200 ms: every stop in its bound", "ms to stop", 20, n2},
-      {"N3", "delays up to 500 ms one way: drivable", "ms gap", 6, n3},
+      {"N3", "delays up to 500 ms one way: drivable, their age shown", "% off the loop age", 6, n3},
       {"N4", "jitter up to 50 ms on 50 ms: jerk within its limit", "of the jerk limit", 8, n4},
       {"N5", "reordering: nothing stale applied", "stale applied", 6, n5},
       {"N6", "duplicates and a million replays: nothing applied twice", "stale applied", 4, n6},
-      {"N9", "blackouts of 10 ms to 60 s", "ms to stop", 10, n9},
-      {"N10a", "nothing reaches the slave", "ms to stop", 10, n10a},
-      {"N10b", "nothing reaches the master: its force goes", "ms to no force", 10, n10b},
-      {"N11", "64 kbit/s to 2 Mbit/s with a queue of a second", "ms to stop", 4, n11},
+      {"N9", "blackouts of 10 ms to 60 s", "ms to stop", 20, n9},
+      {"N10a", "nothing reaches the slave", "ms to stop", 40, n10a},
+      {"N10b", "nothing reaches the master: its force goes", "ms to no force", 20, n10b},
+      {"N11", "64 kbit/s to 2 Mbit/s, a queue of a second: old loops fade", "ms to fade", 4, n11},
       {"N13", "delay, jitter, loss and duplicates for half an hour", "ms to stop", 2, n13},
   };
   return rows;

@@ -23,7 +23,7 @@ AuditLimits limits() {
 // A master, the network and joint commands as the test wants them.
 class Stream {
  public:
-  Stream() : auditor(limits()) {
+  explicit Stream(const AuditLimits& judged = limits()) : auditor(judged) {
     state.desired = Desired::kEngaged;
     state.state = SessionState::kAligning;
     q << 0.0, 0.0, 1.5, 0.0, 1.5, 0.0;
@@ -251,20 +251,120 @@ TEST(AuditorTest, ATipWhereNobodySentItIsFound) {
   EXPECT_EQ(s.report().total(), s.report().of(Breach::kUnasked));
 }
 
-TEST(AuditorTest, ATipLeavingItsToolIsFound) {
-  Stream s;
-  const Vec3 p = s.state.X_SU.p;
+// Along x, which J1 turns the tip across.
+ToolDefinition line_through(const Vec3& p) {
   ToolDefinition tool;
   tool.kind = ToolKind::kLine;
   tool.id = tool.epoch = 1;
   tool.p_SA = p;
   tool.direction_S = Vec3::UnitX();
-  s.state.position_tool = tool;
+  return tool;
+}
+
+TEST(AuditorTest, ATipLeavingItsToolIsFound) {
+  Stream s;
+  s.state.position_tool = line_through(s.state.X_SU.p);
   s.coast(60);
   EXPECT_EQ(s.report().total(), 0u);
-  s.change_speed(0.5 * kFast);  // J1 turns the tip across
+  s.change_speed(0.5 * kFast);
   EXPECT_GT(s.report().of(Breach::kOffTool), 0u);
   EXPECT_EQ(s.report().total(), s.report().of(Breach::kOffTool));
+}
+
+TEST(AuditorTest, ATipThatAToolIsCalledAcrossMayStopAndComeBackButNotGoOn) {
+  for (const bool goes_on : {false, true}) {
+    Stream s;
+    s.change_speed(kFast);
+    s.state.position_tool = line_through(forward(limits().arm, s.q).p);
+    if (goes_on) {
+      s.coast(60);
+      EXPECT_GT(s.report().of(Breach::kOffTool), 0u);
+      continue;
+    }
+    s.change_speed(0.0);
+    s.change_speed(-0.5 * kFast);
+    EXPECT_EQ(s.report().of(Breach::kOffTool), 0u);
+  }
+}
+
+TEST(AuditorTest, ATipThatHasComeNearerItsToolMayNotLeaveAgain) {
+  Stream s;
+  s.state.position_tool = line_through(forward(limits().arm, s.q).p + Vec3(0.0, 0.05, 0.0));
+  s.coast(3);
+  s.change_speed(kFast);
+  s.coast(5);
+  s.change_speed(0.0);
+  s.coast(3);
+  EXPECT_EQ(s.report().of(Breach::kOffTool), 0u);
+  s.change_speed(-kFast);
+  EXPECT_GT(s.report().of(Breach::kOffTool), 0u);
+}
+
+TEST(AuditorTest, ContactMayPushATipOffItsToolByItsOwnShare) {
+  for (const bool contact : {false, true}) {
+    AuditLimits limited = limits();
+    limited.contact = contact ? 0.001 : 0.0;
+    Stream s(limited);
+    s.state.position_tool = line_through(forward(limited.arm, s.q).p);
+    s.coast(3);
+    const double away = 0.0008 / forward(limited.arm, s.q).p.x();
+    for (int i = 0; i < 16; ++i) s.cycle(away / 16.0);
+    EXPECT_EQ(s.report().of(Breach::kOffTool) > 0, !contact);
+  }
+}
+
+// The same epoch with another definition is none the slave may follow.
+TEST(AuditorTest, AToolUnderAnOldEpochDoesNotCount) {
+  Stream s;
+  const Vec3 p = s.state.X_SU.p;
+  s.state.position_tool = line_through(p);
+  s.coast(3);
+  s.state.position_tool = ToolDefinition();
+  s.state.position_tool.epoch = 1;
+  s.coast(3);
+  s.change_speed(0.5 * kFast);
+  EXPECT_GT(s.report().of(Breach::kOffTool), 0u);
+}
+
+TEST(AuditorTest, ATipOutsideTheWorkspaceIsFound) {
+  AuditLimits limited = limits();
+  Stream inside(limited);
+  limited.high.y() = inside.state.X_SU.p.y() + 0.010;
+  Stream s(limited);
+  s.change_speed(kFast);
+  EXPECT_EQ(s.report().of(Breach::kWorkspace), 0u);
+  s.coast(20);
+  EXPECT_GT(s.report().of(Breach::kWorkspace), 0u);
+}
+
+TEST(AuditorTest, AForceOnTheHandIsFiniteAndNoLargerThanTheDevices) {
+  AuditLimits limited = limits();
+  limited.force = 3.3;
+  Auditor auditor(limited);
+  auditor.felt({Vec3(0.0, 3.3, 0.0), Vec3::Zero()});
+  EXPECT_EQ(auditor.report().total(), 0u);
+  auditor.felt({Vec3(2.4, 2.4, 0.0), Vec3::Zero()});
+  auditor.felt({Vec3::Zero(), Vec3(0.0, std::numeric_limits<double>::quiet_NaN(), 0.0)});
+  EXPECT_EQ(auditor.report().of(Breach::kForce), 2u);
+}
+
+TEST(AuditorTest, TheAppliedSequenceRisesUntilAnotherMasterBeginsAnew) {
+  Stream s;
+  s.auditor.reported(5);
+  s.auditor.reported(9);
+  s.auditor.reported(9);
+  EXPECT_EQ(s.report().total(), 0u);
+  s.auditor.reported(8);
+  EXPECT_EQ(s.report().of(Breach::kBackward), 1u);
+  s.auditor.reported(0);  // the slave began anew
+  s.link = false;
+  s.coast(40);
+  s.link = true;
+  ++s.incarnation;
+  s.auditor.reported(100);
+  s.coast(1);
+  s.auditor.reported(1);
+  EXPECT_EQ(s.report().of(Breach::kBackward), 1u);
 }
 
 }  // namespace

@@ -4,10 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 #include <string>
 
 #include "server/lab/faults/fault_command.h"
+#include "server/lab/faults/fault_proof.h"
 
 namespace handrail {
 namespace {
@@ -31,7 +33,7 @@ TEST(FaultRowsTest, EveryRowHasANameOfItsOwnAndRuns) {
     EXPECT_GT(row.runs, 0);
   }
   for (const char* id : {"N2", "N3", "N4", "N5", "N6", "N9", "N11", "N13", "P1", "P5", "C2", "S4",
-                         "S5", "X2", "X9"}) {
+                         "S5", "X2a", "X2b", "X9a", "X9b"}) {
     EXPECT_EQ(names.count(id), 1u) << id;
   }
 }
@@ -70,6 +72,39 @@ TEST(FaultRowsTest, ResultsDependOnTheSeedAndNotOnThreads) {
   const std::string one = fault_json(run_faults(rows, 1, 1, kGoOn));
   EXPECT_EQ(fault_json(run_faults(rows, 1, 2, kGoOn)), one);
   EXPECT_NE(fault_json(run_faults(rows, 2, 2, kGoOn)), one);
+}
+
+TEST(FaultRowsTest, EveryCheckHasARowThatIsToProveIt) {
+  const std::vector<FaultRow> rows = fault_rows();
+  std::set<std::string> names;
+  std::size_t check = 0;
+  for (const FaultProof& proof : fault_proofs()) {
+    EXPECT_EQ(static_cast<std::size_t>(proof.check), check++);
+    EXPECT_TRUE(names.insert(proof.name).second) << proof.name;
+    const bool known = std::any_of(rows.begin(), rows.end(), [&](const FaultRow& row) {
+      return std::string(row.id) == proof.row && row.runs >= proof.runs;
+    });
+    EXPECT_TRUE(known) << proof.name;
+  }
+}
+
+// In the build the programs come from every check is made, and saying otherwise is an error.
+TEST(FaultRowsTest, NoCheckCanBeLeftOutOfAnOrdinaryBuild) {
+  static_assert(!kDeletable && kept(Check::kFinite) && kept(Check::kStopInput));
+  EXPECT_FALSE(delete_check("finite"));
+  FaultCommand command;
+  command.prove = true;
+  EXPECT_EQ(run_fault_command(command, kGoOn), 2);
+  command.prove = false;
+  command.without = "jerk";
+  EXPECT_EQ(run_fault_command(command, kGoOn), 2);
+}
+
+TEST(FaultRowsTest, RunsThatFindAreCountedByWhatTheyFind) {
+  const FaultRow row{"T1", "a test", "ms", 5, odd_ones_fail};
+  EXPECT_EQ(runs_that_find(row, 5, "oddities", 1, 2, kGoOn), 2);
+  EXPECT_EQ(runs_that_find(row, 1, "oddities", 1, 1, kGoOn), 0);
+  EXPECT_EQ(runs_that_find(row, 5, "others", 1, 1, kGoOn), 0);
 }
 
 // Nothing is held against a quiet run, and its hand does move the arm.

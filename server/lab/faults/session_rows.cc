@@ -1,0 +1,178 @@
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "server/lab/faults/fault_rows.h"
+#include "server/master/lease.h"
+
+namespace handrail {
+namespace {
+
+HapticOrder order_of(OrderKind kind) {
+  HapticOrder order;
+  order.kind = kind;
+  return order;
+}
+
+// Over a link that is not GOOD nobody engages; one that turns POOR holds the arm.
+FaultOutcome n1d(std::uint64_t seed, int index) {
+  FaultRun run(seed);
+  run.let_hold();
+  LinkFaults faults;
+  std::uint64_t engaged = 0;
+  if (index % 2 == 0) {
+    faults.loss = 0.4;
+    run.set_network(faults);
+    for (int i = 0; i < 5000; ++i) {
+      run.tick(order_of(OrderKind::kEngage));
+      engaged += run.engaged();
+    }
+  } else {
+    if (!run.engage()) return not_engaged();
+    faults.loss = 0.75;
+    run.set_network(faults);
+    run.run(500 * kMillisecond);
+    for (int i = 0; i < 2000; ++i) {
+      run.tick();
+      engaged += run.engaged();
+    }
+  }
+  // Of 100 datagrams as many may come by luck, now and then.
+  FaultOutcome out = run.outcome();
+  measure(out, static_cast<double>(engaged), 50.0);
+  find(out, engaged > 50, "ms engaged over a link that is not good");
+  return out;
+}
+
+// Whoever held the device lets go: the arm comes to rest, and after two seconds the engagement
+// ends.
+FaultOutcome s6(std::uint64_t seed, int) {
+  FaultOptions options;
+  options.presence = Presence::kButton;
+  FaultRun run(seed, options);
+  bool held = true;
+  run.layers().hand = [&](Nanos, HandReading& hand) { hand.enable_button = held; };
+  if (!run.engage()) return not_engaged();
+  run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
+  held = false;
+  run.tick();
+  const Vec3 command = run.cell().master().link.X_SU.p;
+  run.run(500 * kMillisecond);
+  const bool led_on = (run.cell().master().link.X_SU.p - command).norm() > 0.0;
+  const bool moving = run.auditor().moving();
+  run.run(2 * kSecond);
+  const bool engaged = run.engaged();
+  held = true;
+  run.run(kSecond);
+  FaultOutcome out = run.outcome();
+  find(out, led_on, "led by nobody");
+  find(out, moving, "moving half a second later");
+  find(out, engaged, "still engaged");
+  find(out, run.engaged(), "engaged by itself");
+  return out;
+}
+
+// The operator's stop at 30 % loss is latched there and echoed; and a datagram with a stop stops,
+// whatever else it says.
+FaultOutcome x4(std::uint64_t seed, int index) {
+  constexpr Nanos kEcho = 50 * kMillisecond;
+  FaultRun run(seed);
+  if (!run.engage()) return not_engaged();
+  run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
+  MasterState mad = run.cell().master().link;
+  const Nanos from = run.now();
+  if (index % 2 == 0) {
+    LinkFaults faults;
+    faults.loss = 0.3;
+    run.set_network(faults);
+    run.tick(order_of(OrderKind::kStop));
+  } else {
+    ++mad.stop_epoch;
+    run.send_instead(&mad);
+  }
+  Nanos echo = -1;
+  for (int i = 0; i < 1000; ++i) {
+    mad.X_SU.p.y() += 1e-4;
+    run.tick();
+    const std::uint32_t epoch =
+        index % 2 == 0 ? run.cell().master().link.stop_epoch : mad.stop_epoch;
+    if (echo < 0 && run.cell().slave().stop_epoch == epoch) echo = run.now() - from;
+  }
+  const bool latched = run.cell().slave().state == SessionState::kFault;
+  FaultOutcome out = run.outcome();
+  find(out, echo < 0 || echo > kEcho, "the stop was not echoed");
+  find(out, !latched, "the stop was not latched");
+  return out;
+}
+
+// All datagrams of an engagement and a drive, recorded and played to a slave that has just started,
+// its arm where the recording began.
+FaultOutcome x8(std::uint64_t seed, int) {
+  std::vector<std::vector<std::uint8_t>> recording;
+  FaultRun live(seed);
+  for (int i = 0; i < 6000; ++i) {
+    live.tick(order_of(i < 3000 && !live.engaged() ? OrderKind::kEngage : OrderKind::kNone));
+    const auto bytes = live.cell().net()->link().to_slave().newest();
+    recording.emplace_back(bytes.begin(), bytes.end());
+  }
+  FaultRun run(seed + 1);
+  run.cell().net()->stop_master(true);
+  std::uint64_t engaged = 0;
+  for (const std::vector<std::uint8_t>& datagram : recording) {
+    run.cell().net()->link().to_slave().inject(datagram, run.now());
+    run.tick();
+    engaged += run.engaged();
+  }
+  FaultOutcome out = run.outcome();
+  find(out, !live.engaged() || live.auditor().report().moved < 100, "nothing was recorded");
+  find(out, engaged, "ms engaged with a recording");
+  measure(out, static_cast<double>(run.auditor().report().moved), 0.0);
+  return out;
+}
+
+// Two operators give orders all the time; each order of somebody who does not hold the lease
+// reaches the arm's master if the lease is no lock.
+FaultOutcome x9b(std::uint64_t seed, int) {
+  Random random(seed);
+  Lease lease;
+  constexpr std::array<const char*, 2> kNames = {"anna", "ben"};
+  Nanos now = 0;
+  std::uint64_t both = 0;
+  std::uint64_t changes = 0;
+  int driver = -1;
+  for (int i = 0; i < 100'000; ++i) {
+    now += static_cast<Nanos>(random.uniform() * 4e7);
+    lease.poll(driver >= 0, now);
+    const int who = random.uniform() < 0.5 ? 0 : 1;
+    const std::string name = kNames[static_cast<std::size_t>(who)];
+    if (random.uniform() < 0.001 && who == driver) {
+      // Whoever drives gives it back: only from then on may it be another.
+      if (lease.release(name, now).allowed) driver = -1;
+      continue;
+    }
+    if (!lease.drive(name, true, now).allowed) continue;
+    if (driver >= 0 && driver != who) ++both;
+    changes += driver < 0;
+    driver = who;
+  }
+  FaultOutcome out;
+  measure(out, static_cast<double>(both), 0.0);
+  find(out, both, "orders of two operators at a time");
+  find(out, changes < 10, "the lease hardly changed hands");
+  return out;
+}
+
+}  // namespace
+
+const std::vector<FaultRow>& session_rows() {
+  static const std::vector<FaultRow> rows = {
+      {"N1d", "40 % loss is not engaged over, 75 % holds", "ms engaged", 8, n1d},
+      {"S6", "nobody holds the device's button", "ms to stop", 10, s6},
+      {"X4", "a stop at 30 % loss, a stop in a mad master's datagrams", "ms to stop", 20, x4},
+      {"X8", "a recorded session to a slave that has just started", "cycles moved", 4, x8},
+      {"X9b", "two operators at a time", "orders of another", 4, x9b},
+  };
+  return rows;
+}
+
+}  // namespace handrail
