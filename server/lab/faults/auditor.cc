@@ -182,7 +182,7 @@ void Auditor::check_place(Nanos at) noexcept {
     high = high.cwiseMax(box.high);
   }
   const double outside = std::max((low - tip()).maxCoeff(), (tip() - high).maxCoeff());
-  if (outside <= 0.0) tip_tail_ = 0.5 * (tips_[0] - tips_[1]).norm() / dt_ * stop_time_;
+  if (outside <= 0.0) tip_tail_ = stopping_way();
   if (outside > kRoom + tip_tail_) breach(Breach::kUnasked);
 }
 
@@ -198,22 +198,21 @@ void Auditor::take_tool(const Sent& entry) noexcept {
   tool_new_ = true;
 }
 
-// How far from the tool the tip's stop may take it: at its speed across, with what its acceleration
-// still adds, for as long as the joints may need [m].
-double Auditor::tool_tail() const noexcept {
-  const Vec3 step = space_.off(tips_[0]) - space_.off(tips_[1]);
-  const Vec3 last = space_.off(tips_[1]) - space_.off(tips_[2]);
+// How far the tip's stop may take it: from its speed, with what its acceleration still adds, evenly
+// to rest for as long as the joints may need [m]. The bend of its path may turn all of it outward.
+double Auditor::stopping_way() const noexcept {
+  const Vec3 step = tips_[0] - tips_[1], last = tips_[1] - tips_[2];
   const double shed =
       (limits_.joints.max_acceleration.array() / limits_.max_jerk.array()).maxCoeff();
   const double speed = (step.norm() + 0.5 * shed / dt_ * (step - last).norm()) / dt_;
-  return speed * stop_time_;
+  return 0.5 * speed * stop_time_;
 }
 
 // A tip beside its tool only ever comes nearer, but for its own stopping way: what it was when the
 // tool came, and at each command since. Once on it, it stays.
 void Auditor::check_tool() noexcept {
   if (space_.everything()) return;
-  const double before = space_.distance(tips_[0]) + tool_tail();
+  const double before = space_.distance(tips_[0]) + stopping_way();
   tool_reach_ = tool_new_ ? before : std::min(tool_reach_, before);
   tool_new_ = false;
   if (space_.distance(tip()) > tool_reach_ + limits_.contact + kOffTool) breach(Breach::kOffTool);

@@ -113,7 +113,7 @@ class Auditor {
   void check_place(Nanos at) noexcept;
   void take_tool(const Sent& entry) noexcept;
   void check_tool() noexcept;
-  double tool_tail() const noexcept;
+  double stopping_way() const noexcept;
   void remember_place(const Vec3& p, Nanos at) noexcept;
 
   AuditLimits limits_;
