@@ -110,22 +110,25 @@ TEST(TipMotion, FollowsAHandAtOneHertzWithTheLagOfItsLimitsAndNoMore) {
   EXPECT_LT(middle.shape, 1.3e-3);
 }
 
-// A tip that holds its place, give or take, still turns as fast as it can.
+// A tip that holds its place, give or take, still turns as fast as it can, free or on a line.
 TEST(TipMotion, ATurnIsNotHeldUpByAPlaceThatIsAllButReached) {
-  MotionRig rig(kHome);
-  const Pose start = rig.state.X_ST;
-  Random random(8);
-  double behind = 0.0;
-  for (int k = 0; k < 1500; ++k) {
-    const double t = k * rig.settings.dt;
-    const Vec3 turn(0.1 * std::sin(3.0 * t), 0.1 * std::sin(3.7 * t), 0.1 * std::sin(2.3 * t));
-    rig.follow({start.p + 2e-5 * normal(random), (rotation_exp(turn) * start.q).normalized()});
-    if (k > 100) {
-      behind = std::max(behind, angle_between(rig.state.X_ST.q, rotation_exp(turn) * start.q));
+  for (const bool on_line : {false, true}) {
+    MotionRig rig(kHome);
+    const Pose start = rig.state.X_ST;
+    if (on_line) rig.space = line_space(start.p, Vec3::UnitY());
+    Random random(8);
+    double behind = 0.0;
+    for (int k = 0; k < 1500; ++k) {
+      const double t = k * rig.settings.dt;
+      const Vec3 turn(0.1 * std::sin(3.0 * t), 0.1 * std::sin(3.7 * t), 0.1 * std::sin(2.3 * t));
+      rig.follow({start.p + 2e-5 * normal(random), (rotation_exp(turn) * start.q).normalized()});
+      if (k > 100) {
+        behind = std::max(behind, angle_between(rig.state.X_ST.q, rotation_exp(turn) * start.q));
+      }
     }
+    EXPECT_LT(behind, 0.06) << on_line;
+    EXPECT_EQ(rig.guarded, 0);
   }
-  EXPECT_LT(behind, 0.06);
-  EXPECT_EQ(rig.guarded, 0);
 }
 
 struct Push {
