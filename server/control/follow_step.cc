@@ -127,6 +127,11 @@ double most_yielding(const FollowSettings& settings) {
 // Moves toward the newest command and says by which stages; returns what intervened.
 Reason follow(const FollowSettings& settings, const FollowInput& in, FollowState& s,
               FollowLedger& ledger) {
+  // Engaged before its master knows, a slave stands: what comes is not yet driven by a hand.
+  if (!follows(in.master.state) && in.master.state != SessionState::kHold) {
+    brake(settings.motion, s.motion);
+    return Reason::kNotEngaged;
+  }
   if (!valid_command(in.master)) {
     brake(settings.motion, s.motion);
     return Reason::kCommandInvalid;

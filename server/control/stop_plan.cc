@@ -19,6 +19,7 @@ constexpr double kLeastAcross = 0.05;     // of a limit, to end a bend with
 constexpr double kAcrossJerk = 0.2;
 constexpr double kOnPathJerk = 0.6;  // the rest is for the joints' own stops
 constexpr double kLeastAlong = 0.2;
+constexpr double kBeside = 2e-3;  // of the way, where no tool holds the tip [m]
 
 // Time to stop that is allowed, in cycles.
 double stop_bound(const PlanLimits& limits, const JointVector& step) {
@@ -201,6 +202,16 @@ bool stop_joints(const PlanLimits& limits, const TipMotion& from, double bound, 
   return false;
 }
 
+// How far beside the present way of the tip its stop ends [m].
+double end_beside(const PlanLimits& limits, const TipMotion& from, const StopPlan& plan) {
+  if (plan.size == 0) return 0.0;
+  const JointVector& q = plan.q[static_cast<std::size_t>(plan.size - 1)];
+  const Vec3 way = forward(limits.guard.arm, q).p - from.X_ST.p;
+  const Vec3& step = from.tip_step.linear;
+  const double speed = step.norm();
+  return speed < kNothing ? way.norm() : way.cross(step).norm() / speed;
+}
+
 }  // namespace
 
 PlanLimits::PlanLimits(const GuardLimits& of) noexcept : guard(of), axis(of.axis) {
@@ -264,7 +275,10 @@ bool plan_stop(const PlanLimits& limits, const TipSpace& space, const TipMotion&
     const AxisLimits along = limits_along(limits, split.along_rate, used, std::min(used, 0.93));
     if (roll_out(limits, space, from, split, along, across, bound, plan, why)) return true;
   }
-  if (!on_path && stop_joints(limits, from, bound, plan, why)) return true;
+  if ((!on_path || space.everything()) && stop_joints(limits, from, bound, plan, why) &&
+      (!on_path || end_beside(limits, from, plan) < kBeside)) {
+    return true;
+  }
   for (const double share : {0.85, 0.5}) {
     if (roll_out_on_path(limits, space, from, share, bound, plan, why)) return true;
   }

@@ -34,7 +34,7 @@ void Auditor::sent(std::uint64_t number, std::uint32_t incarnation, const Master
   entry.aligning = state.desired != Desired::kOff && state.state == SessionState::kAligning;
   entry.has_command = state.has_command;
   entry.repeated = repeated;
-  entry.p_SU = state.X_SU.p;
+  entry.X_SU = state.X_SU;
   entry.tool = state.position_tool;
 }
 
@@ -54,7 +54,7 @@ void Auditor::delivered(const Delivery& delivery) noexcept {
   heard_ = true;
   if (!entry.repeated) heard_at_ = delivery.at;
   if (entry.aligning) latched_ = must_stop_ = false;
-  if (entry.has_command) remember_place(entry.p_SU, delivery.at);
+  if (entry.has_command) remember_place(entry.X_SU.p, delivery.at);
   take_tool(entry);
 }
 
@@ -171,11 +171,26 @@ void Auditor::remember_place(const Vec3& p, Nanos at) noexcept {
 }
 
 // A tip that only ever moves toward fresh commands stays among them and where it stood, but for its
-// stop where they turn before it.
+// stop where they turn before it. From commands that the arm cannot reach it only never goes away,
+// but as far as they go themselves.
 void Auditor::check_place(Nanos at) noexcept {
   if (!heard_) return;
-  Vec3 low = rest_.cwiseMin(newest_.p_SU);
-  Vec3 high = rest_.cwiseMax(newest_.p_SU);
+  const Pose& asked = newest_.X_SU;
+  if (newest_.has_command && !in_reach(asked)) {
+    const double gap = (tip() - asked.p).norm();
+    if (!beyond_reach_) tip_tail_ = stopping_way();
+    const double went =
+        (asked.p - asked_.p).norm() + limits_.arm.d6 * angle_between(asked.q, asked_.q);
+    gap_ = beyond_reach_ ? std::min(gap_ + went, gap) : gap;
+    beyond_reach_ = true;
+    asked_ = asked;
+    if (gap > gap_ + kRoom + tip_tail_) breach(Breach::kUnasked);
+    remember_place(tip(), at);
+    return;
+  }
+  beyond_reach_ = false;
+  Vec3 low = rest_.cwiseMin(asked.p);
+  Vec3 high = rest_.cwiseMax(asked.p);
   for (const Box& box : boxes_) {
     if (at - box.from > static_cast<Nanos>(kBuckets) * kBucket) continue;
     low = low.cwiseMin(box.low);
@@ -184,6 +199,13 @@ void Auditor::check_place(Nanos at) noexcept {
   const double outside = std::max((low - tip()).maxCoeff(), (tip() - high).maxCoeff());
   if (outside <= 0.0) tip_tail_ = stopping_way();
   if (outside > kRoom + tip_tail_) breach(Breach::kUnasked);
+}
+
+bool Auditor::in_reach(const Pose& X) const noexcept {
+  JointVector q;
+  return is_finite(X) && inverse_near(limits_.arm, X, joints_.q(), q) == InverseStatus::kOk &&
+         (q.array() >= limits_.joints.lower.array()).all() &&
+         (q.array() <= limits_.joints.upper.array()).all();
 }
 
 // What the slave must take: a newer definition, or whatever the master comes back with. Another

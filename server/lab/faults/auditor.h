@@ -48,8 +48,8 @@ class Auditor {
   static constexpr Nanos kLatch = 200 * kMillisecond;
   // Of the stop bound beside the joints' own time: one cycle and 2 ms.
   static constexpr Nanos kOverhead = 2 * kMillisecond;
-  // A tip further from all recent commands than this, and than its own stop takes it where they turn
-  // before it, goes where nobody sent it [m].
+  // A tip further from all recent commands than this, and than its own stop takes it where they
+  // turn before it, goes where nobody sent it [m].
   static constexpr double kRoom = 0.005;
   static constexpr double kOffTool = 1e-5;  // [m]
 
@@ -78,7 +78,7 @@ class Auditor {
   const AuditReport& report() const noexcept { return report_; }
   // Tip of the newest command, and its distance from the newest command delivered [m].
   const Vec3& tip() const noexcept { return joints_.tip(); }
-  double behind() const noexcept { return heard_ ? (tip() - newest_.p_SU).norm() : 0.0; }
+  double behind() const noexcept { return heard_ ? (tip() - newest_.X_SU.p).norm() : 0.0; }
   bool moving() const noexcept { return joints_.moving(); }
   // Whether the arm may move toward the newest command, as of the last cycle.
   bool led() const noexcept { return led_; }
@@ -96,7 +96,7 @@ class Auditor {
     bool aligning = false;  // asks to engage
     bool has_command = false;
     bool repeated = false;
-    Vec3 p_SU = Vec3::Zero();
+    Pose X_SU;
     ToolDefinition tool;
   };
   struct Box {
@@ -111,6 +111,7 @@ class Auditor {
   void end_stop() noexcept;
   void record_stop() noexcept;
   void check_place(Nanos at) noexcept;
+  bool in_reach(const Pose& X) const noexcept;
   void take_tool(const Sent& entry) noexcept;
   void check_tool() noexcept;
   double stopping_way() const noexcept;
@@ -143,7 +144,10 @@ class Auditor {
   std::array<Box, kBuckets> boxes_{};
   std::array<Vec3, 3> tips_{};  // of the last commands, newest first
   double tip_tail_ = 0.0;  // how far its stop took the tip where it was last among the commands [m]
-  double stop_time_ = 0.0;      // that the joints needed at the last command [s]
+  bool beyond_reach_ = false;  // as of the last command
+  Pose asked_;                 // then
+  double gap_ = 0.0;           // from it to the tip, at most [m]
+  double stop_time_ = 0.0;     // that the joints needed at the last command [s]
   ToolDefinition tool_;
   std::uint32_t tool_of_ = 0;  // incarnation
   TipSpace space_;

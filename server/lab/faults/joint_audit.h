@@ -51,6 +51,7 @@ class JointAudit {
 
   // Time any joint needs to rest, at most: v/a + 2.5 a/j of the slowest-stopping one [s].
   double time_to_stop() const noexcept;
+  const JointVector& q() const noexcept { return q_; }
   const JointVector& step() const noexcept { return step_; }
   bool moving() const noexcept { return moving_; }
   const Vec3& tip() const noexcept { return tip_; }

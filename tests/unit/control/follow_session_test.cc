@@ -61,6 +61,26 @@ TEST(FollowSession, ACommandOffTheHeldPoseIsNotEngagedAndSaysSo) {
   EXPECT_EQ(rig.out.link.state, SessionState::kEngaged);
 }
 
+// At the end of a joint's range every command is out of reach by what the planner keeps from it.
+TEST(FollowSession, StandsUntilTheMasterIsEngagedToo) {
+  JointVector end = test::home();
+  end[2] = rv2a_limits().lower[2] + 1e-7;
+  FollowRig rig(end);
+  rig.in.master_known = true;
+  rig.in.master.desired = Desired::kEngaged;
+  rig.in.master.state = SessionState::kAligning;
+  rig.in.master.has_command = true;
+  const Pose X = rig.state.motion.X_ST;
+  for (int i = 0; i < 10; ++i) {
+    rig.follow(X);
+    ASSERT_EQ(rig.joints(), end);
+  }
+  EXPECT_EQ(rig.out.link.state, SessionState::kEngaged);
+  rig.in.master.state = SessionState::kEngaged;
+  for (int i = 0; i < 10; ++i) rig.follow(X);
+  EXPECT_NE(rig.joints(), end);
+}
+
 TEST(FollowSession, HoldsTheLatchedPoseUntilPlacedAndTakesNoCommand) {
   FollowRig rig;
   rig.state = FollowState();

@@ -251,6 +251,22 @@ TEST(AuditorTest, ATipWhereNobodySentItIsFound) {
   EXPECT_EQ(s.report().total(), s.report().of(Breach::kUnasked));
 }
 
+// The nearest the arm can do need not lie between the commands.
+TEST(AuditorTest, ATipMayGoAlongTheEndOfReachButNotAwayFromWhatIsAskedBeyond) {
+  for (const bool away : {false, true}) {
+    Stream s;
+    s.change_speed(kFast);
+    // A metre further out, and as much to the side as J1 still turns.
+    JointVector there = s.q;
+    there[0] += away ? -0.3 : 0.3;
+    s.state.X_SU = forward(limits().arm, there);
+    s.state.X_SU.p += 1.0 * s.state.X_SU.p.cwiseProduct(Vec3(1.0, 1.0, 0.0)).normalized();
+    for (int i = 0; i < 60; ++i) s.cycle(kFast);
+    EXPECT_EQ(s.report().of(Breach::kUnasked) > 0, away);
+    EXPECT_EQ(s.report().total(), s.report().of(Breach::kUnasked));
+  }
+}
+
 // Along x, which J1 turns the tip across.
 ToolDefinition line_through(const Vec3& p) {
   ToolDefinition tool;
