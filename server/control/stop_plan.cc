@@ -19,7 +19,7 @@ constexpr double kLeastAcross = 0.05;     // of a limit, to end a bend with
 constexpr double kAcrossJerk = 0.2;
 constexpr double kOnPathJerk = 0.6;  // the rest is for the joints' own stops
 constexpr double kLeastAlong = 0.2;
-constexpr double kBeside = 2e-3;  // of the way, where no tool holds the tip [m]
+constexpr double kFarther = 2e-4;  // [m]
 
 // Time to stop that is allowed, in cycles.
 double stop_bound(const PlanLimits& limits, const JointVector& step) {
@@ -202,14 +202,18 @@ bool stop_joints(const PlanLimits& limits, const TipMotion& from, double bound, 
   return false;
 }
 
-// How far beside the present way of the tip its stop ends [m].
-double end_beside(const PlanLimits& limits, const TipMotion& from, const StopPlan& plan) {
-  if (plan.size == 0) return 0.0;
+// Whether the stop ends less than `beside` [m] beside the tip's present way, and hardly farther
+// along than by braking evenly: joints whose motions cancelled may take the tip far when each
+// stops.
+bool ends_near(const PlanLimits& limits, const TipMotion& from, const StopPlan& plan,
+               double beside) {
+  if (plan.size == 0) return true;
   const JointVector& q = plan.q[static_cast<std::size_t>(plan.size - 1)];
   const Vec3 way = forward(limits.guard.arm, q).p - from.X_ST.p;
   const Vec3& step = from.tip_step.linear;
   const double speed = step.norm();
-  return speed < kNothing ? way.norm() : way.cross(step).norm() / speed;
+  const double off = speed < kNothing ? way.norm() : way.cross(step).norm() / speed;
+  return off < beside && way.norm() < 0.5 * speed * plan.size + kFarther;
 }
 
 }  // namespace
@@ -259,8 +263,8 @@ bool solve_near(const ArmGeometry& arm, const Pose& X, const JointVector& seed,
   return true;
 }
 
-bool plan_stop(const PlanLimits& limits, const TipSpace& space, const TipMotion& from, bool on_path,
-               StopPlan& plan, Verdict& why) noexcept {
+bool plan_stop(const PlanLimits& limits, const TipSpace& space, const TipMotion& from,
+               double beside, StopPlan& plan, Verdict& why) noexcept {
   plan.size = plan.next = 0;
   const Split split = split_of(limits, space, from);
   if (split.along.isZero(0.0) && from.joints.step.isZero(kNothing)) return true;
@@ -275,8 +279,8 @@ bool plan_stop(const PlanLimits& limits, const TipSpace& space, const TipMotion&
     const AxisLimits along = limits_along(limits, split.along_rate, used, std::min(used, 0.93));
     if (roll_out(limits, space, from, split, along, across, bound, plan, why)) return true;
   }
-  if ((!on_path || space.everything()) && stop_joints(limits, from, bound, plan, why) &&
-      (!on_path || end_beside(limits, from, plan) < kBeside)) {
+  if (beside > 0.0 && stop_joints(limits, from, bound, plan, why) &&
+      ends_near(limits, from, plan, beside)) {
     return true;
   }
   for (const double share : {0.85, 0.5}) {

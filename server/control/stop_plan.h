@@ -65,9 +65,10 @@ bool solve_near(const ArmGeometry& arm, const Pose& X, const JointVector& seed,
 
 // Stops from `from` along its path, on `space` throughout, no longer than v/a
 // + 2.5 a/j of the slowest-stopping joint. Every command of it was asked of the
-// guard. Not `on_path` each joint may stop by itself, if the space is everything. False with the
-// reason in `why` when there is none. Real-time safe, at most 5 x 64 inverse kinematics.
-bool plan_stop(const PlanLimits& limits, const TipSpace& space, const TipMotion& from, bool on_path,
-               StopPlan& plan, Verdict& why) noexcept;
+// guard. Where the path's own stop does not fit each joint may stop by itself, if that ends less
+// than `beside` [m] beside the path; 0: never. False with the reason in `why` when there is none.
+// Real-time safe, at most 9 x 64 inverse kinematics.
+bool plan_stop(const PlanLimits& limits, const TipSpace& space, const TipMotion& from,
+               double beside, StopPlan& plan, Verdict& why) noexcept;
 
 }  // namespace handrail

@@ -16,15 +16,18 @@ constexpr double kOnSpace = 5e-6;    // further off a tip is not on its space [m
 constexpr double kSlow = 0.02;       // a tip that moves less is as good as standing [m/s]
 constexpr double kStanding = 0.002;  // [m/s]
 constexpr double kLever = 0.1;
-constexpr int kAround = 70;             // cycles
-constexpr double kGoing = 1e-5;         // slower is standing [rad]
-constexpr double kNearly = 1e-2;        // [rad]
-constexpr int kStraightAgain = 15;      // straight steps in a row end a slide
-constexpr double kDetour = 2.5;         // so many times longer the straight way is none
-constexpr double kSoon = 15.0;          // cycles
-constexpr double kAhead = 0.95;         // cosine: the tip moves toward its goal
-constexpr double kPasses = 1e-7;        // [m]
-constexpr double kPassesFree = 2e-3;    // [m]
+constexpr int kAround = 70;           // cycles
+constexpr double kGoing = 1e-5;       // slower is standing [rad]
+constexpr double kNearly = 1e-2;      // [rad]
+constexpr int kStraightAgain = 15;    // straight steps in a row end a slide
+constexpr double kDetour = 2.5;       // so many times longer the straight way is none
+constexpr double kSoon = 15.0;        // cycles
+constexpr double kAhead = 0.95;       // cosine: the tip moves toward its goal
+constexpr double kPasses = 1e-7;      // [m]
+constexpr double kPassesFree = 1e-4;  // off its tool [m]
+constexpr double kUnheld =
+    2e-3;  // where no tool holds the tip: past its goal, and beside its way [m]
+constexpr double kAnywhere = 1e9;       // [m]
 constexpr double kGoesBack = 1e-12;     // [m]
 constexpr double kBehind = 1e-3;        // less to go is not worth a reason [m]
 constexpr double kTurnBehind = 1e-2;    // [rad]
@@ -75,8 +78,9 @@ struct Ways {
 
 class Planner {
  public:
-  Planner(const MotionSettings& settings, const TipSpace& space, MotionState& state)
-      : settings_(settings), limits_(settings.guard()), space_(space), state_(state) {}
+  // `free`: no tool holds the tip, now or later.
+  Planner(const MotionSettings& settings, const TipSpace& space, bool free, MotionState& state)
+      : settings_(settings), limits_(settings.guard()), space_(space), free_(free), state_(state) {}
 
   void set_goal(const Vec3& p) { p_goal_ = p; }
   const PlanLimits& limits() const { return limits_; }
@@ -92,7 +96,7 @@ class Planner {
     if (!solve_near(limits_.guard.arm, X, state_.joints.q, q)) {
       return refuse({Reason::kOutOfReach, -1});
     }
-    return take(q, X);
+    return take(q, X, free_ ? kUnheld : 0.0);
   }
 
   // What the stop would do now.
@@ -104,11 +108,11 @@ class Planner {
 
   // The straight way with less of everything, down to little more than the stop.
   bool slower(const Ways& ways, const Twist& first, const Twist& second) {
-    if (straight(first)) return true;
     const Twist more = ways.gentle - ways.stop;
     for (const Twist& step :
-         {second, ways.gentle, ways.stop + 0.6 * more, ways.stop + 0.3 * more}) {
-      if (straight(step)) return true;
+         {first, second, ways.gentle, ways.stop + 0.6 * more, ways.stop + 0.3 * more}) {
+      const bool going = step.linear.norm() + kLever * step.angular.norm() > kGoing * kLever;
+      if (going && straight(step)) return true;
     }
     return false;
   }
@@ -124,7 +128,17 @@ class Planner {
     }
     if (!space_.everything()) return false;
     state_.around = state_.around > 0 ? state_.around - 1 : kAround;
-    return by_joints(there, speed) || by_joints(there, 0.4 * speed);
+    for (const double share : {1.0, 0.4, 0.15}) {
+      if (by_joints(there, share * speed, kAnywhere)) return true;
+    }
+    return false;
+  }
+
+  // The joints' own way wherever the tip goes.
+  bool by_joints(const JointVector& there, double speed, double beside) {
+    const JointVector q = own_way(limits_, state_.joints, there, speed);
+    const Pose X = forward(limits_.guard.arm, q);
+    return (X.p - state_.X_ST.p).norm() <= settings_.tip_speed * settings_.dt && take(q, X, beside);
   }
 
  private:
@@ -136,14 +150,7 @@ class Planner {
     }
     const bool going = (q - state_.joints.q).cwiseAbs().maxCoeff() > kGoing ||
                        (there - q).cwiseAbs().maxCoeff() < kNearly;
-    return going && take(q, forward(limits_.guard.arm, q));
-  }
-
-  // The joints' own way wherever the tip goes.
-  bool by_joints(const JointVector& there, double speed) {
-    const JointVector q = own_way(limits_, state_.joints, there, speed);
-    const Pose X = forward(limits_.guard.arm, q);
-    return (X.p - state_.X_ST.p).norm() <= settings_.tip_speed * settings_.dt && take(q, X, false);
+    return going && take(q, forward(limits_.guard.arm, q), free_ ? kUnheld : 0.0);
   }
 
   bool refuse(const Verdict& why) {
@@ -151,7 +158,7 @@ class Planner {
     return false;
   }
 
-  bool take(const JointVector& q, const Pose& X, bool on_path = true) {
+  bool take(const JointVector& q, const Pose& X, double beside) {
     if (space_.forward_S.dot(X.p - state_.X_ST.p) < -kGoesBack) {
       return refuse({Reason::kToolTube, -1});
     }
@@ -160,7 +167,7 @@ class Planner {
     TipMotion next = state_;
     move_to(limits_, q, X, next);
     Verdict why;
-    if (!plan_stop(limits_, space_, next, on_path, trial_, why)) return refuse(why);
+    if (!plan_stop(limits_, space_, next, beside, trial_, why)) return refuse(why);
     if (passes(next)) return refuse({Reason::kJointAcceleration, -1});
     static_cast<TipMotion&>(state_) = next;
     state_.stop = trial_;
@@ -175,7 +182,7 @@ class Planner {
     if (trial_.size == 0 || step.norm() < kSlow * settings_.dt) return false;
     if (way.dot(step) < kAhead * way.norm() * step.norm()) return false;
     const JointVector& end = trial_.q[static_cast<std::size_t>(trial_.size - 1)];
-    const double most = space_.freedom() < 3 ? kPasses : kPassesFree;
+    const double most = free_ ? kUnheld : space_.freedom() < 3 ? kPasses : kPassesFree;
     return (forward(limits_.guard.arm, end).p - p_goal_).dot(way) > most * way.norm();
   }
 
@@ -183,6 +190,7 @@ class Planner {
   Vec3 p_goal_ = Vec3::Zero();
   PlanLimits limits_;
   const TipSpace& space_;
+  const bool free_;
   MotionState& state_;
   StopPlan trial_;
   Verdict refused_;  // why the first proposal was
@@ -249,7 +257,8 @@ MotionState standing_at(const ArmGeometry& arm, const JointVector& q) noexcept {
 Moved move_toward(const MotionSettings& settings, const TipSpace& space, const Pose& target,
                   double share, MotionState& state) noexcept {
   const TipSpace within = space_now(space, target.p, state);
-  Planner planner(settings, within, state);
+  const bool free = space.everything();
+  Planner planner(settings, within, free, state);
   const Reached reached =
       nearest_reachable(settings.arm, settings.limits, within, {within.nearest(target.p), target.q},
                         state.joints.q, planner.limits().from_end);
@@ -278,6 +287,8 @@ Moved move_toward(const MotionSettings& settings, const TipSpace& space, const P
     if (behind) moved.limit = proposal.limiting();
     return moved;
   }
+  // Along the end of reach, which bends, the joints' own way keeps the one that ends there.
+  if (free && reached.arm && planner.by_joints(reached.q, share, kUnheld)) return moved;
   const bool singular = !direct || near_singular(settings.arm, state.joints.q);
   moved.limit = singular ? Verdict{Reason::kSingularity, -1} : planner.refused();
   const Ways ways{wanted, state.tip_step + proposal.change(0.35 * kShare, 0.15 * kShare, 1.0),
@@ -288,9 +299,12 @@ Moved move_toward(const MotionSettings& settings, const TipSpace& space, const P
     const Twist both = state.tip_step + proposal.change(0.5 * kShare, 0.35 * kShare, hard);
     if (planner.slower(ways, go, both)) return moved;
   }
-  // Slowed into first, then slid along.
-  const double slow = blocked(moved.limit.reason) ? kSlow : kStanding;
-  const bool slides = state.sliding > 0 || tip_speed(state) < slow * settings.dt;
+  // Slowed into first, then slid along; and before the stop would end, so that the arm never waits.
+  const bool ends = state.stop.next + 2 >= state.stop.size;
+  const bool stuck = blocked(moved.limit.reason);
+  if (free && ends && !stuck && planner.by_joints(reached.q, share, kUnheld)) return moved;
+  const bool slow = tip_speed(state) < (stuck ? kSlow : kStanding) * settings.dt;
+  const bool slides = state.sliding > 0 || slow || (free && ends);
   if (!slides || !planner.otherwise(ways, reached.q, share)) play(planner.limits(), state);
   return moved;
 }

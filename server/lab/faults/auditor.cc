@@ -22,7 +22,11 @@ std::uint64_t AuditReport::total() const noexcept {
 }
 
 Auditor::Auditor(const AuditLimits& limits)
-    : limits_(limits), dt_(to_seconds(limits.period)), sent_(kRemembered), joints_(limits) {}
+    : limits_(limits),
+      dt_(to_seconds(limits.period)),
+      sent_(kRemembered),
+      joints_(limits),
+      last_asked_(limits) {}
 
 void Auditor::sent(std::uint64_t number, std::uint32_t incarnation, const MasterState& state,
                    bool repeated) noexcept {
@@ -86,6 +90,7 @@ void Auditor::commanded(const JointVector& q, Nanos at) noexcept {
   if (!led_ && !stopping_) begin_stop(at);
   if (led_ && stopping_) end_stop();
   stop_needs_operator_ = stop_needs_operator_ || latched_ || must_stop_ || newest_.stops;
+  reach_of_tool();
   if (!joints_.commanded(q, report_.breaches)) return;
   report_.speed = joints_.speed();
   report_.acceleration = joints_.acceleration();
@@ -178,13 +183,14 @@ void Auditor::check_place(Nanos at) noexcept {
   const Pose& asked = newest_.X_SU;
   if (newest_.has_command && !in_reach(asked)) {
     const double gap = (tip() - asked.p).norm();
-    if (!beyond_reach_) tip_tail_ = stopping_way();
     const double went =
         (asked.p - asked_.p).norm() + limits_.arm.d6 * angle_between(asked.q, asked_.q);
+    // What now is asked may lie behind a tip on its way.
+    if (!beyond_reach_ || went > 0.0) remember_stop();
     gap_ = beyond_reach_ ? std::min(gap_ + went, gap) : gap;
     beyond_reach_ = true;
     asked_ = asked;
-    if (gap > gap_ + kRoom + tip_tail_) breach(Breach::kUnasked);
+    if (too_far(gap - gap_)) breach(Breach::kUnasked);
     remember_place(tip(), at);
     return;
   }
@@ -197,8 +203,18 @@ void Auditor::check_place(Nanos at) noexcept {
     high = high.cwiseMax(box.high);
   }
   const double outside = std::max((low - tip()).maxCoeff(), (tip() - high).maxCoeff());
-  if (outside <= 0.0) tip_tail_ = stopping_way();
-  if (outside > kRoom + tip_tail_) breach(Breach::kUnasked);
+  if (outside <= 0.0) remember_stop();
+  if (too_far(outside)) breach(Breach::kUnasked);
+}
+
+void Auditor::remember_stop() noexcept {
+  last_asked_ = joints_;
+  even_way_ = even_way();
+}
+
+// Further off than any stop since the tip was last where it was asked to be.
+bool Auditor::too_far(double off) const noexcept {
+  return off > kRoom + even_way_ && off > kRoom + last_asked_.way_of_joints();
 }
 
 bool Auditor::in_reach(const Pose& X) const noexcept {
@@ -220,9 +236,9 @@ void Auditor::take_tool(const Sent& entry) noexcept {
   tool_new_ = true;
 }
 
-// How far the tip's stop may take it: from its speed, with what its acceleration still adds, evenly
-// to rest for as long as the joints may need [m]. The bend of its path may turn all of it outward.
-double Auditor::stopping_way() const noexcept {
+// How far the tip goes from its speed, with what its acceleration still adds, evenly to rest for as
+// long as the joints may need [m]. The bend of its path may turn all of it outward.
+double Auditor::even_way() const noexcept {
   const Vec3 step = tips_[0] - tips_[1], last = tips_[1] - tips_[2];
   const double shed =
       (limits_.joints.max_acceleration.array() / limits_.max_jerk.array()).maxCoeff();
@@ -230,13 +246,17 @@ double Auditor::stopping_way() const noexcept {
   return 0.5 * speed * stop_time_;
 }
 
-// A tip beside its tool only ever comes nearer, but for its own stopping way: what it was when the
-// tool came, and at each command since. Once on it, it stays.
+// A tip beside its tool only ever comes nearer, but for its own stop: what it was when the tool
+// came, and at each command since. Once on it, it stays.
+void Auditor::reach_of_tool() noexcept {
+  if (space_.everything()) return;
+  const double reach = space_.distance(tips_[0]) + std::max(even_way(), joints_.way_of_joints());
+  tool_reach_ = tool_new_ ? reach : std::min(tool_reach_, reach);
+  tool_new_ = false;
+}
+
 void Auditor::check_tool() noexcept {
   if (space_.everything()) return;
-  const double before = space_.distance(tips_[0]) + stopping_way();
-  tool_reach_ = tool_new_ ? before : std::min(tool_reach_, before);
-  tool_new_ = false;
   if (space_.distance(tip()) > tool_reach_ + limits_.contact + kOffTool) breach(Breach::kOffTool);
 }
 

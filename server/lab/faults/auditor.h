@@ -114,7 +114,10 @@ class Auditor {
   bool in_reach(const Pose& X) const noexcept;
   void take_tool(const Sent& entry) noexcept;
   void check_tool() noexcept;
-  double stopping_way() const noexcept;
+  void remember_stop() noexcept;
+  bool too_far(double off) const noexcept;
+  void reach_of_tool() noexcept;
+  double even_way() const noexcept;
   void remember_place(const Vec3& p, Nanos at) noexcept;
 
   AuditLimits limits_;
@@ -143,11 +146,12 @@ class Auditor {
 
   std::array<Box, kBuckets> boxes_{};
   std::array<Vec3, 3> tips_{};  // of the last commands, newest first
-  double tip_tail_ = 0.0;  // how far its stop took the tip where it was last among the commands [m]
-  bool beyond_reach_ = false;  // as of the last command
-  Pose asked_;                 // then
-  double gap_ = 0.0;           // from it to the tip, at most [m]
-  double stop_time_ = 0.0;     // that the joints needed at the last command [s]
+  JointAudit last_asked_;       // when the tip was last where it was asked to be
+  double even_way_ = 0.0;       // then [m]
+  bool beyond_reach_ = false;   // as of the last command
+  Pose asked_;                  // then
+  double gap_ = 0.0;            // from it to the tip, at most [m]
+  double stop_time_ = 0.0;      // that the joints needed at the last command [s]
   ToolDefinition tool_;
   std::uint32_t tool_of_ = 0;  // incarnation
   TipSpace space_;

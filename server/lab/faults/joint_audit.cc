@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/control/jerk_law.h"
+
 namespace handrail {
 namespace {
 
@@ -88,6 +90,25 @@ double JointAudit::time_to_stop() const noexcept {
     longest = std::max(longest, std::abs(step_[i]) / dt_ / a + 2.5 * a / limits_.max_jerk[i]);
   }
   return longest;
+}
+
+double JointAudit::way_of_joints() const noexcept {
+  constexpr int kLongest = 100;     // cycles
+  constexpr double kSoftest = 0.7;  // of the limits; softer no stop keeps its bound
+  JointVector q = q_, step = step_, change = change_;
+  double way = 0.0;
+  for (int k = 0; k < kLongest && !(step.isZero(0.0) && change.isZero(0.0)); ++k) {
+    for (int i = 0; i < kJoints; ++i) {
+      const AxisLimits axis{limits_.joints.max_speed[i] * dt_,
+                            kSoftest * limits_.joints.max_acceleration[i] * dt_ * dt_,
+                            kSoftest * limits_.max_jerk[i] * dt_ * dt_ * dt_};
+      change[i] = stop_change(axis, step[i], change[i]);
+      step[i] += change[i];
+      q[i] += step[i];
+    }
+    way = std::max(way, (forward(limits_.arm, q).p - tip_).norm());
+  }
+  return way;
 }
 
 }  // namespace handrail

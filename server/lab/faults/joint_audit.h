@@ -51,6 +51,9 @@ class JointAudit {
 
   // Time any joint needs to rest, at most: v/a + 2.5 a/j of the slowest-stopping one [s].
   double time_to_stop() const noexcept;
+  // How far from here the tip gets while every joint brakes, no softer than the stop bound asks
+  // [m].
+  double way_of_joints() const noexcept;
   const JointVector& q() const noexcept { return q_; }
   const JointVector& step() const noexcept { return step_; }
   bool moving() const noexcept { return moving_; }
