@@ -101,9 +101,9 @@ TEST_F(CellFaultTest, AHapticThreadThatStandsStillStopsTheArmUntilAnOperatorRese
   ASSERT_TRUE(eventually(
       [&](const pb::Status& s) { return (mm(s.slave_command()) - start).norm() > 1.0; }));
   const auto threads = other_threads(master->pid());
-  ASSERT_EQ(threads.size(), 1u);
+  ASSERT_FALSE(threads.empty());
   {
-    const StoppedThread haptic(threads[0]);
+    const StoppedThread haptic(threads.back());  // ThreadSanitizer's own comes before it
     if (!haptic.stopped()) GTEST_SKIP() << "no thread can be stopped here";
     ASSERT_TRUE(slave_reaches("fault"));
     const pb::Status stands = status();

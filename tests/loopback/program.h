@@ -25,7 +25,11 @@ namespace handrail {
 class Program {
  public:
   // No test needs that long, whatever else the machine does.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  static constexpr Nanos kPatience = 240 * kSecond;  // programs with checks put in are slow
+#else
   static constexpr Nanos kPatience = 30 * kSecond;
+#endif
 
   // `name`: of a program in the build's bin folder.
   Program(const TempFolder& folder, const std::string& name, std::vector<std::string> arguments) {

@@ -4,13 +4,14 @@
 #include <sys/ptrace.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 namespace handrail {
 
-// The threads of `pid` beside its first.
+// The threads of `pid` beside its first, oldest first.
 inline std::vector<pid_t> other_threads(pid_t pid) {
   std::vector<pid_t> found;
   const std::string folder = "/proc/" + std::to_string(pid) + "/task";
@@ -18,6 +19,7 @@ inline std::vector<pid_t> other_threads(pid_t pid) {
     const pid_t thread = std::stoi(entry.path().filename());
     if (thread != pid) found.push_back(thread);
   }
+  std::sort(found.begin(), found.end());
   return found;
 }
 
