@@ -12,6 +12,7 @@
 #include "server/base/tool_call.h"
 #include "server/base/units.h"
 #include "server/scene/effect_list.h"
+#include "server/scene/simulate.h"
 #include "server/scene/walls.h"
 #include "server/task/linear_task.h"
 
@@ -59,14 +60,16 @@ struct Scene {
   Limits limits;
   double tip_length = 0.301;    // wrist centre to the tip [m]
   std::vector<ToolCall> tools;  // called on loading: at most one position and one orientation tool
-  std::optional<LinearTask> task;  // what the person is asked to do
+  std::optional<LinearTask> task;      // what the person is asked to do
   std::shared_ptr<const Walls> walls;  // of a two-axis device; null: none
   std::vector<EffectSpec> effects;     // with walls: what is simulated, and nothing else
+  std::optional<Simulate> simulate;    // of the rig, and nothing else; none: as it is configured
 };
 
 // Hashes of what both sides must hold alike: mapping, limits (with the bumper, which also holds the
 // arm back) and robot, over the SI values. `tools` stays 0: it belongs to the tools active, not to
-// the scene. The task and the walls are the operator's business alone.
+// the scene. The task and the walls are the operator's business alone, what is simulated the
+// simulator's.
 SectionHashes section_hashes(const Scene& scene) noexcept;
 
 // One sentence for each setting that is allowed but likely to surprise.

@@ -10,6 +10,7 @@
 #include "server/scene/effect_io.h"
 #include "server/scene/map_detent.h"
 #include "server/scene/scene_limits_io.h"
+#include "server/scene/simulate_io.h"
 #include "server/scene/text_io.h"
 #include "server/scene/tool_io.h"
 #include "server/scene/walls_io.h"
@@ -150,6 +151,10 @@ Problem scene_from(const pb::Scene& in, const std::string& path, Scene& out) {
   const bool painted = std::any_of(regions.begin(), regions.end(),
                                    [](const pb::WallRegion& r) { return r.has_detent(); });
   if (Problem p = effects_from(in.effect(), out.effects, painted)) return p;
+  if (in.has_simulate()) {
+    if (in.has_walls()) return FieldProblem{"simulate", "no arm takes part in a scene of walls"};
+    if (Problem p = simulate_from(in.simulate(), out.simulate.emplace())) return p;
+  }
   return tools_from(in, out.tools);
 }
 
