@@ -22,7 +22,6 @@ const char* describe(Reason reason) noexcept {
     case Reason::kRobotNotConnected: return "the robot controller is not connected";
     case Reason::kRobotSilent: return "the controller did not reply for two periods: target sent again";
     case Reason::kRobotLost: return "the controller missed 100 replies in a row";
-    case Reason::kRobotAlarm: return "the controller reported an alarm";
     case Reason::kRobotBadPacket: return "the controller sent a packet of the wrong size or type";
     case Reason::kSensorMissing: return "the force sensor is silent: bumper inactive";
     case Reason::kSensorInvalid: return "the force sensor reported an invalid value";
@@ -33,7 +32,6 @@ const char* describe(Reason reason) noexcept {
     case Reason::kJointAcceleration: return "joint acceleration limit: following more slowly";
     case Reason::kTipSpeed: return "tip speed limit: following more slowly";
     case Reason::kSingularity: return "near a singular pose: following more slowly";
-    case Reason::kGuard: return "the last guard changed the command";
     case Reason::kBumper: return "contact force over the bumper's threshold: not pushing further";
     case Reason::kShutdown: return "shutting down";
     case Reason::kClutched: return "clutched: hand free, arm holds";
@@ -67,6 +65,9 @@ const char* describe(Reason reason) noexcept {
     case Reason::kEncoderInvalid: return "the robot reported invalid joint positions";
     case Reason::kThreadStalled: return "a control loop stood still";
     case Reason::kStopInput: return "the stop circuit is open";
+    case Reason::kApproach: return "slow approach: a contact stays below the promised force";
+    case Reason::kSensorSign: return "the force sensor pulls where a surface must push: wrong sign";
+    case Reason::kContactUnrelieved: return "backing off does not relieve the contact force";
     case Reason::kCount: break;
   }
   return "unknown reason";

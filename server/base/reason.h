@@ -25,9 +25,8 @@ enum class Reason : std::uint8_t {
   kPeerFault,
   // Robot and sensor
   kRobotNotConnected,
-  kRobotSilent,  // no reply from the controller for two periods: held target sent again
-  kRobotLost,    // 100 replies missed in a row
-  kRobotAlarm,
+  kRobotSilent,     // no reply from the controller for two periods: held target sent again
+  kRobotLost,       // 100 replies missed in a row
   kRobotBadPacket,  // wrong size or type from the controller
   kSensorMissing,   // force sensor silent or in fault: bumper inactive
   kSensorInvalid,   // non-finite or saturated reading
@@ -39,7 +38,6 @@ enum class Reason : std::uint8_t {
   kJointAcceleration,
   kTipSpeed,
   kSingularity,  // near a singular pose: slowed
-  kGuard,        // the last guard changed the command
   kBumper,       // contact force above the threshold
   kShutdown,     // the daemon was told to end
   // Master side
@@ -75,6 +73,10 @@ enum class Reason : std::uint8_t {
   kEncoderInvalid,  // joint positions not finite or jumped
   kThreadStalled,   // a control loop of this side stood still
   kStopInput,       // the local stop circuit is open
+  // Contact
+  kApproach,           // slower than commanded, so that a contact stays below the promised force
+  kSensorSign,         // the force points the way the tip goes in: no surface does that
+  kContactUnrelieved,  // the force stays over the bumper's threshold although the arm backs off
   kCount
 };
 

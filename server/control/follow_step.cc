@@ -144,7 +144,10 @@ Reason follow(const FollowSettings& settings, const FollowInput& in, FollowState
   s.applied_sequence = in.master_sequence;
   if (s.session == SessionState::kEngaged) s.tube.close(s.motion.X_ST.p, settings.motion.dt);
   const Pose X_SN = s.tube.project(in.master.X_SU, s.motion.X_ST);
-  Bumped bumped = bump(settings.bumper, X_SN.p, s.f_E_S, s.motion.X_ST.p);
+  Bumped bumped{X_SN.p};
+  if (settings.bumper.enabled) {
+    bumped = bump_as_published(settings.bumper, X_SN.p, s.f_E_S, s.motion.X_ST.p);
+  }
   bumped.p_SB = s.tube.bounded(bumped.p_SB, most_yielding(settings));
   // Beside its tool the tip goes only as far as command and contact take it; one that comes nearer
   // from further off, or flies by when the tool is called, does not go further than it is.
@@ -162,7 +165,7 @@ Reason follow(const FollowSettings& settings, const FollowInput& in, FollowState
   put_stage(ledger, FollowStage::kLimits, s.motion.X_ST.p - moved.p_goal, moved.limit.reason);
   const Verdict& why = moved.reach.reason != Reason::kNone ? moved.reach : moved.limit;
   ledger.joint = why.joint;
-  return bumped.acting ? Reason::kBumper : why.reason;
+  return bumped.why == Reason::kBumper ? Reason::kBumper : why.reason;
 }
 
 }  // namespace

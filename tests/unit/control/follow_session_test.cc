@@ -223,7 +223,7 @@ TEST(FollowSession, AResetOfAnEarlierSlavesFaultDoesNotReleaseThisOnes) {
   rig.engage();
   rig.in.master.fault_reset = 1;
   rig.cycle();
-  rig.in.fault = Reason::kRobotAlarm;
+  rig.in.fault = Reason::kRobotBadPacket;
   rig.cycle();
   EXPECT_EQ(rig.out.link.state, SessionState::kFault);
   rig.in.fault = Reason::kNone;
@@ -238,7 +238,7 @@ TEST(FollowSession, AResetOfAnEarlierSlavesFaultDoesNotReleaseThisOnes) {
 TEST(FollowSession, AResetOfAMasterThatHasNotAnsweredReleasesNothing) {
   FollowRig rig;
   rig.engage();
-  rig.in.fault = Reason::kRobotAlarm;
+  rig.in.fault = Reason::kRobotBadPacket;
   rig.cycle();
   rig.in.fault = Reason::kNone;
   rig.in.master.fault_reset = rig.out.link.fault_epoch;
@@ -255,7 +255,7 @@ TEST(FollowSession, AMasterFirstHeardAfterTheFaultDoesNotReleaseItByAnOldReset) 
   for (const bool another : {false, true}) {
     FollowRig rig;
     if (another) rig.engage();
-    rig.in.fault = Reason::kRobotAlarm;
+    rig.in.fault = Reason::kRobotBadPacket;
     rig.cycle();
     rig.in.fault = Reason::kNone;
     rig.in.master_known = true;
@@ -275,12 +275,12 @@ TEST(FollowSession, AMasterFirstHeardAfterTheFaultDoesNotReleaseItByAnOldReset) 
 TEST(FollowSession, TheFirstFaultStaysTheReasonUntilReset) {
   FollowRig rig;
   rig.engage();
-  rig.in.fault = Reason::kRobotAlarm;
+  rig.in.fault = Reason::kRobotBadPacket;
   rig.cycle();
   rig.in.fault = Reason::kRobotLost;
   rig.in.master_age = kSecond;
   rig.cycle();
-  EXPECT_EQ(rig.out.link.fault, Reason::kRobotAlarm);
+  EXPECT_EQ(rig.out.link.fault, Reason::kRobotBadPacket);
   EXPECT_EQ(rig.out.link.fault_epoch, 1u);
 }
 

@@ -261,11 +261,11 @@ TEST_F(OrderDeskTest, GivesEngagingUpWhenTheLoopDoes) {
   loop();
   stand(SessionState::kAligning, Desired::kEngaged);
   tick();
-  slave.fault = Reason::kRobotAlarm;
+  slave.fault = Reason::kRobotBadPacket;
   stand(SessionState::kFault, Desired::kOff, Reason::kPeerFault);
   tick();
   EXPECT_EQ(text(answer), std::string("refused: ") + describe(Reason::kPeerFault) + ": " +
-                              describe(Reason::kRobotAlarm));
+                              describe(Reason::kRobotBadPacket));
 }
 
 TEST_F(OrderDeskTest, EngagingTimesOutWithTheSlavesReasonAndDisengages) {

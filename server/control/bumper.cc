@@ -1,0 +1,237 @@
+#include "server/control/bumper.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace handrail {
+namespace {
+
+using Phase = BumperState::Phase;
+
+constexpr double kSoftest = 10e3;    // stiffness to begin with [N/m]
+constexpr double kLength = 1e-5;     // below it no travel is told from the encoders' [m]
+constexpr double kRelief = 0.25;     // fastest way out of a force above the threshold [m/s]
+constexpr double kForgotten = 1.0;   // a contact within it has the stiffness of the last [s]
+constexpr double kSlowest = 0.1;     // least time constant of yielding [s]
+constexpr double kReserve = 2.7;     // time constants of approach to one of loop delay
+constexpr double kWidestCone = 1.4;  // half its angle [rad]
+constexpr double kLift = 1e-3;       // this far out of the surface a contact may be over [m]
+constexpr double kRoughness = 0.35;  // a surface falls off by at most this share of the way
+constexpr double kUneven = 5e-4;     // and by this [m]
+constexpr double kBraking = 6.0;     // of the tip [m/s^2]
+constexpr double kJerkTime = 0.02;   // until it brakes so [s]
+
+// What one cycle reckons with.
+struct Reckoning {
+  const BumperSettings& settings;
+  const BumperInput& in;
+  double force;   // [N]
+  double delay;   // of the whole loop that approaches [s]
+  double margin;  // four standard deviations of the force [N]
+
+  // Half the angle of the cone in which the normal of a surface lies, around the force [rad].
+  double cone() const noexcept {
+    return std::min(std::atan(settings.friction) * 1.05 + 0.02 + margin / force, kWidestCone);
+  }
+};
+
+const Vec3& delayed_tip(const BumperState& s, const Reckoning& now) noexcept {
+  const int age = std::clamp(static_cast<int>(std::lround(now.settings.sensor_lag / now.in.dt)), 0,
+                             BumperState::kTips - 1);
+  return s
+      .tips[static_cast<std::size_t>((s.newest - age + BumperState::kTips) % BumperState::kTips)];
+}
+
+void remember_tip(BumperState& s, const Vec3& p_ST) noexcept {
+  if (s.newest < 0) {
+    s.tips.fill(p_ST);
+    s.p_touch = p_ST;
+  }
+  s.newest = (s.newest + 1) % BumperState::kTips;
+  s.tips[static_cast<std::size_t>(s.newest)] = p_ST;
+}
+
+// How deep the tip is behind where the contact began, along the normal, and how far beside it [m].
+struct Way {
+  double depth;
+  double beside;
+};
+
+Way way_since_touch(const BumperState& s, const Vec3& p_ST) noexcept {
+  const Vec3 way = p_ST - s.p_touch;
+  const double out = way.dot(s.n_S);
+  return {-out, (way - out * s.n_S).norm()};
+}
+
+void measure_stiffness(const Reckoning& now, const Vec3& p_ST, BumperState& s) noexcept {
+  const BumperSettings& settings = now.settings;
+  const double normal_force = std::max(0.0, now.in.f_E_S.dot(s.n_S));
+  if (now.force > settings.contact) {
+    const double travel = std::max(0.0, way_since_touch(s, p_ST).depth);
+    s.stiffness = std::max(s.stiffness, (now.force - now.margin) / (travel + kLength));
+    const double rise = std::abs(normal_force - s.last_normal_force) - 2.0 * now.margin;
+    if (s.last_normal_force > settings.contact && rise > 0.0) {
+      const double moved = std::abs((p_ST - s.last_tip).dot(s.n_S));
+      s.stiffness = std::max(s.stiffness, rise / (moved + kLength));
+    }
+    s.stiffness = std::clamp(s.stiffness, std::min(kSoftest, settings.stiffest), settings.stiffest);
+  }
+  s.last_tip = p_ST;
+  s.last_normal_force = normal_force;
+}
+
+// Turns the normal toward the force until it lies in the cone.
+void turn_normal(const Reckoning& now, BumperState& s) noexcept {
+  if (now.force <= now.settings.contact) return;
+  const Vec3 u = now.in.f_E_S / now.force;
+  const double cone = now.cone(), along = u.dot(s.n_S);
+  if (along >= std::cos(cone)) return;
+  const Vec3 beside = s.n_S - along * u;
+  const double length = beside.norm();
+  const Vec3 w = length > 1e-9 ? Vec3(beside / length) : u.unitOrthogonal();
+  s.n_S = (std::cos(cone) * u + std::sin(cone) * w).normalized();
+}
+
+// Above the threshold: `d` pushed out to where it goes into no surface that the force may be of.
+Vec3 in_dual_cone(const Reckoning& now, const Vec3& d) noexcept {
+  const Vec3 u = now.in.f_E_S / now.force;
+  const double out = d.dot(u);
+  const double needed = std::tan(now.cone()) * (d - out * u).norm();
+  return out < needed ? Vec3(d + (needed - out) * u) : d;
+}
+
+// How fast a command goes back after a contact, in case it is met again [m/s].
+double return_speed(const Reckoning& now, const BumperState& s) noexcept {
+  const BumperSettings& settings = now.settings;
+  const double room =
+      settings.promise > 0.0 ? settings.promise - settings.threshold : 3.0 * settings.threshold;
+  return std::min(approach_speed(settings, room, now.in.delay, now.in.dt),
+                  0.5 * settings.threshold / (s.stiffness * (now.in.delay + 2.5 * now.in.dt)));
+}
+
+bool is_left(const Reckoning& now, const BumperState& s, const Vec3& p_ST,
+             const Vec3& p_SB) noexcept {
+  const BumperSettings& settings = now.settings;
+  if (now.force >= 0.5 * settings.contact) return false;
+  const double above = (now.in.p_SU - p_SB).dot(s.n_S);  // of the command, over what is followed
+  if (above > -1e-7) return true;
+  const Way way = way_since_touch(s, p_ST);
+  if (way.depth < -kLift && above > -kLift) return true;
+  return way.depth - kRoughness * way.beside > settings.threshold / s.stiffness + kUneven;
+}
+
+Bumped while_touching(const Reckoning& now, BumperState& s) noexcept {
+  const BumperSettings& settings = now.settings;
+  const BumperInput& in = now.in;
+  const Vec3 p_ST = delayed_tip(s, now);
+  s.apart = now.force > 0.5 * settings.contact ? 0.0 : s.apart + in.dt;
+  if (in.fresh) {
+    measure_stiffness(now, p_ST, s);
+    turn_normal(now, s);
+  }
+  const double rate = in.dt / (s.stiffness * kReserve * now.delay);  // [m/N], each cycle
+  const double slowness = std::max(kSlowest, settings.alpha * in.dt / rate);
+  s.give += std::min(1.0, in.dt / slowness) *
+            (settings.alpha * std::min(now.force, settings.threshold) - s.give);
+
+  const Vec3 d = in.p_SU + s.give * s.n_S - in.p_last;
+  const double wanted = d.dot(s.n_S);
+  // No further in above the goal, which lies below the threshold: out again.
+  const double goal =
+      std::max(0.5 * settings.threshold,
+               settings.threshold - std::max(0.05 * settings.threshold, now.margin));
+  double least = std::min(rate * (now.force - goal), kRelief * in.dt);
+  if (!in.fresh) least = std::max(least, 0.0);  // no news: no further in
+  Vec3 step = d + std::max(0.0, least - wanted) * s.n_S;
+  if (now.force > settings.threshold) step = in_dual_cone(now, step);
+
+  Bumped out{in.p_last + step, wanted < least ? Reason::kBumper : Reason::kNone};
+  if (is_left(now, s, p_ST, out.p_SB)) {
+    s.phase = Phase::kReturning;
+    s.felt = 0;
+  }
+  return out;
+}
+
+// After a contact: beside the normal at once, along it no faster than to meet it gently again.
+Bumped while_returning(const Reckoning& now, BumperState& s) noexcept {
+  const Vec3 d = now.in.p_SU - now.in.p_last;
+  const double most = return_speed(now, s) * now.in.dt, along = d.dot(s.n_S);
+  if (along >= -most) {
+    s.phase = Phase::kFree;
+    return {now.in.p_SU, Reason::kNone};
+  }
+  return {now.in.p_last + d - (along + most) * s.n_S, Reason::kBumper};
+}
+
+// Slows an approach to what the promise allows: in contact the way out stays free.
+Bumped approach(const Reckoning& now, const BumperState& s, Bumped out) noexcept {
+  const BumperSettings& settings = now.settings;
+  if (settings.promise <= 0.0) return out;
+  const double most = now.in.dt * approach_speed(settings, settings.promise - settings.threshold,
+                                                 now.in.delay, now.in.dt);
+  Vec3 step = out.p_SB - now.in.p_last, free = Vec3::Zero();
+  if (s.touching()) {
+    // Above the threshold out is against the force, which keeps the step in the dual cone.
+    const Vec3 n = now.force > settings.threshold ? Vec3(now.in.f_E_S / now.force) : s.n_S;
+    free = std::max(0.0, step.dot(n)) * n;
+  }
+  step -= free;
+  const double length = step.norm();
+  if (length <= most) return out;
+  return {now.in.p_last + free + most / length * step,
+          out.why == Reason::kNone ? Reason::kApproach : out.why};
+}
+
+Bumped bump_default(const Reckoning& now, BumperState& s) noexcept {
+  const BumperSettings& settings = now.settings;
+  remember_tip(s, now.in.p_ST);
+  if (s.touching()) return while_touching(now, s);
+  s.apart += now.in.dt;
+  const bool felt = now.force > settings.contact;
+  if (!felt) s.p_touch = delayed_tip(s, now);
+  s.felt = felt ? s.felt + 1 : 0;
+  if (s.felt >= 3 || now.force > settings.threshold) {
+    s.phase = Phase::kTouching;
+    s.n_S = now.in.f_E_S / now.force;
+    if (s.apart >= kForgotten) s.stiffness = std::min(kSoftest, settings.stiffest);
+    s.give = 0.0;
+    s.last_tip = delayed_tip(s, now);
+    s.last_normal_force = now.force;
+    return while_touching(now, s);
+  }
+  if (s.phase == Phase::kReturning) return while_returning(now, s);
+  return {now.in.p_SU, Reason::kNone};
+}
+
+}  // namespace
+
+double approach_speed(const BumperSettings& settings, double room, double delay,
+                      double dt) noexcept {
+  // room = k (v late + v^2 / 2a), braking begins late by the delay and by the jerk limit.
+  const double late = delay + 2.5 * dt + 1.25 * kJerkTime;
+  const double way = std::max(0.0, room) / settings.stiffest;
+  return 2.0 * way / (late + std::sqrt(late * late + 2.0 * way / kBraking));
+}
+
+Bumped bump(const BumperSettings& settings, const BumperInput& in, BumperState& state) noexcept {
+  if (!settings.enabled) return {in.p_SU, Reason::kNone};
+  if (settings.form == BumperSettings::Form::kPublished) {
+    return bump_as_published(settings, in.p_SU, in.f_E_S, in.p_last);
+  }
+  const Reckoning now{settings, in, in.f_E_S.norm(), in.delay + 1.5 * in.dt, 4.0 * settings.noise};
+  return approach(now, state, bump_default(now, state));
+}
+
+Bumped bump_as_published(const BumperSettings& settings, const Vec3& p_SU, const Vec3& f_E_S,
+                         const Vec3& p_last) noexcept {
+  const double force = f_E_S.norm();
+  if (force < settings.dead_band) return {p_SU, Reason::kNone};
+  const Vec3 adjusted = p_SU + settings.alpha * f_E_S;  // (3.10)
+  if (force <= settings.threshold) return {adjusted, Reason::kNone};
+  const Vec3 d = adjusted - p_last;
+  if (d.dot(f_E_S) >= 0.0) return {adjusted, Reason::kNone};
+  return {adjusted + d.norm() * f_E_S / force, Reason::kBumper};
+}
+
+}  // namespace handrail
