@@ -53,10 +53,14 @@ void Controller::on_datagram(std::span<const std::uint8_t> bytes, PeerId from) n
   }
 }
 
+void Controller::pass(Nanos now) noexcept {
+  arm_.advance(to_seconds(now - arm_at_.value_or(now)));
+  arm_at_ = now;
+}
+
 void Controller::tick(Nanos now) noexcept {
   ++counters_.cycles;
-  arm_.advance(to_seconds(now - last_tick_.value_or(now)));
-  last_tick_ = now;
+  pass(now);
   outgoing_count_ = 0;
   serve_all();
   incoming_count_ = 0;

@@ -72,9 +72,11 @@ class Controller {
 
   // A datagram arrives between two cycles.
   void on_datagram(std::span<const std::uint8_t> bytes, PeerId from) noexcept;
-  // One control cycle at `now`, which never goes backward. The arm moves by the time since the
-  // cycle before.
+  // One control cycle at `now`, which never goes backward. The arm moves by the time since it moved
+  // last.
   void tick(Nanos now) noexcept;
+  // The arm moves until `now`, between two cycles.
+  void pass(Nanos now) noexcept;
   // What the cycle sent; holds until the next one.
   std::span<const Outgoing> replies() const noexcept { return {outgoing_.data(), outgoing_count_}; }
 
@@ -112,7 +114,7 @@ class Controller {
   std::optional<PeerId> session_;
   std::optional<JointVector> next_target_;
   std::uint16_t t_count_ = 0;
-  std::optional<Nanos> last_tick_;
+  std::optional<Nanos> arm_at_;  // until when the arm has moved
   std::array<Incoming, kMaxPerCycle> incoming_{};
   std::size_t incoming_count_ = 0;
   std::array<Outgoing, kMaxPerCycle> outgoing_{};

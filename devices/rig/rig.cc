@@ -1,6 +1,31 @@
 #include "devices/rig/rig.h"
 
+#include <limits>
+
 namespace handrail {
+
+void run_only_listed(const Scene& scene, RigOptions& options) {
+  if (!scene.simulate) return;
+  const Simulate& list = *scene.simulate;
+  ServoArmOptions& arm = options.controller.arm;
+  arm.geometry.d6 = scene.tip_length;
+  const auto* lag = list.find<ServoLagSpec>();
+  arm.lag = lag != nullptr ? lag->lag : 0.0;
+  arm.spread = lag != nullptr ? lag->spread : 0.0;
+  if (lag == nullptr) arm.joint_lag.setZero();
+  const auto* offsets = list.find<EncoderOffsetsSpec>();
+  arm.repeatability = offsets != nullptr ? offsets->repeatability : 0.0;
+
+  FtSourceOptions& sensor = options.sensor;
+  const auto* noise = list.find<SensorNoiseSpec>();
+  sensor.noise_n = noise != nullptr ? noise->force : 0.0;
+  sensor.noise_n_m = noise != nullptr ? noise->torque : 0.0;
+  constexpr double kEndless = std::numeric_limits<double>::infinity();
+  const auto* range = list.find<SensorSaturationSpec>();
+  sensor.range_n = range != nullptr ? range->force : kEndless;
+  sensor.range_n_m = range != nullptr ? range->torque : kEndless;
+  if (World::is_needed(list)) options.world = list;
+}
 
 Rig::Rig(const RigOptions& options, Nanos start) noexcept
     : control_period_(options.controller.period),
@@ -8,9 +33,14 @@ Rig::Rig(const RigOptions& options, Nanos start) noexcept
       control_next_(start + control_period_),
       sensor_next_(start + sensor_period_),
       controller_(options.controller),
-      sensor_(options.sensor) {
+      sensor_(options.sensor),
+      world_at_(start) {
   // The arm's time starts here.
   controller_.tick(start);
+  if (options.world) {
+    const ServoArmOptions& arm = options.controller.arm;
+    world_.emplace(*options.world, arm.geometry, arm.q_start);
+  }
 }
 
 RigEvent Rig::step(Nanos now) noexcept {
@@ -22,9 +52,17 @@ RigEvent Rig::step(Nanos now) noexcept {
     control_next_ += control_period_;
     return RigEvent::kControl;
   }
+  if (world_) step_world(sensor_next_);
   sensor_.tick();
   sensor_next_ += sensor_period_;
   return RigEvent::kSensor;
+}
+
+void Rig::step_world(Nanos now) noexcept {
+  controller_.pass(now);
+  world_->step(controller_.arm().joints(), to_seconds(now - world_at_));
+  world_at_ = now;
+  sensor_.set_wrench(world_->on_sensor());
 }
 
 void Rig::skip_late(Nanos now, Nanos period, Nanos& next) noexcept {

@@ -1,17 +1,26 @@
-// The simulated laboratory without sockets: controller, arm and force sensor on one clock.
+// The simulated laboratory without sockets: controller, arm, force sensor and what the tip touches,
+// on one clock.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "devices/rig/controller.h"
 #include "devices/rig/ft_source.h"
+#include "devices/rig/world/world.h"
+#include "server/scene/scene.h"
 
 namespace handrail {
 
 struct RigOptions {
   ControllerOptions controller;
   FtSourceOptions sensor;
+  std::optional<Simulate> world;  // what there is to touch; none: nothing
 };
+
+// Has the rig run what the scene lists and nothing else: an ideal arm and sensor where nothing is
+// listed for them. A scene without a list leaves `options` alone.
+void run_only_listed(const Scene& scene, RigOptions& options);
 
 enum class RigEvent : std::uint8_t {
   kNone,     // nothing is due
@@ -40,12 +49,17 @@ class Rig {
   const Controller& controller() const noexcept { return controller_; }
   FtSource& sensor() noexcept { return sensor_; }
   const FtSource& sensor() const noexcept { return sensor_; }
+  // What the tip touches, as of the last sensor period; null when there is nothing.
+  const World* world() const noexcept { return world_ ? &*world_ : nullptr; }
+  // X_ST of the true tip: the world's, else the arm's.
+  Pose true_tip() const noexcept { return world_ ? world_->tip() : controller_.arm().true_tip(); }
   // Cycles and periods left out so far.
   std::uint64_t skipped() const noexcept { return skipped_; }
 
   static constexpr Nanos kPatience = 100 * kMillisecond;
 
  private:
+  void step_world(Nanos now) noexcept;
   void skip_late(Nanos now, Nanos period, Nanos& next) noexcept;
 
   Nanos control_period_;
@@ -55,6 +69,8 @@ class Rig {
   std::uint64_t skipped_ = 0;
   Controller controller_;
   FtSource sensor_;
+  std::optional<World> world_;
+  Nanos world_at_;
 };
 
 }  // namespace handrail

@@ -8,7 +8,7 @@
 namespace handrail {
 namespace {
 
-constexpr double kMinLag = 0.030;  // [s]
+constexpr double kMinLag = 0.030;  // drawn from a longer one [s]
 constexpr double kMaxLag = 0.060;  // [s]
 constexpr double kStopTime =
     0.3;  // a target held this long is a stop: the slowest joint settled [s]
@@ -29,8 +29,8 @@ ServoArm::ServoArm(const ServoArmOptions& options) noexcept
       q_(options.q_start) {
   for (int i = 0; i < kJoints; ++i) {
     const double drawn = options.lag * (1.0 + options.spread * (2.0 * random_.uniform() - 1.0));
-    lag_[i] =
-        std::clamp(options.joint_lag[i] > 0.0 ? options.joint_lag[i] : drawn, kMinLag, kMaxLag);
+    lag_[i] = std::clamp(options.joint_lag[i] > 0.0 ? options.joint_lag[i] : drawn,
+                         std::min(kMinLag, options.lag), kMaxLag);
   }
   offset_target_ = draw_offset();
   offset_ = offset_target_;
@@ -46,7 +46,7 @@ void ServoArm::command(const JointVector& q_target) noexcept {
 void ServoArm::advance(double dt) noexcept {
   held_for_ += dt;
   for (int i = 0; i < kJoints; ++i) {
-    const double left = std::exp(-dt / lag_[i]);
+    const double left = lag_[i] > 0.0 ? std::exp(-dt / lag_[i]) : 0.0;
     q_[i] = q_target_[i] + (q_[i] - q_target_[i]) * left;
     offset_[i] = offset_target_[i] + (offset_[i] - offset_target_[i]) * left;
   }

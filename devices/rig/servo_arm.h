@@ -12,7 +12,7 @@ namespace handrail {
 
 struct ServoArmOptions {
   std::uint64_t seed = 1;
-  double lag = 0.045;    // nominal time constant of every joint [s], 0.030 to 0.060
+  double lag = 0.045;    // nominal time constant of every joint [s], up to 0.060; 0: none
   double spread = 0.03;  // joints drawn uniformly within lag (1 +- spread), 0 to 0.3
   JointVector joint_lag = JointVector::Zero();  // > 0: that joint's own time constant [s]
   double repeatability = 4e-5;  // RMS distance of the measured from the true tip at a stop [m]

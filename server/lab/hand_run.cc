@@ -87,6 +87,7 @@ Result<HandRunResult> run_hand(const Scene& scene, const RecordedMotion& motion,
   cell_options->rig.controller.arm.seed = options.seed;
   cell_options->rig.controller.arm.geometry.d6 = scene.tip_length;
   cell_options->rig.sensor.seed = options.seed + 1;
+  run_only_listed(scene, cell_options->rig);
   auto cell = std::make_unique<Cell>(*cell_options);
 
   const HandReading start = reading_at(motion, 0.0);

@@ -1,0 +1,25 @@
+// A half space to touch.
+#pragma once
+
+#include "devices/rig/world/contact.h"
+#include "devices/rig/world/tip_step.h"
+#include "server/scene/simulate.h"
+
+namespace handrail {
+
+// Real-time safe.
+class Plane {
+ public:
+  explicit Plane(const PlaneSpec& spec) noexcept {
+    contact_.n = spec.normal;
+    contact_.offset = spec.normal.dot(spec.at);
+    contact_.law = spec.surface;
+  }
+  // Adds what the tip may touch in this step.
+  void find(const TipStep&, ContactList& out) noexcept { out.add(contact_); }
+
+ private:
+  Contact contact_;
+};
+
+}  // namespace handrail

@@ -1,0 +1,53 @@
+// What the simulated tip touches, and how arm and tool give way to it.
+#pragma once
+
+#include <array>
+#include <variant>
+
+#include "devices/rig/world/box.h"
+#include "devices/rig/world/compliance.h"
+#include "devices/rig/world/contact.h"
+#include "devices/rig/world/cylinder.h"
+#include "devices/rig/world/plane.h"
+#include "server/base/joints.h"
+#include "server/kinematics/rv2a.h"
+#include "server/scene/simulate.h"
+
+namespace handrail {
+
+// Holds what the list names and nothing else. Copying is a plain copy; all calls are real-time
+// safe.
+class World {
+ public:
+  // The arm stands at `q_start`, touching nothing. `list` has passed the scene's checks.
+  World(const Simulate& list, const ArmGeometry& geometry, const JointVector& q_start) noexcept;
+
+  // True when the list has something for a World to do.
+  static bool is_needed(const Simulate& list) noexcept;
+
+  // `h` > 0 seconds pass in which the servos take the joints to `q_servo`.
+  void step(const JointVector& q_servo, double h) noexcept;
+
+  // X_ST of the true tip: with all that bends.
+  const Pose& tip() const noexcept { return tip_; }
+  // What the contacts exert on the tip, at the tip, frame S.
+  const Wrench& on_tip() const noexcept { return on_tip_; }
+  // The same in the tip's axes: f_E_T, what an ideal sensor reads.
+  Wrench on_sensor() const noexcept;
+  // Rounds the equilibrium took last.
+  int rounds() const noexcept { return rounds_; }
+
+ private:
+  using Surface = std::variant<std::monostate, Plane, Box, Cylinder>;
+
+  ArmGeometry geometry_;
+  Compliance compliance_;
+  std::array<Surface, kMostTouched> surfaces_;
+  std::size_t surface_count_ = 0;
+  Vec3 p0_ = Vec3::Zero();  // where the tip would be with nothing to touch, frame S
+  Pose tip_;
+  Wrench on_tip_;
+  int rounds_ = 0;
+};
+
+}  // namespace handrail
