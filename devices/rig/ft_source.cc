@@ -14,6 +14,10 @@ double clip(double value, double range, bool& saturated) {
   return std::isnan(value) ? range : std::copysign(range, value);
 }
 
+double in_steps(double value, double step) {
+  return step > 0.0 ? step * std::round(value / step) : value;
+}
+
 std::int32_t to_counts(double value, double counts_per_unit) {
   using Limits = std::numeric_limits<std::int32_t>;
   const double counts = std::round(value * counts_per_unit);
@@ -26,7 +30,14 @@ std::int32_t to_counts(double value, double counts_per_unit) {
 FtSource::FtSource(const FtSourceOptions& options) noexcept
     : options_(options),
       random_(options.seed),
-      switch_(options.seed + 0x5e4507, options.drop_share) {}
+      drift_random_(options.seed + 0xd41f7),
+      switch_(options.seed + 0x5e4507, options.drop_share) {
+  if (options.drift_n_per_s <= 0.0 || options.drift_n <= 0.0) return;
+  const double share = options.drift_n_per_s / options.drift_n;
+  const double rate = 0.5 * share * share;  // at which a zero is drawn back [1/s]
+  drift_left_ = std::exp(-rate * to_seconds(options.period));
+  drift_added_ = options.drift_n * std::sqrt(-std::expm1(-2.0 * rate * to_seconds(options.period)));
+}
 
 void FtSource::on_datagram(std::span<const std::uint8_t> bytes, PeerId from) noexcept {
   if (!switch_.passes()) return;
@@ -45,24 +56,34 @@ void FtSource::on_datagram(std::span<const std::uint8_t> bytes, PeerId from) noe
       listener_.reset();
       break;
     case RdtCommand::kBias:
-      if (is_finite(wrench_)) bias_ = wrench_;
+      if (is_finite(wrench_)) bias_ = {wrench_.force + zero_, wrench_.torque};
       break;
+  }
+}
+
+void FtSource::drift() noexcept {
+  if (drift_added_ <= 0.0) return;
+  for (int i = 0; i < 3; ++i) {
+    zero_[i] = drift_left_ * zero_[i] + drift_added_ * drift_random_.normal();
   }
 }
 
 void FtSource::tick() noexcept {
   outgoing_.reset();
+  drift();
   ++ft_sequence_;
   RdtRecord record;
   bool saturated = false;
   for (int i = 0; i < 3; ++i) {
     const auto at = static_cast<std::size_t>(i);
-    const double force = wrench_.force[i] + options_.noise_n * random_.normal();
+    const double force = wrench_.force[i] + zero_[i] + options_.noise_n * random_.normal();
     const double torque = wrench_.torque[i] + options_.noise_n_m * random_.normal();
-    record.counts[at] =
-        to_counts(clip(force, options_.range_n, saturated) - bias_.force[i], options_.counts_per_n);
-    record.counts[at + 3] = to_counts(clip(torque, options_.range_n_m, saturated) - bias_.torque[i],
-                                      options_.counts_per_n_m);
+    record.counts[at] = to_counts(
+        in_steps(clip(force, options_.range_n, saturated), options_.step_n) - bias_.force[i],
+        options_.counts_per_n);
+    record.counts[at + 3] = to_counts(
+        in_steps(clip(torque, options_.range_n_m, saturated), options_.step_n_m) - bias_.torque[i],
+        options_.counts_per_n_m);
   }
   if (!listener_) return;
   record.rdt_sequence = ++rdt_sequence_;

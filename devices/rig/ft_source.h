@@ -23,6 +23,10 @@ struct FtSourceOptions {
   double range_n_m = 100.0;     // |torque| per axis [N m]
   double noise_n = 0.05;        // RMS per axis, white [N]
   double noise_n_m = 0.0025;    // RMS per axis, white [N m]
+  double drift_n_per_s = 0.0;   // RMS change of a force axis' zero in a second; 0: none [N]
+  double drift_n = 0.0;         // RMS of the zero in the long run [N]
+  double step_n = 0.0;          // smallest step of a reading; 0: the counts' own [N]
+  double step_n_m = 0.0;        // [N m]
   double drop_share = 0.0;      // share of packets lost, each way, 0 to 1
 };
 
@@ -31,7 +35,9 @@ inline constexpr std::uint32_t kFtSaturated = 1u << 17;
 
 // Streams to whoever asked last, one record a period, from the period after the request. A bias
 // request takes the present wrench, without its noise, as zero from the next record on; the range
-// is the transducer's, before the bias. Time and bytes are arguments; all calls are real-time safe.
+// is the transducer's, before the bias. The zeros of the force axes wander from 0 as an
+// Ornstein-Uhlenbeck process, exact for any period. Time and bytes are arguments; all calls are
+// real-time safe.
 class FtSource {
  public:
   struct Outgoing {
@@ -56,11 +62,17 @@ class FtSource {
   const LossySwitch& network() const noexcept { return switch_; }
 
  private:
+  void drift() noexcept;
+
   FtSourceOptions options_;
   Random random_;
+  Random drift_random_;
   LossySwitch switch_;
   Wrench wrench_;
   Wrench bias_;
+  Vec3 zero_ = Vec3::Zero();  // what drift adds to the force
+  double drift_left_ = 1.0;   // of a zero after a period
+  double drift_added_ = 0.0;  // RMS in a period [N]
   std::optional<PeerId> listener_;
   std::uint32_t samples_left_ = 0;  // 0: without end
   std::uint32_t rdt_sequence_ = 0;

@@ -20,6 +20,12 @@ void run_only_listed(const Scene& scene, RigOptions& options) {
   const auto* noise = list.find<SensorNoiseSpec>();
   sensor.noise_n = noise != nullptr ? noise->force : 0.0;
   sensor.noise_n_m = noise != nullptr ? noise->torque : 0.0;
+  const auto* drift = list.find<SensorDriftSpec>();
+  sensor.drift_n_per_s = drift != nullptr ? drift->rate : 0.0;
+  sensor.drift_n = drift != nullptr ? drift->range : 0.0;
+  const auto* step = list.find<SensorQuantisationSpec>();
+  sensor.step_n = step != nullptr ? step->force : 0.0;
+  sensor.step_n_m = step != nullptr ? step->torque : 0.0;
   constexpr double kEndless = std::numeric_limits<double>::infinity();
   const auto* range = list.find<SensorSaturationSpec>();
   sensor.range_n = range != nullptr ? range->force : kEndless;

@@ -3,6 +3,7 @@
 #include "proto/config.pb.h"
 #include "server/base/units.h"
 #include "server/kinematics/rv2a.h"
+#include "server/scene/scene_library.h"
 
 namespace handrail {
 namespace {
@@ -63,6 +64,13 @@ Result<RigOptions> rig_options(const pb::RigConfig& config) {
   sensor.noise_n = config.sensor_noise_n();
   sensor.noise_n_m = kLever * config.sensor_noise_n();
   sensor.drop_share = config.drop_share();
+
+  if (config.has_scene()) {
+    const SceneLibrary library({config.scene_path().begin(), config.scene_path().end()});
+    const Result<Scene> scene = library.load(config.scene());
+    if (!scene) return Status::error("scene: " + scene.message());
+    run_only_listed(*scene, options);
+  }
   return options;
 }
 

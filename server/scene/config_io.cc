@@ -157,6 +157,10 @@ Result<pb::SlaveConfig> load_slave_config(const std::string& path) {
   return config;
 }
 
-Result<pb::RigConfig> load_rig_config(const std::string& path) { return load<pb::RigConfig>(path); }
+Result<pb::RigConfig> load_rig_config(const std::string& path) {
+  Result<pb::RigConfig> config = load<pb::RigConfig>(path);
+  if (config) resolve_scene_path(path, *config);
+  return config;
+}
 
 }  // namespace handrail

@@ -87,6 +87,14 @@ Problem socket_from(const pb::RigEffect::HexSocket& in, RigEffectSpec& out) {
                                    " is not below chamfer_mm and guide_mm, which end at " +
                                    number_text(lead_in) + " mm"};
   }
+  // A key pressed through softer walls would not be in a socket any more.
+  constexpr double kSoftest = 100.0;  // [N/mm]
+  if (in.surface().n_mm() < kSoftest) {
+    return FieldProblem{"hex_socket.surface.n_mm",
+                        number_text(in.surface().n_mm()) +
+                            " is too soft for a socket, expected at least " +
+                            number_text(kSoftest) + " N/mm"};
+  }
   Vec3 axis;
   if (Problem p = unit_from("hex_socket.axis", in.axis(), axis)) return p;
   HexSocketSpec socket;

@@ -10,6 +10,7 @@
 #include "devices/rig/world/box.h"
 #include "devices/rig/world/cylinder.h"
 #include "devices/rig/world/plane.h"
+#include "devices/rig/world/world.h"
 #include "tests/unit/rig/probe.h"
 
 namespace handrail {
@@ -130,6 +131,43 @@ RC_GTEST_PROP(World, TheTipComesToRestAtAnySingleThing, ()) {
   const Vec3 f = probe.force();
   probe.to(x0, 10.0);
   RC_ASSERT((probe.force() - f).norm() <= 1e-3 + 1e-6 * f.norm());
+}
+
+// Led anyhow over and into any socket, tilted and turned, the tip stays finite and comes to rest
+// when it is held still.
+RC_GTEST_PROP(World, AKeyInAnySocketIsFiniteAndComesToRest, ()) {
+  HexSocketSpec socket;
+  socket.X_SK = {within(1e-3), rotation_exp(within(0.3))};
+  socket.key = between(2e-3, 10e-3);
+  socket.across_flats = socket.key + between(0.01e-3, 0.3e-3);
+  socket.chamfer = between(0.0, 1e-3);
+  socket.guide = between(0.0, 1e-3);
+  socket.depth = socket.chamfer + socket.guide + between(0.5e-3, 5e-3);
+  socket.backlash = between(0.0, 0.2);
+  socket.jam = between(0.0, 0.3);
+  socket.surface = any_surface();
+  socket.surface.stiffness = std::pow(10.0, between(5, 9));
+  const ToolComplianceSpec tool{between(8e3, 100e3), between(4e3, 20e3), between(1.0, 100.0)};
+  World world({{socket, ScrewThreadSpec(), ArmComplianceSpec{between(20e3, 200e3)}, tool}},
+              ArmGeometry(), JointVector::Zero());
+  Pose X{Vec3(0, 0, 8e-3), Quat(0, 1, 0, 0)};
+  Vec3 turned = Vec3::Zero();
+  const double aside = std::pow(10.0, between(-4.5, -2.5));
+  for (int i = 0; i < 200; ++i) {
+    X.p = i % 50 < 25 ? Vec3(0, 0, between(-6e-3, 2e-3)) : Vec3(X.p + within(5e-4));
+    X.p += within(aside);
+    turned += within(0.02);
+    X.q = rotation_exp(turned) * Quat(0, 1, 0, 0);
+    world.lead(X, 1e-3);
+    RC_ASSERT(is_finite(world.tip()));
+    RC_ASSERT(is_finite(world.on_tip()));
+    RC_ASSERT(std::isfinite(world.screw_angle()));
+  }
+  X.p = Vec3(0, 0, between(-6e-3, 2e-3)) + within(1.5e-3);
+  for (int i = 0; i < 500; ++i) world.lead(X, 10.0);
+  const Vec3 f = world.on_tip().force;
+  world.lead(X, 10.0);
+  RC_ASSERT((world.on_tip().force - f).norm() <= 0.5 + 1e-3 * f.norm());
 }
 
 }  // namespace

@@ -1,17 +1,35 @@
 #include "devices/rig/world/world.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <type_traits>
 
 namespace handrail {
+namespace {
+
+constexpr double kStiffKey = 1e4;  // a key without tool_compliance [N m/rad]
+
+double twist_of(const Simulate& list) noexcept {
+  const auto* tool = list.find<ToolComplianceSpec>();
+  return tool != nullptr ? tool->twist : kStiffKey;
+}
+
+}  // namespace
 
 bool World::is_needed(const Simulate& list) noexcept {
-  return std::any_of(list.effects.begin(), list.effects.end(),
-                     [](const RigEffectSpec& e) { return is_touched(kind_of(e)); });
+  return std::any_of(list.effects.begin(), list.effects.end(), [](const RigEffectSpec& e) {
+    const RigEffectKind kind = kind_of(e);
+    return is_touched(kind) || kind == RigEffectKind::kBacklash || kind == RigEffectKind::kGravity;
+  });
 }
 
 World::World(const Simulate& list, const ArmGeometry& geometry, const JointVector& q_start) noexcept
-    : geometry_(geometry), compliance_(list) {
+    : geometry_(geometry),
+      compliance_(list),
+      backlash_(list.find<BacklashSpec>(), q_start),
+      sag_(list.find<GravitySpec>()),
+      screw_(list.find<ScrewThreadSpec>(), twist_of(list)) {
   const auto add = [this](auto surface) {
     if (surface_count_ < surfaces_.size()) surfaces_[surface_count_++] = surface;
   };
@@ -20,12 +38,18 @@ World::World(const Simulate& list, const ArmGeometry& geometry, const JointVecto
     if (const auto* box = std::get_if<BoxSpec>(&effect)) add(Box(*box));
     if (const auto* cylinder = std::get_if<CylinderSpec>(&effect)) add(Cylinder(*cylinder));
   }
-  tip_ = forward(geometry_, q_start);
+  // A key's bending against tilt is about its twist's.
+  if (const auto* socket = list.find<HexSocketSpec>()) socket_.emplace(*socket, twist_of(list));
+  tip_ = forward(geometry_, q_start + sag_.bend(geometry_, q_start));
   p0_ = tip_.p;
 }
 
 void World::step(const JointVector& q_servo, double h) noexcept {
-  const Pose X = forward(geometry_, q_servo);
+  const JointVector& q = backlash_.follow(q_servo);
+  lead(forward(geometry_, q + sag_.bend(geometry_, q)), h);
+}
+
+void World::lead(const Pose& X, double h) noexcept {
   const TipStep tip{tip_.p, X.p, tip_.p + (X.p - p0_), X.q};
   ContactList contacts;
   for (std::size_t i = 0; i < surface_count_; ++i) {
@@ -37,16 +61,38 @@ void World::step(const JointVector& q_servo, double h) noexcept {
         },
         surfaces_[i]);
   }
+  if (socket_) socket_->find(tip, -screw_.angle(), contacts);
   const Equilibrium there = solve_contacts(contacts, tip_.p, X.p, compliance_.at(X.q), h);
   p0_ = X.p;
   tip_ = {there.x, X.q};
   on_tip_.force = there.force;
   rounds_ = there.rounds;
+  if (socket_) turn_screw();
+}
+
+void World::turn_screw() noexcept {
+  constexpr double kHardlyInside = 1e-3;  // [m]
+  socket_->settle(tip_);
+  const double engaged = socket_->engaged();
+  if (socket_->depth() < 0.0) slipped_ = false;
+  double torque = 0.0;
+  if (engaged > 0.0 && !slipped_) {
+    torque = screw_.turn(-socket_->key_turn(), socket_->spec().backlash);
+    slipped_ = (engaged < kHardlyInside && std::abs(torque) >= screw_.start()) ||
+               socket_->tilt() > HexSocket::kLost;
+    if (slipped_) torque = 0.0;
+  }
+  on_tip_.torque = torque * socket_->axis();
+}
+
+double World::depth() const noexcept {
+  return socket_ ? socket_->depth() : -std::numeric_limits<double>::infinity();
 }
 
 Wrench World::on_sensor() const noexcept {
   const Quat q_TS = tip_.q.conjugate();
-  return {q_TS * on_tip_.force, q_TS * on_tip_.torque};
+  const Wrench weight = sag_.weight(tip_.q);
+  return {q_TS * on_tip_.force + weight.force, q_TS * on_tip_.torque + weight.torque};
 }
 
 }  // namespace handrail

@@ -1,25 +1,32 @@
-// What the simulated tip touches, and how arm and tool give way to it.
+// What the simulated tip touches, and how arm and tool give way to it and to
+// their load.
 #pragma once
 
 #include <array>
+#include <optional>
 #include <variant>
 
+#include "devices/rig/world/backlash.h"
 #include "devices/rig/world/box.h"
 #include "devices/rig/world/compliance.h"
 #include "devices/rig/world/contact.h"
 #include "devices/rig/world/cylinder.h"
+#include "devices/rig/world/gravity_sag.h"
+#include "devices/rig/world/hex_socket.h"
 #include "devices/rig/world/plane.h"
+#include "devices/rig/world/screw.h"
 #include "server/base/joints.h"
 #include "server/kinematics/rv2a.h"
 #include "server/scene/simulate.h"
 
 namespace handrail {
 
-// Holds what the list names and nothing else. Copying is a plain copy; all calls are real-time
-// safe.
+// Holds what the list names and nothing else. Copying is a plain copy; all
+// calls are real-time safe.
 class World {
  public:
-  // The arm stands at `q_start`, touching nothing. `list` has passed the scene's checks.
+  // The arm stands at `q_start`, touching nothing. `list` has passed the
+  // scene's checks.
   World(const Simulate& list, const ArmGeometry& geometry, const JointVector& q_start) noexcept;
 
   // True when the list has something for a World to do.
@@ -27,23 +34,41 @@ class World {
 
   // `h` > 0 seconds pass in which the servos take the joints to `q_servo`.
   void step(const JointVector& q_servo, double h) noexcept;
+  // The same with the tip led to X_S0 by something else than joints.
+  void lead(const Pose& X_S0, double h) noexcept;
 
   // X_ST of the true tip: with all that bends.
   const Pose& tip() const noexcept { return tip_; }
   // What the contacts exert on the tip, at the tip, frame S.
   const Wrench& on_tip() const noexcept { return on_tip_; }
-  // The same in the tip's axes: f_E_T, what an ideal sensor reads.
+  // The same in the tip's axes, with the payload's weight: f_E_T, what an ideal
+  // sensor reads.
   Wrench on_sensor() const noexcept;
+  // Of the screw, tightened since the start [rad]; 0 without one.
+  double screw_angle() const noexcept { return socket_ ? screw_.angle() : 0.0; }
+  // How far the tip is below the socket's rim, above it below 0; minus infinity
+  // beside the mouth and without a socket [m].
+  double depth() const noexcept;
+  // The key has left the hexagon's flats under load, and has not been lifted
+  // since.
+  bool slipped() const noexcept { return slipped_; }
   // Rounds the equilibrium took last.
   int rounds() const noexcept { return rounds_; }
 
  private:
+  void turn_screw() noexcept;
+
   using Surface = std::variant<std::monostate, Plane, Box, Cylinder>;
 
   ArmGeometry geometry_;
   Compliance compliance_;
+  Backlash backlash_;
+  GravitySag sag_;
   std::array<Surface, kMostTouched> surfaces_;
   std::size_t surface_count_ = 0;
+  std::optional<HexSocket> socket_;
+  Screw screw_;
+  bool slipped_ = false;
   Vec3 p0_ = Vec3::Zero();  // where the tip would be with nothing to touch, frame S
   Pose tip_;
   Wrench on_tip_;

@@ -172,5 +172,54 @@ TEST(FtSource, DoesNotAllocate) {
   source.tick();
 }
 
+TEST(FtSource, ReadsInStepsOfTheResolution) {
+  FtSourceOptions options = quiet();
+  options.step_n = 0.03;
+  options.step_n_m = 0.001;
+  FtSource source(options);
+  ask(source, RdtCommand::kStream);
+  source.set_wrench(wrench(1.0, 0.0104));
+  const auto record = next(source);
+  ASSERT_TRUE(record);
+  EXPECT_EQ(record->counts[0], 990'000);
+  EXPECT_EQ(record->counts[5], 10'000);
+}
+
+// Mean square of the zero, and of its change in a second, over 20000 s at one record a second.
+TEST(FtSource, ItsZeroWandersAsFarAndAsFastAsIsAsked) {
+  FtSourceOptions options = quiet();
+  options.period = kSecond;
+  options.drift_n = 1.5;
+  options.drift_n_per_s = 0.3;
+  FtSource source(options);
+  ask(source, RdtCommand::kStream);
+  double squares = 0.0, changes = 0.0, last = 0.0, torque = 0.0;
+  constexpr int kRecords = 20'000;
+  for (int i = 0; i < kRecords; ++i) {
+    const auto record = next(source);
+    ASSERT_TRUE(record);
+    const double zero = 1e-6 * record->counts[1];
+    squares += zero * zero;
+    changes += (zero - last) * (zero - last);
+    torque += std::abs(record->counts[3]);
+    last = zero;
+  }
+  EXPECT_NEAR(std::sqrt(squares / kRecords), 1.5, 0.2);
+  EXPECT_NEAR(std::sqrt(changes / kRecords), 0.3, 0.01);
+  EXPECT_EQ(torque, 0.0);
+}
+
+TEST(FtSource, ABiasTakesTheDriftAsZeroToo) {
+  FtSourceOptions options = quiet();
+  options.drift_n = 1.5;
+  options.drift_n_per_s = 1.0;
+  FtSource source(options);
+  for (int i = 0; i < 1000; ++i) next(source);
+  ask(source, RdtCommand::kBias);
+  ask(source, RdtCommand::kStream);
+  const auto record = next(source);
+  ASSERT_TRUE(record);
+  EXPECT_LT(std::abs(1e-6 * record->counts[0]), 0.2) << "a millisecond's drift is 0.03 N";
+}
 }  // namespace
 }  // namespace handrail

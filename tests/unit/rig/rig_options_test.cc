@@ -1,8 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "devices/rig/rig_options_io.h"
 #include "proto/config.pb.h"
 #include "server/base/units.h"
+#include "tests/support/temp_folder.h"
 
 namespace handrail {
 namespace {
@@ -79,6 +82,33 @@ TEST(RigOptions, NamesAnOverrideThatTheRigCannotTake) {
             "--set rig.joint_lag_ms=45,45: 2 values, expected 6");
   EXPECT_TRUE(
       error("rig.start_joints_deg", "0,0,40,0,90,0").starts_with("rig.start_joints_deg: J3 = 40"));
+}
+
+TEST(RigOptions, RunsWhatItsSceneListsAndNothingElse) {
+  TempFolder folder;
+  folder.write("press.scene",
+               "name: 'press' robot { tip_length_mm: 250 } simulate {"
+               " effect { servo_lag { lag_ms: 50 } } effect { sensor_drift { n: 2 } }"
+               " effect { sensor_quantisation { n: 0.1 } }"
+               " effect { plane { at_mm: [0, 0, 100] normal: [0, 0, 1] } } }");
+  pb::RigConfig config;
+  config.set_scene("press");
+  config.add_scene_path(folder.path());
+  const auto options = rig_options(config);
+  ASSERT_TRUE(options) << options.message();
+  EXPECT_DOUBLE_EQ(options->controller.arm.lag, 0.050);
+  EXPECT_EQ(options->controller.arm.repeatability, 0.0);
+  EXPECT_DOUBLE_EQ(options->controller.arm.geometry.d6, 0.250);
+  EXPECT_EQ(options->sensor.noise_n, 0.0);
+  EXPECT_EQ(options->sensor.drift_n, 2.0);
+  EXPECT_EQ(options->sensor.step_n, 0.1);
+  EXPECT_EQ(options->sensor.range_n, std::numeric_limits<double>::infinity());
+  ASSERT_TRUE(options->world);
+  EXPECT_NE(options->world->find<PlaneSpec>(), nullptr);
+  config.set_scene("absent");
+  const auto missing = rig_options(config);
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.message().rfind("scene: ", 0), 0u) << missing.message();
 }
 
 }  // namespace

@@ -123,6 +123,13 @@ TEST(SimulateIo, RefusesAKeyThatDoesNotFit) {
             "chamfer_mm and guide_mm, which end at 1.3 mm");
 }
 
+TEST(SimulateIo, RefusesASocketOfRubber) {
+  EXPECT_EQ(error_of("effect { hex_socket { at_mm: [0, 0, 0] axis: [0, 0, 1]\nsurface {\nn_mm: 99 "
+                     "} } }"),
+            "/x/a.scene:4:1: field 'simulate.effect[0].hex_socket.surface.n_mm': 99 is too soft "
+            "for a socket, expected at least 100 N/mm");
+}
+
 TEST(SimulateIo, RefusesAThreadWithoutASocket) {
   EXPECT_EQ(error_of("effect { servo_lag {} }\neffect { screw_thread {} }"),
             "/x/a.scene:3:10: field 'simulate.effect[1].screw_thread': has no hex_socket, by which "
