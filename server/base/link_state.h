@@ -7,7 +7,7 @@
 
 #include "server/base/joints.h"
 #include "server/base/reason.h"
-#include "server/base/reason_set.h"
+#include "server/base/reason.h"
 #include "server/base/spatial.h"
 #include "server/base/time.h"
 #include "server/base/tool.h"
@@ -112,7 +112,6 @@ struct SlaveState {
   std::uint64_t cycles = 0;           // controller replies served since the daemon started
   std::uint64_t silences = 0;         // times the held target was sent again
   std::uint64_t applied_sequence = 0; // of the datagram the newest cycle moved toward; 0 = none
-  ReasonSet reasons;                  // everything that acted in the newest cycle
   FollowLedger ledger;
   SectionHashes hashes;
   SceneName scene{};

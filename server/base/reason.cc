@@ -65,6 +65,7 @@ const char* describe(Reason reason) noexcept {
     case Reason::kEncoderInvalid: return "the robot reported invalid joint positions";
     case Reason::kThreadStalled: return "a control loop stood still";
     case Reason::kStopInput: return "the stop circuit is open";
+    case Reason::kLeaseLost: return "the operator's lease has ended";
     case Reason::kApproach: return "slow approach: a contact stays below the promised force";
     case Reason::kSensorSign: return "the force sensor pulls where a surface must push: wrong sign";
     case Reason::kContactUnrelieved: return "backing off does not relieve the contact force";

@@ -73,6 +73,7 @@ enum class Reason : std::uint8_t {
   kEncoderInvalid,  // joint positions not finite or jumped
   kThreadStalled,   // a control loop of this side stood still
   kStopInput,       // the local stop circuit is open
+  kLeaseLost,       // the lease of whoever engaged has ended
   // Contact
   kApproach,           // slower than commanded, so that a contact stays below the promised force
   kSensorSign,         // the force points the way the tip goes in: no surface does that

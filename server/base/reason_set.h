@@ -1,32 +1,26 @@
 // Reasons active at the same time.
 #pragma once
 
-#include <cstdint>
+#include <bitset>
 
 #include "server/base/reason.h"
 
 namespace handrail {
 
-// A set of reasons in 64 bits; kNone is in no set. Real-time safe.
+// kNone is in no set. Real-time safe.
 class ReasonSet {
  public:
-  constexpr ReasonSet() noexcept = default;
-  constexpr explicit ReasonSet(std::uint64_t bits) noexcept : bits_(bits) {}
-
-  void add(Reason reason) noexcept { bits_ |= bit(reason); }
-  void add(const ReasonSet& others) noexcept { bits_ |= others.bits_; }
-  bool has(Reason reason) const noexcept { return (bits_ & bit(reason)) != 0; }
-  std::uint64_t bits() const noexcept { return bits_; }
-  // Bit i stands for code i; these are the bits that stand for one.
-  static constexpr std::uint64_t kBits =
-      ((std::uint64_t{1} << (static_cast<int>(Reason::kCount) - 1)) << 1) - 2;
+  void add(Reason reason) noexcept {
+    if (reason != Reason::kNone) set_[index(reason)] = true;
+  }
+  void add(const ReasonSet& others) noexcept { set_ |= others.set_; }
+  bool has(Reason reason) const noexcept { return set_[index(reason)]; }
 
  private:
-  static_assert(static_cast<int>(Reason::kCount) <= 64);
-  static constexpr std::uint64_t bit(Reason reason) noexcept {
-    return reason == Reason::kNone ? 0 : std::uint64_t{1} << static_cast<int>(reason);
+  static constexpr std::size_t index(Reason reason) noexcept {
+    return static_cast<std::size_t>(reason);
   }
-  std::uint64_t bits_ = 0;
+  std::bitset<static_cast<std::size_t>(Reason::kCount)> set_;
 };
 
 }  // namespace handrail

@@ -12,9 +12,4 @@ inline void put_stage(FollowLedger& ledger, FollowStage stage, const Vec3& off,
   ledger.why[static_cast<std::size_t>(stage)] = why;
 }
 
-// Adds every stage's reason.
-inline void add_reasons(const FollowLedger& ledger, ReasonSet& reasons) noexcept {
-  for (const Reason why : ledger.why) reasons.add(why);
-}
-
 }  // namespace handrail

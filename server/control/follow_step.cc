@@ -234,11 +234,6 @@ void follow_step(const FollowSettings& settings, const FollowInput& in, FollowSt
   link.cycles = s.cycles;
   link.applied_sequence = s.applied_sequence;
   link.ledger = ledger;
-  link.reasons = ReasonSet();
-  for (const Reason why : {link.reason, s.session_reason, s.fault, intervention, sensor}) {
-    link.reasons.add(why);
-  }
-  add_reasons(ledger, link.reasons);
   link.hashes = settings.hashes;
   link.hashes.tools = s.tube.hash();
   link.scene = settings.scene;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "server/base/deletable.h"
+#include "server/kinematics/jacobian.h"
 
 namespace handrail {
 namespace {
@@ -53,16 +54,44 @@ Verdict joint_verdict(const GuardLimits& limits, const JointVector& wanted, cons
   return {};
 }
 
-// How far the tip can still go, at most, while every joint stops from `step`
-// and `change`.
-double furthest_tip(const GuardLimits& limits, const JointVector& step, const JointVector& change) {
-  double sum = 0.0;
+// How far every joint can still turn up and down while it stops [rad].
+struct Reaches {
+  Reaches(const GuardLimits& limits, const JointVector& step, const JointVector& change) {
+    for (int i = 0; i < kJoints; ++i) {
+      const AxisLimits& l = limits.axis[static_cast<std::size_t>(i)];
+      up[i] = stop_reach(l, step[i], change[i]);
+      down[i] = stop_reach(l, -step[i], -change[i]);
+    }
+  }
+  JointVector up, down;
+};
+
+// How far those turns can take the tip, at most, beyond what is linear in them: the second
+// derivative by joints i and j is no longer than the lever of the one nearer to the tip.
+double bend(const GuardLimits& limits, const JointVector& turn) {
+  double sum = 0.0, before = 0.0;
   for (int i = 0; i < kJoints; ++i) {
-    const AxisLimits& l = limits.axis[static_cast<std::size_t>(i)];
-    sum += limits.lever[i] *
-           std::max(stop_reach(l, step[i], change[i]), stop_reach(l, -step[i], -change[i]));
+    sum += limits.lever[i] * turn[i] * (0.5 * turn[i] + before);
+    before += turn[i];
   }
   return sum;
+}
+
+// Whether a tip at `p`, the arm at `q`, stays between the faces wherever each joint stops.
+bool keeps_off_faces(const GuardLimits& limits, const JointVector& q, const Vec3& p,
+                     const Reaches& reaches, const JointVector& turn) {
+  const auto J = tip_jacobian(limits.arm, q).linear;
+  const double more = bend(limits, turn);
+  for (int k = 0; k < 3; ++k) {
+    double high = p[k] + more, low = p[k] - more;
+    for (int i = 0; i < kJoints; ++i) {
+      const double up = J(k, i) * reaches.up[i], down = -J(k, i) * reaches.down[i];
+      high += std::max({up, down, 0.0});
+      low += std::min({up, down, 0.0});
+    }
+    if (high > limits.workspace.high[k] || low < limits.workspace.low[k]) return false;
+  }
+  return true;
 }
 
 // Whether the tip could stay in the workspace while every joint stops from
@@ -72,10 +101,13 @@ bool stays_inside(const GuardLimits& limits, const GuardState& state, const Join
                   const JointVector& step, const JointVector& change, double& clearance) {
   clearance = state.clearance - limits.lever.dot(step.cwiseAbs());
   if (clearance > limits.furthest) return true;
-  const double needed = furthest_tip(limits, step, change);
+  const Reaches reaches(limits, step, change);
+  const JointVector turn = reaches.up.cwiseMax(reaches.down);
+  const double needed = limits.lever.dot(turn);
   if (clearance > needed) return true;
-  clearance = clearance_of(limits.workspace, forward(limits.arm, wanted).p);
-  if (clearance >= needed) return true;
+  const Vec3 p = forward(limits.arm, wanted).p;
+  clearance = clearance_of(limits.workspace, p);
+  if (clearance >= needed || keeps_off_faces(limits, wanted, p, reaches, turn)) return true;
   // Found outside, the tip may stand or come back.
   const double now = clearance_of(limits.workspace, forward(limits.arm, state.q).p);
   return now < 0.0 && clearance >= now;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "server/base/link_state.h"
+#include "server/base/reason_set.h"
 #include "server/control/arbiter.h"
 #include "server/control/cue.h"
 #include "server/control/guide.h"

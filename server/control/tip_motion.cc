@@ -10,6 +10,7 @@
 namespace handrail {
 namespace {
 
+constexpr double kFromFace = 5e-3;   // of the workspace [m]
 constexpr double kArrived = 1e-12;   // [m], [rad]: below rounding
 constexpr double kFound = 2e-8;      // what a search for the end of reach leaves [m], [rad]
 constexpr double kOnSpace = 5e-6;    // further off a tip is not on its space [m]
@@ -80,7 +81,11 @@ class Planner {
  public:
   // `free`: no tool holds the tip, now or later.
   Planner(const MotionSettings& settings, const TipSpace& space, bool free, MotionState& state)
-      : settings_(settings), limits_(settings.guard()), space_(space), free_(free), state_(state) {}
+      : settings_(settings),
+        limits_(settings.guard()),
+        space_(space),
+        beside_(free ? kUnheld : 0.0),
+        state_(state) {}
 
   void set_goal(const Vec3& p) { p_goal_ = p; }
   const PlanLimits& limits() const { return limits_; }
@@ -96,7 +101,7 @@ class Planner {
     if (!solve_near(limits_.guard.arm, X, state_.joints.q, q)) {
       return refuse({Reason::kOutOfReach, -1});
     }
-    return take(q, X, free_ ? kUnheld : 0.0);
+    return take(q, X, beside_);
   }
 
   // What the stop would do now.
@@ -150,7 +155,7 @@ class Planner {
     }
     const bool going = (q - state_.joints.q).cwiseAbs().maxCoeff() > kGoing ||
                        (there - q).cwiseAbs().maxCoeff() < kNearly;
-    return going && take(q, forward(limits_.guard.arm, q), free_ ? kUnheld : 0.0);
+    return going && take(q, forward(limits_.guard.arm, q), beside_);
   }
 
   bool refuse(const Verdict& why) {
@@ -182,7 +187,8 @@ class Planner {
     if (trial_.size == 0 || step.norm() < kSlow * settings_.dt) return false;
     if (way.dot(step) < kAhead * way.norm() * step.norm()) return false;
     const JointVector& end = trial_.q[static_cast<std::size_t>(trial_.size - 1)];
-    const double most = free_ ? kUnheld : space_.freedom() < 3 ? kPasses : kPassesFree;
+    const double held = space_.freedom() < 3 ? kPasses : kPassesFree;
+    const double most = std::max(beside_, held);
     return (forward(limits_.guard.arm, end).p - p_goal_).dot(way) > most * way.norm();
   }
 
@@ -190,7 +196,7 @@ class Planner {
   Vec3 p_goal_ = Vec3::Zero();
   PlanLimits limits_;
   const TipSpace& space_;
-  const bool free_;
+  const double beside_;  // how far a stop may end beside the tip's way or past its goal
   MotionState& state_;
   StopPlan trial_;
   Verdict refused_;  // why the first proposal was
@@ -209,6 +215,15 @@ TipSpace space_now(const TipSpace& space, const Vec3& p_target, const TipMotion&
   const Vec3 side = space.off(m.X_ST.p) / off;
   if (off >= kOnSpace && target.dot(side) > -kOnSpace) now.side_S = side;
   return now;
+}
+
+// The nearest to `p` that is far enough inside to move along the workspace's faces, or as far as
+// the tip is now.
+Vec3 inside(const Workspace& workspace, const Vec3& p, const Vec3& tip) {
+  const Vec3 margin = Vec3::Constant(kFromFace);
+  const Vec3 low = (workspace.low + margin).cwiseMin(tip);
+  const Vec3 high = (workspace.high - margin).cwiseMax(tip);
+  return p.cwiseMax(low).cwiseMin(high);
 }
 
 // Why the place or the turn asked for is not gone to.
@@ -254,8 +269,9 @@ MotionState standing_at(const ArmGeometry& arm, const JointVector& q) noexcept {
   return state;
 }
 
-Moved move_toward(const MotionSettings& settings, const TipSpace& space, const Pose& target,
+Moved move_toward(const MotionSettings& settings, const TipSpace& space, const Pose& asked,
                   double share, MotionState& state) noexcept {
+  const Pose target{inside(settings.workspace, asked.p, state.X_ST.p), asked.q};
   const TipSpace within = space_now(space, target.p, state);
   const bool free = space.everything();
   Planner planner(settings, within, free, state);
@@ -266,6 +282,7 @@ Moved move_toward(const MotionSettings& settings, const TipSpace& space, const P
   planner.set_goal(goal.p);
   const bool in_reach = reached.joint < 0;
   Moved moved{goal.p, beyond_reach(reached), {}};
+  if (in_reach && target.p != asked.p) moved.reach = {Reason::kWorkspace, -1};
 
   const TipProposal proposal(planner.limits(), within, {settings.tip_speed, settings.dt, share},
                              state, goal);

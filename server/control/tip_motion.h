@@ -44,10 +44,11 @@ struct Moved {
 
 // One cycle toward `target` within `space`; a tip outside of it goes straight to the target. As far
 // as joint range, speed, acceleration and jerk allow, and slow enough to stop on the target. Out of
-// reach the nearest reachable pose is gone to (nearest_reachable). Where the straight way does not
+// reach the nearest reachable pose is gone to (nearest_reachable), beyond the workspace the nearest
+// place 5 mm inside. Where the straight way does not
 // fit the joints, as near singular poses, the tip is slowed, then goes on by what the joints can
 // do: it keeps its place, and its orientation lags. `share` 0..1 slows the approach. Real-time
-// safe, at most 12 stop plans, mostly one.
+// safe, at most 14 stop plans, mostly one.
 Moved move_toward(const MotionSettings& settings, const TipSpace& space, const Pose& target,
                   double share, MotionState& state) noexcept;
 

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <memory>
 
+#include "server/base/reason_set.h"
 #include "server/constraint/wall_proxy.h"
 #include "server/control/arbiter.h"
 #include "server/control/haptic_step.h"

@@ -176,7 +176,13 @@ void OrderDesk::watch_lease() {
                                    report_->out.link.desired != Desired::kOff || engaging_);
   if (!leases_.tick(engaged, now_)) return;
   give_up_engaging();
-  order(plain(OrderKind::kDisengage), [](pb::Reply) {});
+  end_engagement(Reason::kLeaseLost);
+}
+
+void OrderDesk::end_engagement(Reason why) {
+  HapticOrder gone = plain(OrderKind::kDisengage);
+  gone.why = why;
+  order(gone, [](pb::Reply) {});
 }
 
 void OrderDesk::take_report() {
@@ -295,9 +301,7 @@ void OrderDesk::watch_hold() {
   boxes_.hold_heard.store(hold_heard_, std::memory_order_relaxed);
   if (options_.presence == Presence::kHold || now_ - hold_heard_ <= kHoldPatience) return;
   hold_ = false;
-  HapticOrder gone = plain(OrderKind::kDisengage);
-  gone.why = Reason::kPresence;
-  order(gone, [](pb::Reply) {});
+  end_engagement(Reason::kPresence);
 }
 
 // The stop stands and is repeated whatever comes of it; the answer says whether the slave has it.

@@ -63,6 +63,7 @@ class OrderDesk : public OperatorHandler {
   // The request is its sender's to make.
   void obey(const pb::Request& request, ReplyTo reply);
   void watch_lease();
+  void end_engagement(Reason why);
   void order(HapticOrder order, ReplyTo reply, Until until = Until::kTaken);
   void hand(const pb::HandMove& move, ReplyTo reply);
   void tool(const pb::Tool& wanted, ReplyTo reply);

@@ -184,6 +184,8 @@ std::string way_out_of(Reason reason, int joint, const JointVector& q) {
       return "let the clutch go";
     case Reason::kPresence:
       return "hold the enabling button, or keep 'handrail engage --hold' running";
+    case Reason::kLeaseLost:
+      return "take the lease and engage: 'handrail lease take'";
     case Reason::kStopInput:
       return "close the stop circuit, then reset and engage";
     case Reason::kOutOfReach:

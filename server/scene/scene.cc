@@ -15,10 +15,12 @@ SectionHashes section_hashes(const Scene& scene) noexcept {
 
   Fnv limits;
   const JointLimits& joints = scene.limits.joints;
-  for (const JointVector* v :
-       {&joints.lower, &joints.upper, &joints.max_speed, &joints.max_acceleration,
-        &joints.max_jerk}) {
+  for (const JointVector* v : {&joints.lower, &joints.upper, &joints.max_speed,
+                               &joints.max_acceleration, &joints.max_jerk}) {
     for (int i = 0; i < kJoints; ++i) limits.f64((*v)[i]);
+  }
+  for (const Vec3* v : {&scene.limits.workspace_low, &scene.limits.workspace_high}) {
+    for (int i = 0; i < 3; ++i) limits.f64((*v)[i]);
   }
   limits.f64(scene.limits.tip_speed).byte(scene.bumper.enabled);
   limits.f64(scene.bumper.alpha).f64(scene.bumper.threshold).f64(scene.bumper.dead_band);

@@ -43,8 +43,10 @@ struct Scene {
     double dead_band = 2.0;   // forces below count as none [N]
   };
   struct Limits {
-    JointLimits joints;      // within Table 3.1
-    double tip_speed = 1.0;  // [m/s]
+    JointLimits joints;                         // within Table 3.1
+    double tip_speed = 1.0;                     // [m/s]
+    Vec3 workspace_low = Vec3::Constant(-2.0);  // the tip's box, frame S [m]
+    Vec3 workspace_high = Vec3::Constant(2.0);
   };
 
   // Device right = base -Y, up = +Z, toward the user = -X.

@@ -24,6 +24,26 @@ std::string joint_field(const char* name, int i) {
   return std::string("limits.") + name + "[" + std::to_string(i) + "]";
 }
 
+// A box less wide than this leaves the tip no way to stop in [mm].
+constexpr double kLeastBox = 50.0;
+
+std::optional<FieldProblem> workspace_from(const pb::Limits& in, Scene::Limits& out) {
+  for (int k = 0; k < 3; ++k) {
+    if (in.workspace_low_mm_size() > 0) out.workspace_low[k] = in.workspace_low_mm(k) * kMm;
+    if (in.workspace_high_mm_size() > 0) out.workspace_high[k] = in.workspace_high_mm(k) * kMm;
+    const double low = out.workspace_low[k] / kMm, high = out.workspace_high[k] / kMm;
+    if (high - low < kLeastBox) {
+      const char* field =
+          in.workspace_high_mm_size() > 0 ? "workspace_high_mm" : "workspace_low_mm";
+      return FieldProblem{std::string("limits.") + field + "[" + std::to_string(k) + "]",
+                          "the workspace would reach from " + number_text(low) + " to " +
+                              number_text(high) + " mm along " + std::string(1, "xyz"[k]) +
+                              ", expected at least 50 mm"};
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<FieldProblem> limits_from(const pb::Limits& in, Scene::Limits& out) {
@@ -65,7 +85,7 @@ std::optional<FieldProblem> limits_from(const pb::Limits& in, Scene::Limits& out
                                                      " deg, expected lower below upper"};
     }
   }
-  return std::nullopt;
+  return workspace_from(in, out);
 }
 
 }  // namespace handrail

@@ -7,6 +7,7 @@ FollowSettings follow_settings(const Scene& scene, Nanos period, bool has_sensor
   FollowSettings out;
   out.motion.arm.d6 = scene.tip_length;
   out.motion.limits = scene.limits.joints;
+  out.motion.workspace = {scene.limits.workspace_low, scene.limits.workspace_high};
   out.motion.tip_speed = scene.limits.tip_speed;
   out.motion.dt = to_seconds(period);
   out.bumper.enabled = scene.bumper.enabled;

@@ -162,8 +162,6 @@ struct FollowLedgers {
     put_stage(ledger, FollowStage::kReach, 0.8 * p - 0.7 * p, Reason::kOutOfReach);
     put_stage(ledger, FollowStage::kLimits, 0.7 * p - 0.6 * p, Reason::kSingularity);
     slave.ledger = ledger;
-    slave.reasons = ReasonSet();
-    add_reasons(ledger, slave.reasons);
     benchmark::DoNotOptimize(slave);
     return &slave.ledger;
   }

@@ -116,7 +116,6 @@ SlaveState any_slave() {
   s.cycles = u64();
   s.silences = u64();
   s.applied_sequence = u64();
-  s.reasons = ReasonSet(u64() & ReasonSet::kBits);
   for (int i = 0; i < s.ledger.off_S.size(); ++i) {
     s.ledger.off_S.data()[i] = static_cast<float>(real(-1.0, 1.0));
   }

@@ -88,7 +88,6 @@ TEST(Ledger, ATipHeldBackByContactAndByTheToolIsTheirs) {
   EXPECT_LT((stage(FollowStage::kBumper) - Vec3(0, 0, 3e-4)).norm(), 1e-7);
   EXPECT_EQ(ledger.why[1], Reason::kBumper);
   EXPECT_LT(stage(FollowStage::kLimits).norm(), 1e-7);
-  EXPECT_TRUE(rig.out.link.reasons.has(Reason::kToolTube));
   EXPECT_EQ(rig.out.link.applied_sequence, 77u);
 }
 

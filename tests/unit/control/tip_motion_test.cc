@@ -131,6 +131,61 @@ TEST(TipMotion, ATurnIsNotHeldUpByAPlaceThatIsAllButReached) {
   }
 }
 
+// A fifth of what the joints can do: three axes of place and of turn at 0.65 to 1 Hz.
+TEST(TipMotion, FollowsAHandThatMovesAndTurnsInEveryAxis) {
+  for (const bool wide : {false, true}) {
+    MotionRig rig(kHome);
+    const Pose start = rig.state.X_ST;
+    double place = 0.0, turn = 0.0;
+    for (int k = 0; k < 3000; ++k) {
+      const double t = k * rig.settings.dt;
+      const Vec3 way(std::sin(4.1 * t), std::sin(5.3 * t), std::sin(6.1 * t));
+      const Pose target{start.p + (wide ? 0.025 : 0.01) * way,
+                        (rotation_exp(0.1 * way) * start.q).normalized()};
+      rig.follow(target);
+      if (k < 200) continue;
+      place = std::max(place, (rig.state.X_ST.p - target.p).norm());
+      turn = std::max(turn, angle_between(rig.state.X_ST.q, target.q));
+    }
+    EXPECT_LT(place, wide ? 0.018 : 0.0025);
+    EXPECT_LT(turn, wide ? 0.18 : 0.04);
+    EXPECT_EQ(rig.guarded, 0);
+    EXPECT_TRUE(rig.watch.kept());
+  }
+}
+
+TEST(TipMotion, KeepsOffTheFacesOfTheWorkspaceMovesAlongThemAndComesBack) {
+  constexpr double kRoom = 0.05;  // to the face [m]
+  for (int face = 0; face < 6; ++face) {
+    MotionRig rig(kHome);
+    const Pose start = rig.state.X_ST;
+    const int k = face / 2;
+    Vec3 out = Vec3::Zero();
+    out[k] = face % 2 == 0 ? 1.0 : -1.0;
+    Workspace& box = rig.settings.workspace;
+    (face % 2 == 0 ? box.high : box.low)[k] = start.p[k] + kRoom * out[k];
+    const Vec3 a = out.unitOrthogonal(), b = out.cross(a);
+    double furthest = 0.0, behind = 0.0;
+    for (int i = 0; i < 3000; ++i) {
+      const double t = i * rig.settings.dt;
+      const double far = 0.075 * (1.0 - std::cos(0.6 * t));
+      const Vec3 along = 0.03 * (std::sin(2.0 * t) * a + std::cos(2.0 * t) * b);
+      rig.follow({start.p + far * out + along, start.q});
+      const Vec3 way = rig.state.X_ST.p - start.p;
+      furthest = std::max(furthest, way.dot(out));
+      // Where the hand is beyond the face the tip follows it along, elsewhere everywhere.
+      Vec3 off = start.p + far * out + along - rig.state.X_ST.p;
+      if (far > kRoom - 0.01) off -= off.dot(out) * out;
+      if (i > 200) behind = std::max(behind, off.norm());
+    }
+    EXPECT_LT(furthest, kRoom) << face;
+    EXPECT_GT(furthest, kRoom - 0.006) << face;
+    EXPECT_LT(behind, 0.003) << face;
+    EXPECT_EQ(rig.frozen, 0) << face;
+    EXPECT_EQ(rig.guarded, 0) << face;
+  }
+}
+
 struct Push {
   const char* name;
   JointVector q;     // where it starts

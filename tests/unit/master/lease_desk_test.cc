@@ -77,6 +77,7 @@ TEST_F(LeaseDeskTest, WhoAsksIsAnsweredOnceTheHolderGrantsAndTheArmHolds) {
   loop();
   ASSERT_EQ(taken.size(), 2u);
   EXPECT_EQ(taken[0].order.kind, OrderKind::kDisengage) << "before the new holder can engage";
+  EXPECT_EQ(taken[0].order.why, Reason::kLeaseLost);
   EXPECT_EQ(taken[1].order.kind, OrderKind::kEngage);
 }
 

@@ -126,6 +126,15 @@ TEST(SceneIo, KeepsJointRangesWithinTheTable) {
             "deg, expected lower below upper");
 }
 
+TEST(SceneIo, TakesAWorkspaceAndRefusesOneTooNarrow) {
+  const Scene s = scene_of("limits { workspace_low_mm: [0, -400, 20] }");
+  EXPECT_EQ(s.limits.workspace_low, Vec3(0.0, -0.4, 0.02));
+  EXPECT_EQ(s.limits.workspace_high, Vec3(2.0, 2.0, 2.0));
+  EXPECT_EQ(error_of("limits { workspace_low_mm: [0, 0, 20] workspace_high_mm: [500, 49, 500] }"),
+            "/x/a.scene:2:43: field 'limits.workspace_high_mm[1]': the workspace would reach from "
+            "0 to 49 mm along y, expected at least 50 mm");
+}
+
 TEST(SceneIo, TakesJerksOfItsOwnAndRefusesThoseOfAnArmThatCouldHardlyStop) {
   const Scene s = scene_of("limits { joint_jerk_deg_s3: [1e5, 1e5, 1e5, 1e5, 1e5, 2e5] }");
   EXPECT_DOUBLE_EQ(s.limits.joints.max_jerk[0], 1e5 * kDeg);

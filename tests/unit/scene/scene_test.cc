@@ -21,6 +21,8 @@ TEST(SectionHashes, ChangeWithTheirOwnSectionOnly) {
       {[](Scene& s) { s.limits.joints.max_acceleration[2] = 1.0; }, false, true, false},
       {[](Scene& s) { s.limits.joints.max_jerk[4] = 1.0; }, false, true, false},
       {[](Scene& s) { s.limits.tip_speed = 0.25; }, false, true, false},
+      {[](Scene& s) { s.limits.workspace_low[2] = 0.0; }, false, true, false},
+      {[](Scene& s) { s.limits.workspace_high[0] = 0.5; }, false, true, false},
       {[](Scene& s) { s.bumper.enabled = false; }, false, true, false},
       {[](Scene& s) { s.bumper.alpha = 2e-5; }, false, true, false},
       {[](Scene& s) { s.bumper.threshold = 40.0; }, false, true, false},
