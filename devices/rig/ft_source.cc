@@ -74,10 +74,14 @@ void FtSource::tick() noexcept {
   ++ft_sequence_;
   RdtRecord record;
   bool saturated = false;
+  const bool noisy = options_.noise_n > 0.0 || options_.noise_n_m > 0.0;
   for (int i = 0; i < 3; ++i) {
     const auto at = static_cast<std::size_t>(i);
-    const double force = wrench_.force[i] + zero_[i] + options_.noise_n * random_.normal();
-    const double torque = wrench_.torque[i] + options_.noise_n_m * random_.normal();
+    double force = wrench_.force[i] + zero_[i], torque = wrench_.torque[i];
+    if (noisy) {
+      force += options_.noise_n * random_.normal();
+      torque += options_.noise_n_m * random_.normal();
+    }
     record.counts[at] = to_counts(
         in_steps(clip(force, options_.range_n, saturated), options_.step_n) - bias_.force[i],
         options_.counts_per_n);

@@ -204,6 +204,13 @@ void add_scene_tools(CLI::App& app, SceneToolCommand& tool) {
   resolve->add_option("--out", tool.out, "scene file to write, NAME.scene")->required();
 }
 
+void add_effects(CLI::App& app, SceneToolCommand& tool) {
+  CLI::App* sub = app.add_subcommand(
+      "effects", "leave each effect of a scene's rig out in turn: what changes, what it costs");
+  sub->add_option("SCENE", tool.scene, "name, or a file")->required();
+  sub->add_flag("--json", tool.json, "print it as JSON");
+}
+
 // What wrench and gearshift have in common.
 void add_walls(CLI::App& sub, WallCommand& command) {
   sub.add_option("--operators", command.operators, "how many; the first is the typical one")
@@ -279,6 +286,7 @@ int run(int argc, char** argv) {
   add_fit(app, fit);
   add_accuracy(app, accuracy);
   add_scene_tools(app, tool);
+  add_effects(app, tool);
   WrenchCommand wrench;
   GearshiftCommand gearshift;
   add_wrench(app, wrench);
@@ -296,6 +304,7 @@ int run(int argc, char** argv) {
   let_ctrl_c_cancel();
   if (app.got_subcommand("accuracy")) return run_accuracy_command(accuracy, cancelled);
   if (app.got_subcommand("scene-explain")) return run_explain_command(tool, cancelled);
+  if (app.got_subcommand("effects")) return run_effects_command(tool, cancelled);
   if (app.got_subcommand("scene-preview")) return run_preview_command(tool);
   if (app.got_subcommand("scene-resolve")) return run_resolve_command(tool, cancelled);
   if (app.got_subcommand("wrench")) return run_wrench_command(wrench, cancelled);

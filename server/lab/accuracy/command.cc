@@ -5,6 +5,7 @@
 
 #include "server/lab/accuracy/choices.h"
 #include "server/lab/accuracy/drawing.h"
+#include "server/lab/accuracy/effects.h"
 #include "server/lab/accuracy/explain.h"
 #include "server/lab/accuracy/preview.h"
 #include "server/lab/accuracy/report_io.h"
@@ -69,6 +70,16 @@ int run_explain_command(const SceneToolCommand& command, const std::atomic<bool>
   if (!explained) return complain(explained.status(), kCancelled);
   const std::string text =
       command.json ? explanation_json(*explained) : explanation_table(*explained);
+  std::fputs(text.c_str(), stdout);
+  return kDone;
+}
+
+int run_effects_command(const SceneToolCommand& command, const std::atomic<bool>& cancelled) {
+  const Result<Scene> scene = scene_of(command.scene);
+  if (!scene) return complain(scene.status(), kUsage);
+  const Result<EffectRows> rows = effects_in_turn(*scene, cancelled);
+  if (!rows) return complain(rows.status(), cancelled ? kCancelled : kUsage);
+  const std::string text = command.json ? effects_json(*rows) : effects_table(*rows);
   std::fputs(text.c_str(), stdout);
   return kDone;
 }

@@ -3,8 +3,29 @@
 #include <algorithm>
 
 #include "server/lab/accuracy/explain_price.h"
+#include "server/lab/press_course.h"
 
 namespace handrail {
+namespace {
+
+std::vector<std::string> not_on_rig(const Simulate& list) {
+  std::vector<std::string> out;
+  bool touches = false;
+  for (int i = 0; i < static_cast<int>(RigEffectKind::kCount); ++i) {
+    const auto kind = static_cast<RigEffectKind>(i);
+    const bool listed = std::any_of(list.effects.begin(), list.effects.end(),
+                                    [kind](const RigEffectSpec& e) { return kind_of(e) == kind; });
+    if (!listed) out.push_back(name_of(kind));
+    touches = touches || (listed && is_touched(kind));
+  }
+  if (!touches) out.push_back("contact with a workpiece");
+  out.insert(out.end(),
+             {"mass of arm and tool: impacts do not ring", "friction of the joints",
+              "loss and jitter of the link", "walls and the effects of a two-axis scene"});
+  return out;
+}
+
+}  // namespace
 
 Result<Explanation> explain_scene(const Scene& scene, const std::atomic<bool>& cancelled) {
   Explanation out;
@@ -22,9 +43,10 @@ Result<Explanation> explain_scene(const Scene& scene, const std::atomic<bool>& c
                               "robot arm, force sensor and link: none takes part"});
   } else {
     out.effects = price_of_arm(scene, cancelled);
-    out.not_simulated = {"dynamics and gravity of the arm", "joint friction and backlash",
-                         "contact with a workpiece", "loss and jitter of the link",
-                         "walls and the effects of a two-axis scene"};
+    const Result<RigPrice> rig = price_of_rig(scene, cancelled);
+    if (!rig) return rig.status();
+    out.effects.insert(out.effects.end(), rig->effects.begin(), rig->effects.end());
+    out.not_simulated = not_on_rig(simulated_by(scene));
   }
   if (cancelled) return Status::error("cancelled");
   return out;

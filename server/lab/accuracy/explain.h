@@ -24,8 +24,8 @@ struct Explanation {
 
 // Measures what each effect adds to a tick: the same step with and without it in turn, the median
 // of the differences. Takes some seconds. A scene of walls is run with the joystick in a simulated
-// hand that wanders through it; any other one as the linear movement is, tools on, in the lab's
-// cell with the simulated arm.
+// hand that wanders through it; in any other one tools are on and the simulated arm touches what
+// there is to touch. The error says what the arm cannot reach.
 Result<Explanation> explain_scene(const Scene& scene, const std::atomic<bool>& cancelled);
 
 }  // namespace handrail

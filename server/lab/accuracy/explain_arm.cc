@@ -2,9 +2,7 @@
 #include <functional>
 #include <memory>
 
-#include "devices/net_ft/rdt_packet.h"
 #include "devices/omni/sim_omni.h"
-#include "devices/rig/rig.h"
 #include "server/lab/accuracy/contest.h"
 #include "server/lab/accuracy/explain_price.h"
 #include "server/master/haptic_settings.h"
@@ -12,8 +10,7 @@
 namespace handrail {
 namespace {
 
-constexpr double kTick = 1e-3;     // [s]
-constexpr double kCycle = 7.1e-3;  // of the robot's controller [s]
+constexpr double kTick = 1e-3;  // [s]
 constexpr int kTurns = 60, kBatches = 64, kCalls = 16;
 
 // Where the hand is at tick `i`, frame S: a slow figure, so that nothing rests.
@@ -101,45 +98,10 @@ std::function<void()> device() {
   };
 }
 
-// A cycle of the arm's servos; the target goes for 25 cycles and stands for 25.
-std::function<void()> arm(double repeatability) {
-  struct State {
-    explicit State(const ServoArmOptions& options) : arm(options) {}
-    ServoArm arm;
-    int cycle = 0;
-  };
-  ServoArmOptions options;
-  options.repeatability = repeatability;
-  auto s = std::make_shared<State>(options);
-  return [s] {
-    for (int i = 0; i < kCalls; ++i) {
-      JointVector q = ServoArmOptions::default_start();
-      s->cycle = (s->cycle + 1) % 50;
-      q[0] += 1e-3 * std::min(s->cycle, 25);
-      s->arm.command(q);
-      s->arm.advance(kCycle);
-      keep(s->arm.measured());
-    }
-  };
-}
-
-std::function<void()> sensor(double noise_n, double noise_n_m) {
-  FtSourceOptions options;
-  options.noise_n = noise_n;
-  options.noise_n_m = noise_n_m;
-  auto source = std::make_shared<FtSource>(options);
-  source->on_datagram(encode_rdt(RdtRequest{RdtCommand::kStream, 0}), 1);
-  return [source] {
-    for (int i = 0; i < kCalls; ++i) source->tick();
-    keep(source->record());
-  };
-}
-
 struct Pair {
   const char* name;
   bool on_rig;
   std::function<void()> with, without;
-  double per_tick;  // calls a tick of the haptic loop
 };
 
 }  // namespace
@@ -147,20 +109,14 @@ struct Pair {
 std::vector<PricedEffect> price_of_arm(const Scene& scene, const std::atomic<bool>& cancelled) {
   const auto nothing = [] {};
   const HandOptions h;
-  const FtSourceOptions f;
-  const ServoArmOptions a;
-  const double cycles = kTick / kCycle;
   const std::vector<Pair> pairs = {
-      {"position_tool", false, guide(scene, true, true), guide(scene, false, true), 1.0},
-      {"orientation_tool", false, guide(scene, true, true), guide(scene, true, false), 1.0},
-      {"smoother", false, smoother(scene), nothing, 1.0},
-      {"hand_impedance", true, hand(0.0, 0.0, 0.0), nothing, 1.0},
-      {"hand_tremor", true, hand(h.tremor_rms, 0.0, 0.0), hand(0.0, 0.0, 0.0), 1.0},
-      {"hand_drift", true, hand(0.0, h.drift_rms, h.drift_rotation_rms), hand(0.0, 0.0, 0.0), 1.0},
-      {"device", true, device(), hand(h.tremor_rms, h.drift_rms, h.drift_rotation_rms), 1.0},
-      {"servo_lag", true, arm(0.0), nothing, cycles},
-      {"encoder_offsets", true, arm(a.repeatability), arm(0.0), cycles},
-      {"sensor_noise", true, sensor(f.noise_n, f.noise_n_m), sensor(0.0, 0.0), 1.0}};
+      {"position_tool", false, guide(scene, true, true), guide(scene, false, true)},
+      {"orientation_tool", false, guide(scene, true, true), guide(scene, true, false)},
+      {"smoother", false, smoother(scene), nothing},
+      {"hand_impedance", true, hand(0.0, 0.0, 0.0), nothing},
+      {"hand_tremor", true, hand(h.tremor_rms, 0.0, 0.0), hand(0.0, 0.0, 0.0)},
+      {"hand_drift", true, hand(0.0, h.drift_rms, h.drift_rotation_rms), hand(0.0, 0.0, 0.0)},
+      {"device", true, device(), hand(h.tremor_rms, h.drift_rms, h.drift_rotation_rms)}};
   Contest contest;
   for (const Pair& pair : pairs) {
     contest.add([] {}, pair.with, kCalls);
@@ -169,7 +125,7 @@ std::vector<PricedEffect> price_of_arm(const Scene& scene, const std::atomic<boo
   contest.run(kTurns, kBatches, cancelled);
   std::vector<PricedEffect> out;
   for (std::size_t i = 0; !cancelled && i < pairs.size(); ++i) {
-    const double price = pairs[i].per_tick * contest.longer(2 * i, 2 * i + 1);
+    const double price = contest.longer(2 * i, 2 * i + 1);
     out.push_back({pairs[i].name, pairs[i].on_rig, std::max(price, 0.0)});
   }
   return out;

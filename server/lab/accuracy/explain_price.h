@@ -2,9 +2,11 @@
 #pragma once
 
 #include <atomic>
+#include <string>
 #include <vector>
 
 #include "devices/haptic_device.h"
+#include "server/base/status.h"
 #include "server/control/haptic_step.h"
 #include "server/lab/accuracy/explain.h"
 #include "server/scene/scene.h"
@@ -18,7 +20,23 @@ std::vector<HandReading> wander_through(const Scene& scene, double seconds);
 // Each effect the scene lists; empty when cancelled.
 std::vector<PricedEffect> price_of_walls(const Scene& scene, const std::atomic<bool>& cancelled);
 
-// What the master does and the rig simulates for a scene without walls; empty when cancelled.
+// A scene whose rig runs all but one of its effects.
+struct RigWithout {
+  std::string left_out;  // such as "plane", the second one "plane 2"
+  Scene scene;
+};
+// One for each effect of the rig, in the scene's order; a screw's thread goes with its socket.
+std::vector<RigWithout> rigs_without_each(const Scene& scene);
+
+struct RigPrice {
+  double step_ns = 0.0;               // of a millisecond of the rig, all effects
+  std::vector<PricedEffect> effects;  // what each adds
+};
+// Of arm, sensor and workpiece on a course that touches it, averaged over it; empty when cancelled.
+// The error says what the arm cannot reach.
+Result<RigPrice> price_of_rig(const Scene& scene, const std::atomic<bool>& cancelled);
+
+// What the master does for a scene without walls, and the hand at its device; empty when cancelled.
 std::vector<PricedEffect> price_of_arm(const Scene& scene, const std::atomic<bool>& cancelled);
 
 }  // namespace handrail
