@@ -131,7 +131,7 @@ TEST(SceneIo, TakesAWorkspaceAndRefusesOneTooNarrow) {
   EXPECT_EQ(s.limits.workspace_low, Vec3(0.0, -0.4, 0.02));
   EXPECT_EQ(s.limits.workspace_high, Vec3(2.0, 2.0, 2.0));
   EXPECT_EQ(error_of("limits { workspace_low_mm: [0, 0, 20] workspace_high_mm: [500, 49, 500] }"),
-            "/x/a.scene:2:43: field 'limits.workspace_high_mm[1]': the workspace would reach from "
+            "/x/a.scene:2:39: field 'limits.workspace_high_mm[1]': the workspace would reach from "
             "0 to 49 mm along y, expected at least 50 mm");
 }
 
