@@ -267,6 +267,25 @@ TEST(AuditorTest, ATipMayGoAlongTheEndOfReachButNotAwayFromWhatIsAskedBeyond) {
   }
 }
 
+// Toward a place beside the base's axis the tip goes round it: outside of the box of what is asked
+// and where it stood, but ever nearer.
+TEST(AuditorTest, ATipMayLeaveTheBoxOfCommandsThatItCannotReach) {
+  Stream s;
+  const double beside = 0.05, turn = 0.6;  // [m], [rad]
+  s.state.X_SU.p.x() = beside * std::cos(turn);
+  s.state.X_SU.p.y() = beside * std::sin(turn);
+  const Vec3 start = s.auditor.tip();
+  const double jerk = 0.9 * limits().max_jerk[0] * kDt * kDt * kDt;
+  double change = 0.0, step = 0.0;
+  for (int i = 0; i < 60; ++i) {
+    change = std::min({change + jerk, 0.5 * (kFast - step), jerk});
+    step += change;
+    s.cycle(step);
+  }
+  EXPECT_GT(s.auditor.tip().y(), start.y() + 0.05);
+  EXPECT_EQ(s.report().total(), 0u);
+}
+
 // Along x, which J1 turns the tip across.
 ToolDefinition line_through(const Vec3& p) {
   ToolDefinition tool;
