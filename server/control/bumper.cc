@@ -8,18 +8,19 @@ namespace {
 
 using Phase = BumperState::Phase;
 
-constexpr double kSoftest = 10e3;    // stiffness to begin with [N/m]
-constexpr double kLength = 1e-5;     // below it no travel is told from the encoders' [m]
-constexpr double kRelief = 0.25;     // fastest way out of a force above the threshold [m/s]
-constexpr double kForgotten = 1.0;   // a contact within it has the stiffness of the last [s]
-constexpr double kSlowest = 0.1;     // least time constant of yielding [s]
-constexpr double kReserve = 2.7;     // time constants of approach to one of loop delay
-constexpr double kWidestCone = 1.4;  // half its angle [rad]
-constexpr double kLift = 1e-3;       // this far out of the surface a contact may be over [m]
-constexpr double kRoughness = 0.35;  // a surface falls off by at most this share of the way
-constexpr double kUneven = 5e-4;     // and by this [m]
-constexpr double kBraking = 6.0;     // of the tip [m/s^2]
-constexpr double kJerkTime = 0.02;   // until it brakes so [s]
+constexpr double kSoftest = 10e3;      // stiffness to begin with [N/m]
+constexpr double kLength = 1e-5;       // below it no travel is told from the encoders' [m]
+constexpr double kRelief = 0.25;       // fastest way out of a force above the threshold [m/s]
+constexpr double kForgotten = 1.0;     // a contact within it has the stiffness of the last [s]
+constexpr double kSlowest = 0.1;       // least time constant of yielding [s]
+constexpr double kReserve = 2.7;       // time constants of approach to one of loop delay
+constexpr double kWidestCone = 1.4;    // half its angle [rad]
+constexpr double kLift = 1e-3;         // this far out of the surface a contact may be over [m]
+constexpr double kRoughness = 0.35;    // a surface falls off by at most this share of the way
+constexpr double kUneven = 5e-4;       // and by this [m]
+constexpr double kOvershoot = 2.5e-3;  // of the arm, past where it was told to rest [m]
+constexpr double kBraking = 6.0;       // of the tip [m/s^2]
+constexpr double kJerkTime = 0.02;     // until it brakes so [s]
 
 // What one cycle reckons with.
 struct Reckoning {
@@ -109,6 +110,14 @@ double return_speed(const Reckoning& now, const BumperState& s) noexcept {
                   0.5 * settings.threshold / (s.stiffness * (now.in.delay + 2.5 * now.in.dt)));
 }
 
+// What was held back must not be let go at once when the normal turns away from it, as where a tip
+// slips off an edge: what of it lies beside the normal is given up as slowly as any.
+Vec3 beside_command(const Reckoning& now, const BumperState& s) noexcept {
+  const Vec3 beside = s.behind - s.behind.dot(s.n_S) * s.n_S;
+  const double length = beside.norm(), most = return_speed(now, s) * now.in.dt;
+  return length > most ? Vec3((1.0 - most / length) * beside) : Vec3(Vec3::Zero());
+}
+
 bool is_left(const Reckoning& now, const BumperState& s, const Vec3& p_ST,
              const Vec3& p_SB) noexcept {
   const BumperSettings& settings = now.settings;
@@ -134,18 +143,22 @@ Bumped while_touching(const Reckoning& now, BumperState& s) noexcept {
   s.give += std::min(1.0, in.dt / slowness) *
             (settings.alpha * std::min(now.force, settings.threshold) - s.give);
 
-  const Vec3 d = in.p_SU + s.give * s.n_S - in.p_last;
-  const double wanted = d.dot(s.n_S);
   // No further in above the goal, which lies below the threshold: out again.
   const double goal =
       std::max(0.5 * settings.threshold,
                settings.threshold - std::max(0.05 * settings.threshold, now.margin));
   double least = std::min(rate * (now.force - goal), kRelief * in.dt);
   if (!in.fresh) least = std::max(least, 0.0);  // no news: no further in
-  Vec3 step = d + std::max(0.0, least - wanted) * s.n_S;
+  // From where the arm comes to rest; one that overshoots what it was told is told the same again.
+  const double rest = in.p_last.dot(s.n_S);
+  const double from =
+      least >= 0.0 ? rest : std::clamp(s.followed.dot(s.n_S), rest - kOvershoot, rest);
+  const Vec3 wanted = in.p_SU + beside_command(now, s) + s.give * s.n_S;
+  const double held = from + least - wanted.dot(s.n_S);  // back, along the normal
+  Vec3 step = wanted + std::max(0.0, held) * s.n_S - in.p_last;
   if (now.force > settings.threshold) step = in_dual_cone(now, step);
 
-  Bumped out{in.p_last + step, wanted < least ? Reason::kBumper : Reason::kNone};
+  Bumped out{in.p_last + step, held > 0.0 ? Reason::kBumper : Reason::kNone};
   if (is_left(now, s, p_ST, out.p_SB)) {
     s.phase = Phase::kReturning;
     s.felt = 0;
@@ -153,15 +166,14 @@ Bumped while_touching(const Reckoning& now, BumperState& s) noexcept {
   return out;
 }
 
-// After a contact: beside the normal at once, along it no faster than to meet it gently again.
+// After a contact: no faster to the command than to meet the surface gently again.
 Bumped while_returning(const Reckoning& now, BumperState& s) noexcept {
-  const Vec3 d = now.in.p_SU - now.in.p_last;
-  const double most = return_speed(now, s) * now.in.dt, along = d.dot(s.n_S);
-  if (along >= -most) {
-    s.phase = Phase::kFree;
-    return {now.in.p_SU, Reason::kNone};
-  }
-  return {now.in.p_last + d - (along + most) * s.n_S, Reason::kBumper};
+  const Vec3 beside = beside_command(now, s);
+  const double most = return_speed(now, s) * now.in.dt;
+  const double out = std::max(0.0, (s.followed - now.in.p_SU).dot(s.n_S) - most);
+  if (out == 0.0 && beside.isZero(0.0)) s.phase = Phase::kFree;
+  return {now.in.p_SU + beside + out * s.n_S,
+          s.phase == Phase::kFree ? Reason::kNone : Reason::kBumper};
 }
 
 // Slows an approach to what the promise allows: in contact the way out stays free.
@@ -196,6 +208,7 @@ Bumped bump_default(const Reckoning& now, BumperState& s) noexcept {
     s.n_S = now.in.f_E_S / now.force;
     if (s.apart >= kForgotten) s.stiffness = std::min(kSoftest, settings.stiffest);
     s.give = 0.0;
+    s.followed = now.in.p_last;
     s.last_tip = delayed_tip(s, now);
     s.last_normal_force = now.force;
     return while_touching(now, s);
@@ -220,7 +233,10 @@ Bumped bump(const BumperSettings& settings, const BumperInput& in, BumperState& 
     return bump_as_published(settings, in.p_SU, in.f_E_S, in.p_last);
   }
   const Reckoning now{settings, in, in.f_E_S.norm(), in.delay + 1.5 * in.dt, 4.0 * settings.noise};
-  return approach(now, state, bump_default(now, state));
+  const Bumped out = bump_default(now, state);
+  state.followed = out.p_SB;
+  state.behind = out.p_SB - in.p_SU;
+  return approach(now, state, out);
 }
 
 Bumped bump_as_published(const BumperSettings& settings, const Vec3& p_SU, const Vec3& f_E_S,

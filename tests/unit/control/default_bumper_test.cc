@@ -172,6 +172,40 @@ TEST(DefaultBumper, ALeftContactIsForgottenByPlaceNotByCommand) {
   EXPECT_TRUE(law.state.touching());
 }
 
+TEST(DefaultBumper, WhatWasHeldBackIsNotLetGoWhereTheForceTurnsAside) {
+  Law law;
+  law.touch();
+  for (int i = 0; i < 20; ++i) {
+    law.step(-12e-3 * kUp, 48.0 * kUp);
+    law.go();
+  }
+  const Vec3 held = law.in.p_last;
+  // The tip slips off an edge and leans against a wall beside it.
+  for (int i = 0; i < 28; ++i) {
+    law.step(-12e-3 * kUp, 20.0 * kAlong);
+    law.go();
+  }
+  EXPECT_LT((held - law.in.p_last).dot(kUp), 0.01 * 0.2) << "10 mm/s at most";
+  // And into the open: no faster.
+  for (int i = 0; i < 28; ++i) {
+    law.step(-12e-3 * kUp, Vec3::Zero());
+    law.go();
+  }
+  EXPECT_LT((held - law.in.p_last).dot(kUp), 0.01 * 0.4 + 1e-3);
+}
+
+TEST(DefaultBumper, AnArmThatOvershootsIsNotLedEverFurtherOut) {
+  Law law;
+  law.touch();
+  const Vec3 began = law.in.p_last;
+  for (int i = 0; i < 100; ++i) {
+    law.step(began - 0.05 * kUp, 5.0 * kUp);
+    law.in.p_last = law.out.p_SB + 2e-3 * kUp;
+  }
+  EXPECT_TRUE(law.state.touching());
+  EXPECT_LT((law.in.p_last - began).dot(kUp), 2e-3 + 1e-9);
+}
+
 TEST(DefaultBumper, TheApproachIsAsSlowAsThePromisedForceAsks) {
   Law law;
   law.settings.promise = 200.0;
