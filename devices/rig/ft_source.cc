@@ -31,7 +31,8 @@ FtSource::FtSource(const FtSourceOptions& options) noexcept
     : options_(options),
       random_(options.seed),
       drift_random_(options.seed + 0xd41f7),
-      switch_(options.seed + 0x5e4507, options.drop_share) {
+      switch_(options.seed + 0x5e4507, options.drop_share),
+      zero_(options.zero.force) {
   if (options.drift_n_per_s <= 0.0 || options.drift_n <= 0.0) return;
   const double share = options.drift_n_per_s / options.drift_n;
   const double rate = 0.5 * share * share;  // at which a zero is drawn back [1/s]
@@ -56,7 +57,9 @@ void FtSource::on_datagram(std::span<const std::uint8_t> bytes, PeerId from) noe
       listener_.reset();
       break;
     case RdtCommand::kBias:
-      if (is_finite(wrench_)) bias_ = {wrench_.force + zero_, wrench_.torque};
+      if (is_finite(wrench_)) {
+        bias_ = {wrench_.force + zero_, wrench_.torque + options_.zero.torque};
+      }
       break;
   }
 }
@@ -77,7 +80,7 @@ void FtSource::tick() noexcept {
   const bool noisy = options_.noise_n > 0.0 || options_.noise_n_m > 0.0;
   for (int i = 0; i < 3; ++i) {
     const auto at = static_cast<std::size_t>(i);
-    double force = wrench_.force[i] + zero_[i], torque = wrench_.torque[i];
+    double force = wrench_.force[i] + zero_[i], torque = wrench_.torque[i] + options_.zero.torque[i];
     if (noisy) {
       force += options_.noise_n * random_.normal();
       torque += options_.noise_n_m * random_.normal();

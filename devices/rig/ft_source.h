@@ -25,6 +25,7 @@ struct FtSourceOptions {
   double noise_n_m = 0.0025;    // RMS per axis, white [N m]
   double drift_n_per_s = 0.0;   // RMS change of a force axis' zero in a second; 0: none [N]
   double drift_n = 0.0;         // RMS of the zero in the long run [N]
+  Wrench zero;                  // read without a force, to begin with; of the torque for good
   double step_n = 0.0;          // smallest step of a reading; 0: the counts' own [N]
   double step_n_m = 0.0;        // [N m]
   double drop_share = 0.0;      // share of packets lost, each way, 0 to 1
@@ -35,8 +36,8 @@ inline constexpr std::uint32_t kFtSaturated = 1u << 17;
 
 // Streams to whoever asked last, one record a period, from the period after the request. A bias
 // request takes the present wrench, without its noise, as zero from the next record on; the range
-// is the transducer's, before the bias. The zeros of the force axes wander from 0 as an
-// Ornstein-Uhlenbeck process, exact for any period. Time and bytes are arguments; all calls are
+// is the transducer's, before the bias. The zeros of the force axes wander from where they begin as
+// an Ornstein-Uhlenbeck process around 0, exact for any period. Time and bytes are arguments; all calls are
 // real-time safe.
 class FtSource {
  public:
@@ -70,7 +71,7 @@ class FtSource {
   LossySwitch switch_;
   Wrench wrench_;
   Wrench bias_;
-  Vec3 zero_ = Vec3::Zero();  // what drift adds to the force
+  Vec3 zero_;                 // of the force, now
   double drift_left_ = 1.0;   // of a zero after a period
   double drift_added_ = 0.0;  // RMS in a period [N]
   std::optional<PeerId> listener_;

@@ -23,6 +23,7 @@ void run_only_listed(const Scene& scene, RigOptions& options) {
   const auto* drift = list.find<SensorDriftSpec>();
   sensor.drift_n_per_s = drift != nullptr ? drift->rate : 0.0;
   sensor.drift_n = drift != nullptr ? drift->range : 0.0;
+  sensor.zero = drift != nullptr ? drift->start : Wrench();
   const auto* step = list.find<SensorQuantisationSpec>();
   sensor.step_n = step != nullptr ? step->force : 0.0;
   sensor.step_n_m = step != nullptr ? step->torque : 0.0;

@@ -104,6 +104,7 @@ struct SlaveState {
   JointVector q_measured = JointVector::Zero();
   Wrench f_E_S;                       // measured contact wrench on the tip
   bool has_wrench = false;
+  bool payload_removed = false;       // f_E_S is without what hangs on the sensor, by configuration
   std::uint32_t stop_epoch = 0;       // newest stop epoch taken over from the master
   std::uint32_t fault_epoch = 0;      // faults latched so far
   std::uint32_t position_tool_epoch = 0;     // newest tool epochs seen

@@ -90,12 +90,16 @@ double share_of_speed(Nanos age) {
   return std::clamp(1.0 - over, 0.0, 1.0);
 }
 
-// Takes over a valid reading; says what is wrong with an invalid one.
-Reason read_force(const FollowSettings& settings, const FollowInput& in, FollowState& s) {
+// Takes over a valid reading, without the payload's part in the measured orientation `q_ST`; says
+// what is wrong with an invalid one.
+Reason read_force(const FollowSettings& settings, const FollowInput& in, const Quat& q_ST,
+                  FollowState& s) {
   const Reason wrong = s.wrench.judge(in.f_E_T, in.wrench_valid, settings.sensor_range);
   if (wrong == Reason::kNone) {
     s.invalid_wrenches = 0;
-    s.f_E_S = s.motion.X_ST.q * in.f_E_T.force;
+    const Wrench f_E_T = settings.payload.remove(in.f_E_T, q_ST);
+    s.f_E_S = s.motion.X_ST.q * f_E_T.force;
+    s.torque_E_T = f_E_T.torque;
     return Reason::kNone;
   }
   s.invalid_wrenches = std::min(s.invalid_wrenches + 1, kInvalidWrenches);
@@ -180,8 +184,9 @@ void place(const FollowSettings& settings, const JointVector& q, FollowState& st
 void follow_step(const FollowSettings& settings, const FollowInput& in, FollowState& s,
                  FollowOutput& out) noexcept {
   ++s.cycles;
-  const Reason sensor = read_force(settings, in, s);
   const JointVector q_measured = s.joints.judge(in.q_measured);
+  const Pose X_measured = forward(settings.motion.arm, q_measured);
+  const Reason sensor = read_force(settings, in, X_measured.q, s);
   FollowLedger ledger;
   Reason fault = judge_arm(settings, q_measured, s, ledger.joint);
   if (fault == Reason::kNone && settings.sensor_required && follows(s.session)) fault = sensor;
@@ -220,12 +225,13 @@ void follow_step(const FollowSettings& settings, const FollowInput& in, FollowSt
                 : intervention != Reason::kNone     ? intervention
                                                     : sensor;
   link.X_ST_command = s.motion.X_ST;
-  link.X_ST = forward(settings.motion.arm, q_measured);
+  link.X_ST = X_measured;
   link.has_pose = s.placed && in.robot_ready && is_finite(link.X_ST);
   link.q_measured = q_measured;
-  link.f_E_S = {s.f_E_S, Vec3(s.motion.X_ST.q * in.f_E_T.torque)};
+  link.f_E_S = {s.f_E_S, Vec3(s.motion.X_ST.q * s.torque_E_T)};
   link.has_wrench = s.invalid_wrenches == 0;
   if (!link.has_wrench) link.f_E_S.torque.setZero();
+  link.payload_removed = !settings.payload.is_none();
   link.stop_epoch = s.stop_epoch;
   link.fault_epoch = s.fault_epoch;
   link.position_tool_epoch = s.tube.position_epoch();

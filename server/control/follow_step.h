@@ -3,6 +3,7 @@
 #pragma once
 
 #include "server/base/link_state.h"
+#include "server/base/payload.h"
 #include "server/control/bumper.h"
 #include "server/control/ladder.h"
 #include "server/control/monitors.h"
@@ -16,6 +17,7 @@ struct FollowSettings {
   MotionSettings motion;
   BumperSettings bumper;
   double sensor_range = 1000.0;  // a larger component is a fault of the sensor [N]
+  Payload payload;               // taken out of what the sensor reads
   bool sensor_required = false;  // true: without valid readings the arm holds
   FollowingSettings following;
   SectionHashes hashes;  // of mapping, limits and robot
@@ -31,7 +33,7 @@ struct FollowInput {
   std::uint64_t master_sequence = 0;  // of that datagram
   LinkView link;
   bool new_session = false;      // the master is another one than in the last cycle
-  Wrench f_E_T;                  // sensor reading, axes of the tip frame
+  Wrench f_E_T;                  // sensor reading as it is, axes of the tip frame
   bool wrench_valid = false;     // fresh and without a fault flag
   Reason fault = Reason::kNone;  // a fault of robot or daemon, now
   bool shutdown = false;         // come to a stop, take no more commands
@@ -53,7 +55,8 @@ struct FollowState {
   std::uint32_t stop_epoch = 0;
   std::uint32_t fault_epoch = 0;
   int invalid_wrenches = 0;   // in a row
-  Vec3 f_E_S = Vec3::Zero();  // last valid force [N]
+  Vec3 f_E_S = Vec3::Zero();  // last valid force, without the payload's [N]
+  Vec3 torque_E_T = Vec3::Zero();  // of the same reading, tip axes [N m]
   Nanos oldest_applied = 0;
   std::uint64_t cycles = 0;
   ToolTube tube;

@@ -12,7 +12,7 @@
 
 namespace handrail {
 
-inline constexpr std::uint8_t kWireVersion = 3;
+inline constexpr std::uint8_t kWireVersion = 4;
 
 // Largest datagram: fits the smallest MTU every IPv4 path carries (576) with IP and UDP headers.
 inline constexpr std::size_t kMaxDatagram = 548;

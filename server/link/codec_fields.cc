@@ -195,6 +195,7 @@ void put(const SlaveState& s, pb::SlaveDatagram& m) {
   m.set_cycles(s.cycles);
   m.set_silences(s.silences);
   m.set_applied_sequence(s.applied_sequence);
+  m.set_payload_removed(s.payload_removed);
   put(s.ledger, m);
   put(m.mutable_hashes(), s.hashes);
   m.mutable_scene()->assign(s.scene.data(), length_of(s.scene));
@@ -206,7 +207,7 @@ bool present(const pb::SlaveDatagram& m) {
          m.wrench_size() == 6 && m.has_wrench_valid() && m.has_stop_epoch() &&
          m.has_fault_epoch() && m.has_position_tool_epoch() && m.has_orientation_tool_epoch() &&
          m.has_oldest_applied_ns() && m.has_cycles() && m.has_silences() && m.hashes_size() == 4 &&
-         m.has_scene() && m.has_applied_sequence() &&
+         m.has_scene() && m.has_applied_sequence() && m.has_payload_removed() &&
          m.stage_offsets_size() == 3 * FollowLedger::kStages && m.has_stage_reasons() &&
          m.has_limiting_joint();
 }
@@ -231,6 +232,7 @@ bool take(const pb::SlaveDatagram& m, SlaveState& s) {
   s.cycles = m.cycles();
   s.silences = m.silences();
   s.applied_sequence = m.applied_sequence();
+  s.payload_removed = m.payload_removed();
   take(m, s.ledger);
   s.hashes = take_hashes(m.hashes());
   return take_scene(m.scene(), s.scene);

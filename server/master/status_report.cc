@@ -135,6 +135,8 @@ pb::Status status_report(const MasterIdentity& identity, const HapticReport& rep
   s.set_has_contact_force(known && slave.has_wrench);
   if (known && slave.has_wrench) {
     set_vector(s.mutable_contact_force_n(), slave.f_E_S.force, 1.0);
+    set_vector(s.mutable_contact_torque_n_m(), slave.f_E_S.torque, 1.0);
+    s.set_payload_removed(slave.payload_removed);
   }
   if (report.walls.present) {
     pb::WallStatus* walls = s.mutable_walls();

@@ -3,6 +3,7 @@
 #include <arpa/inet.h>
 #include <sys/un.h>
 
+#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <vector>
@@ -84,6 +85,25 @@ Problem check(const pb::MasterConfig& c) {
                                 {"slave_port", c.slave_address(), c.slave_port()}})});
 }
 
+Problem check_payload(const pb::SlaveConfig& c) {
+  const pb::PayloadConfig& payload = c.payload();
+  if (!c.has_payload()) return std::nullopt;
+  if (!c.force_sensor().enabled()) {
+    return FieldProblem{"payload", "hangs on a force sensor, but force_sensor.enabled is false"};
+  }
+  if (payload.centre_mm_size() > 0 && payload.mass_kg() == 0.0) {
+    return FieldProblem{"payload.centre_mm", "a centre without mass_kg, expected both or neither"};
+  }
+  for (int i = 0; i < payload.bias_n_size(); ++i) {
+    if (std::abs(payload.bias_n(i)) < c.force_sensor().range_n()) continue;
+    return FieldProblem{"payload.bias_n[" + std::to_string(i) + "]",
+                        number_text(payload.bias_n(i)) +
+                            " is not within the sensor's range, force_sensor.range_n: " +
+                            number_text(c.force_sensor().range_n()) + " N"};
+  }
+  return std::nullopt;
+}
+
 Problem check(const pb::SlaveConfig& c) {
   Problem bytes;
   const std::uint32_t n = c.robot().packet_bytes();
@@ -101,7 +121,7 @@ Problem check(const pb::SlaveConfig& c) {
   return first({check_loopback("link_address", c.link_address()),
                 check_ipv4("robot.address", c.robot().address()),
                 check_peer_port("robot.port", c.robot().port()), bytes, sensor,
-                check_scene_name(c.scene()), check_distinct(ends)});
+                check_payload(c), check_scene_name(c.scene()), check_distinct(ends)});
 }
 
 Problem check(const pb::RigConfig& c) {

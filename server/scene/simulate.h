@@ -97,6 +97,7 @@ struct SensorNoiseSpec {
 struct SensorDriftSpec {
   double rate = 0.02;  // RMS change of an axis' zero in a second [N]
   double range = 1.5;  // RMS of the zero in the long run [N]
+  Wrench start;        // zeros to begin with, tip axes; those of the torque stay
 };
 
 struct SensorQuantisationSpec {

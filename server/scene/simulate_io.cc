@@ -151,7 +151,9 @@ Problem effect_from(const pb::RigEffect& in, RigEffectSpec& out) {
   if (in.has_screw_thread()) out = thread_from(in.screw_thread());
   if (in.has_sensor_noise()) out = SensorNoiseSpec{in.sensor_noise().n(), in.sensor_noise().n_m()};
   if (in.has_sensor_drift()) {
-    out = SensorDriftSpec{in.sensor_drift().n_per_s(), in.sensor_drift().n()};
+    const auto& drift = in.sensor_drift();
+    out = SensorDriftSpec{drift.n_per_s(), drift.n(),
+                          {vector_of(drift.start_n()), vector_of(drift.start_n_m())}};
   }
   if (in.has_sensor_quantisation()) {
     out = SensorQuantisationSpec{in.sensor_quantisation().n(), in.sensor_quantisation().n_m()};

@@ -3,7 +3,7 @@
 namespace handrail {
 
 FollowSettings follow_settings(const Scene& scene, Nanos period, bool has_sensor,
-                               double sensor_range) {
+                               double sensor_range, const Payload& payload) {
   FollowSettings out;
   out.motion.arm.d6 = scene.tip_length;
   out.motion.limits = scene.limits.joints;
@@ -15,6 +15,7 @@ FollowSettings follow_settings(const Scene& scene, Nanos period, bool has_sensor
   out.bumper.threshold = scene.bumper.threshold;
   out.bumper.dead_band = scene.bumper.dead_band;
   out.sensor_range = sensor_range;
+  out.payload = payload;
   out.sensor_required = has_sensor && scene.bumper.enabled;
   out.hashes = section_hashes(scene);
   out.scene = scene_name(scene.name);

@@ -15,6 +15,7 @@
 #include "server/base/pacer.h"
 #include "server/base/realtime.h"
 #include "server/scene/config_io.h"
+#include "server/scene/payload_io.h"
 #include "server/scene/scene_library.h"
 #include "server/slave/follow_settings.h"
 #include "server/slave/robot_loop.h"
@@ -80,7 +81,7 @@ int run(const pb::SlaveConfig& config, bool check_only) {
     const auto loaded = library.load(scene);
     if (!loaded) return loaded.status();
     return follow_settings(*loaded, robot.capabilities().period, sensor != nullptr,
-                           config.force_sensor().range_n());
+                           config.force_sensor().range_n(), payload_from(config.payload()));
   };
   const auto settings = settings_of(config.scene());
   if (!settings) return fail(settings.message());

@@ -108,6 +108,7 @@ SlaveState any_slave() {
   for (double& q : s.q_measured) q = real(-6.3, 6.3);
   s.f_E_S = {1e3 * point(), 1e3 * point()};
   s.has_wrench = coin();
+  s.payload_removed = coin();
   s.stop_epoch = u32();
   s.fault_epoch = u32();
   s.position_tool_epoch = u32();

@@ -3,6 +3,7 @@
 
 #include "server/base/joints.h"
 #include "server/base/spatial.h"
+#include "server/base/units.h"
 #include "server/kinematics/jacobian.h"
 #include "server/scene/simulate.h"
 
@@ -24,17 +25,15 @@ class GravitySag {
     for (int i = 0; i < kJoints; ++i) {
       // By virtual work: how fast the centre rises with the joint.
       const double rise = J.linear(2, i) + J.angular.col(i).cross(centre).z();
-      out[i] = -spec_.mass * kGravity * rise / spec_.stiffness[i];
+      out[i] = -spec_.mass * kStandardGravity * rise / spec_.stiffness[i];
     }
     return out;
   }
   // The weight as the sensor feels it, at the tip, tip axes.
   Wrench weight(const Quat& q_ST) const noexcept {
-    const Vec3 force = q_ST.conjugate() * Vec3(0, 0, -spec_.mass * kGravity);
+    const Vec3 force = q_ST.conjugate() * Vec3(0, 0, -spec_.mass * kStandardGravity);
     return {force, spec_.p_TC.cross(force)};
   }
-
-  static constexpr double kGravity = 9.80665;  // [m/s^2]
 
  private:
   GravitySpec spec_;

@@ -116,7 +116,7 @@ TEST_F(PumpTest, SendsWhatIsDueAndNoMore) {
   for (Nanos t = 0; t < 10 * kMillisecond; t += kMillisecond / 4) {
     pump.send(kStart + t, sample_slave());
   }
-  EXPECT_EQ(net.sent, std::vector<std::size_t>(10, 488));
+  EXPECT_EQ(net.sent, std::vector<std::size_t>(10, 491));
 }
 
 TEST_F(PumpTest, AStateThatIsNoLongerTrueIsNotSentAndDoesNotHurryTheSchedule) {

@@ -221,5 +221,18 @@ TEST(FtSource, ABiasTakesTheDriftAsZeroToo) {
   ASSERT_TRUE(record);
   EXPECT_LT(std::abs(1e-6 * record->counts[0]), 0.2) << "a millisecond's drift is 0.03 N";
 }
+
+TEST(FtSource, ZerosThatDoNotWanderStayUntilTheBias) {
+  FtSourceOptions options = quiet();
+  options.zero = {{1.5, -2.0, 0.7}, {0.05, -0.02, 0.01}};
+  FtSource source(options);
+  ask(source, RdtCommand::kStream);
+  const std::array<std::int32_t, 6> zeros = {1'500'000, -2'000'000, 700'000,
+                                             50'000,    -20'000,    10'000};
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(next(source)->counts, zeros);
+  ask(source, RdtCommand::kBias);
+  EXPECT_EQ(next(source)->counts, (std::array<std::int32_t, 6>{}));
+}
+
 }  // namespace
 }  // namespace handrail

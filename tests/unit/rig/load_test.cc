@@ -40,12 +40,12 @@ TEST(GravitySag, TheTipSagsByTheWeightOverTheJointsStiffness) {
   const ArmGeometry arm;
   const double radius = forward(arm, kHome).p.x() - arm.a1;
   const JointVector bend = sag.bend(arm, kHome);
-  EXPECT_NEAR(bend[1], 2.0 * GravitySag::kGravity * radius / 10000.0, 1e-12) << "J2 leans forward";
+  EXPECT_NEAR(bend[1], 2.0 * kStandardGravity * radius / 10000.0, 1e-12) << "J2 leans forward";
   EXPECT_NEAR(bend[0], 0.0, 1e-15) << "the weight does not turn a vertical axis";
   // What the weight gives away is what the joints' springs take up, twice over.
   const double drop = forward(arm, kHome).p.z() - forward(arm, kHome + bend).p.z();
   const double taken = bend.cwiseAbs2().dot(spec.stiffness);
-  EXPECT_NEAR(2.0 * GravitySag::kGravity * drop, taken, 1e-3 * taken);
+  EXPECT_NEAR(2.0 * kStandardGravity * drop, taken, 1e-3 * taken);
 }
 
 TEST(GravitySag, AnEccentricPayloadTurnsTheLastJoint) {
@@ -56,7 +56,7 @@ TEST(GravitySag, AnEccentricPayloadTurnsTheLastJoint) {
   const JointVector bend = GravitySag(&spec).bend(ArmGeometry(), q);
   const Vec3 centre = forward(ArmGeometry(), q).q * spec.p_TC;
   const Vec3 axis = forward(ArmGeometry(), q).q * Vec3::UnitZ();
-  const double torque = centre.cross(Vec3(0, 0, -2.0 * GravitySag::kGravity)).dot(axis);
+  const double torque = centre.cross(Vec3(0, 0, -2.0 * kStandardGravity)).dot(axis);
   EXPECT_GT(std::abs(torque), 0.9);
   EXPECT_NEAR(std::abs(bend[5]), std::abs(torque) / spec.stiffness[5], 1e-12);
 }
@@ -65,7 +65,7 @@ TEST(GravitySag, TheSensorCarriesTheWeightHoweverItIsTurned) {
   GravitySpec spec = two_kilograms();
   spec.p_TC = Vec3(0.01, 0, -0.05);
   const GravitySag sag(&spec);
-  const double weight = 2.0 * GravitySag::kGravity;
+  const double weight = 2.0 * kStandardGravity;
   const Wrench upright = sag.weight(Quat::Identity());
   EXPECT_NEAR(upright.force.z(), -weight, 1e-12);
   EXPECT_NEAR(upright.torque.y(), 0.01 * weight, 1e-12);
@@ -85,7 +85,7 @@ TEST(GravitySag, TheWorldShowsSagAndWeight) {
   const JointVector q = kHome + GravitySag(list.find<GravitySpec>()).bend(ArmGeometry(), kHome);
   EXPECT_LT((world.tip().p - forward(ArmGeometry(), q).p).norm(), 1e-15);
   EXPECT_LT(world.tip().p.z(), forward(ArmGeometry(), kHome).p.z() - 1e-5);
-  EXPECT_NEAR(world.on_sensor().force.norm(), 2.0 * GravitySag::kGravity, 1e-12);
+  EXPECT_NEAR(world.on_sensor().force.norm(), 2.0 * kStandardGravity, 1e-12);
   EXPECT_EQ(world.on_tip().force, Vec3::Zero()) << "touches nothing";
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/scene/payload_io.h"
 #include "tests/support/temp_folder.h"
 
 namespace handrail {
@@ -63,6 +64,44 @@ TEST(Config, RefusesAnyOtherPacketSizeOfTheController) {
   EXPECT_EQ(slave_error("robot { packet_bytes: 100 }"),
             "c.conf:1:9: field 'robot.packet_bytes': 100 is neither 64 nor 196");
   EXPECT_EQ(slave_error("robot { packet_bytes: 64 }"), "");
+}
+
+TEST(Config, TakesThePayloadOfASensor) {
+  const TempFolder folder;
+  const Payload payload{0.5, {0.004, -0.002, 0.06}, {{1.5, -2.0, 0.7}, {0.05, -0.02, 0.01}}};
+  const std::string file = folder.write("c.conf", payload_text(payload));
+  const Result<pb::SlaveConfig> config = load_slave_config(file);
+  ASSERT_TRUE(config.is_ok()) << config.message();
+  const Payload read = payload_from(config->payload());
+  EXPECT_DOUBLE_EQ(read.mass, 0.5);
+  EXPECT_LT((read.centre_T - payload.centre_T).norm(), 1e-15);
+  EXPECT_EQ(read.bias_T.force, payload.bias_T.force);
+  EXPECT_EQ(read.bias_T.torque, payload.bias_T.torque);
+  EXPECT_TRUE(payload_from(load_slave_config("")->payload()).is_none());
+}
+
+TEST(Config, RefusesAPayloadThatNoneIs) {
+  EXPECT_EQ(slave_error("payload { mass_kg: 11 }"),
+            "c.conf:1:11: field 'payload.mass_kg': 11 is outside 0 to 10 kg");
+  EXPECT_EQ(slave_error("payload { mass_kg: -0.5 }"),
+            "c.conf:1:11: field 'payload.mass_kg': -0.5 is outside 0 to 10 kg");
+  EXPECT_EQ(slave_error("payload { mass_kg: nan }"),
+            "c.conf:1:11: field 'payload.mass_kg': nan is not a finite number");
+  EXPECT_EQ(slave_error("payload {\n  mass_kg: 1\n  centre_mm: [1, 2]\n}"),
+            "c.conf:3:3: field 'payload.centre_mm': 2 values, expected 3");
+  EXPECT_EQ(slave_error("payload { mass_kg: 1 centre_mm: [0, 0, 2000] }"),
+            "c.conf:1:22: field 'payload.centre_mm[2]': 2000 is outside -1000 to 1000 mm");
+  EXPECT_EQ(slave_error("payload { bias_n: [0, inf, 0] }"),
+            "c.conf:1:11: field 'payload.bias_n[1]': inf is not a finite number");
+  EXPECT_EQ(slave_error("payload { centre_mm: [0, 0, 20] }"),
+            "c.conf:1:11: field 'payload.centre_mm': a centre without mass_kg, expected both or "
+            "neither");
+  EXPECT_EQ(slave_error("force_sensor { enabled: false }\npayload { mass_kg: 1 }"),
+            "c.conf:2:1: field 'payload': hangs on a force sensor, but force_sensor.enabled is "
+            "false");
+  EXPECT_EQ(slave_error("force_sensor { range_n: 50 } payload { bias_n: [0, 0, -50] }"),
+            "c.conf:1:40: field 'payload.bias_n[2]': -50 is not within the sensor's range, "
+            "force_sensor.range_n: 50 N");
 }
 
 TEST(Config, RefusesTwoEndsOnOnePort) {

@@ -51,6 +51,8 @@ TEST(SimulateIo, DefaultsOfTheFileAndOfTheStructsAgree) {
   EXPECT_EQ(s.find<SensorNoiseSpec>()->torque, SensorNoiseSpec().torque);
   EXPECT_EQ(s.find<SensorDriftSpec>()->rate, SensorDriftSpec().rate);
   EXPECT_EQ(s.find<SensorDriftSpec>()->range, SensorDriftSpec().range);
+  EXPECT_TRUE(s.find<SensorDriftSpec>()->start.force.isZero(0.0));
+  EXPECT_TRUE(s.find<SensorDriftSpec>()->start.torque.isZero(0.0));
   EXPECT_EQ(s.find<SensorQuantisationSpec>()->force, SensorQuantisationSpec().force);
   EXPECT_EQ(s.find<SensorQuantisationSpec>()->torque, SensorQuantisationSpec().torque);
   EXPECT_EQ(s.find<SensorSaturationSpec>()->force, SensorSaturationSpec().force);
@@ -79,8 +81,11 @@ TEST(SimulateIo, ConvertsToSi) {
       "  hole: true } }"
       "effect { joint_backlash { joint_deg: [0, 0, 0, 0, 0, 0.1] } }"
       "effect { gravity_sag { payload_kg: 2 centre_mm: [0, 0, -50] } }"
-      "effect { servo_lag { lag_ms: 0 } } effect { arm_compliance { n_mm: 30 } }");
-  ASSERT_EQ(s.effects.size(), 7u);
+      "effect { servo_lag { lag_ms: 0 } } effect { arm_compliance { n_mm: 30 } }"
+      "effect { sensor_drift { start_n: [1, -2, 3] start_n_m: [0.4, 0.5, -0.6] } }");
+  ASSERT_EQ(s.effects.size(), 8u);
+  EXPECT_EQ(s.find<SensorDriftSpec>()->start.force, Vec3(1, -2, 3));
+  EXPECT_EQ(s.find<SensorDriftSpec>()->start.torque, Vec3(0.4, 0.5, -0.6));
   const PlaneSpec& plane = *s.find<PlaneSpec>();
   EXPECT_TRUE(plane.at.isApprox(Vec3(0.001, 0.002, 0.003)));
   EXPECT_EQ(plane.normal, Vec3::UnitZ());
