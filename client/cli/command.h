@@ -22,6 +22,7 @@ struct Options {
   std::optional<std::string> at, end, direction, normal, axis, stiffness;  // tools
   std::optional<std::string> by, rotate, seconds;                          // hand
   std::optional<std::string> out, accuracy, budget;                        // scene tools
+  std::optional<std::string> poses, from, record;                          // calibrate, with out
   std::optional<std::string> word;                                         // positional argument
 };
 
@@ -41,6 +42,7 @@ struct Takes {
   bool hold = false;           // --hold
   const char* file = nullptr;  // what --out writes
   bool wish = false;           // --accuracy and --budget
+  bool calibrate = false;      // --poses, --from, --record and an optional --out
   const char* word = nullptr;  // name of the positional argument
   bool word_optional = false;
 };

@@ -1,3 +1,4 @@
+#include "client/cli/calibrate_command.h"
 #include "client/cli/command.h"
 #include "client/cli/demo_command.h"
 #include "client/cli/engage_command.h"
@@ -104,6 +105,10 @@ constexpr Command kCommands[] = {
     {"scene load", "Load a scene in master and slave", run_scene_load, {.word = "NAME"}},
     {"stage", "Put the walls as they are in a stage of the scene", run_stage, {.word = "NAME"}},
     {"hand to", "Move the simulated hand", run_hand_to, {.hand = true}},
+    {"calibrate payload",
+     "What hangs on the force sensor: watches while you tilt the tip, moves nothing",
+     run_calibrate_payload,
+     {.json = true, .calibrate = true}},
     {"demo",
      "Drive A to B to C with the simulated hand, without and with tools",
      run_demo,
@@ -118,6 +123,7 @@ std::string group_help(const std::string& word) {
   if (word == "tool") return "Call and drop virtual tools (mm and directions in the robot base)";
   if (word == "scene") return "Look at scenes, load one";
   if (word == "lease") return "Who drives: one operator at a time, by name (--as)";
+  if (word == "calibrate") return "Find what the slave's file has to say of this arm";
   if (word == "hand") return "Move the hand of a simulated device";
   return {};
 }

@@ -42,12 +42,20 @@ void add_hand_options(CLI::App& app, Options& o) {
   add_text(app, "--seconds", o.seconds, "T", "duration of the move, 1 without it");
 }
 
+void add_calibrate_options(CLI::App& app, Options& o) {
+  add_text(app, "--poses", o.poses, "N", "orientations to take, 4 to 50; 6 without it");
+  add_text(app, "--from", o.from, "FILE.csv", "samples recorded before, instead of a running arm");
+  add_text(app, "--record", o.record, "FILE.csv", "new file for the samples");
+  add_text(app, "--out", o.out, "FILE", "new file for the payload block of the slave's file");
+}
+
 void add_options(CLI::App& app, const Takes& takes, Options& o) {
   if (takes.json) app.add_flag("--json", o.json, "print JSON");
   if (takes.watch) app.add_flag("--watch", o.watch, "refresh 5 times a second until Ctrl-C");
   if (takes.tool != nullptr) add_tool_options(app, o, takes.tool);
   if (takes.hold) app.add_flag("--hold", o.hold, "engaged while this runs: Ctrl-C disengages");
   if (takes.hand) add_hand_options(app, o);
+  if (takes.calibrate) add_calibrate_options(app, o);
   if (takes.wish) {
     add_text(app, "--accuracy", o.accuracy, "LENGTH", "largest error, such as 0.01mm or 10um");
     add_text(app, "--budget", o.budget, "TIME", "largest cost of an update, such as 500ns");

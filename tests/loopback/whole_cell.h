@@ -37,7 +37,7 @@ class WholeCell : public ::testing::Test {
     slave = launch("handrail-slave", "link_port: " + std::to_string(slave_port) +
                                          " robot { port: " + std::to_string(robot_port) +
                                          " } force_sensor { port: " + std::to_string(sensor_port) +
-                                         " }");
+                                         " } " + slave_extra);
     slave_port = slave->number_after("READY link_port=");
   }
   void start_master() {
@@ -128,7 +128,7 @@ class WholeCell : public ::testing::Test {
 
   TempFolder folder;
   int robot_port = 0, sensor_port = 0, slave_port = 0, master_port = 0;
-  std::string rig_extra, master_extra;
+  std::string rig_extra, slave_extra, master_extra;
   std::unique_ptr<Program> rig, slave, master;
   OperatorClient client{socket()};
 };
