@@ -98,7 +98,7 @@ Reason read_force(const FollowSettings& settings, const FollowInput& in, const Q
   if (wrong == Reason::kNone) {
     s.invalid_wrenches = 0;
     const Wrench f_E_T = settings.payload.remove(in.f_E_T, q_ST);
-    s.f_E_S = s.motion.X_ST.q * f_E_T.force;
+    s.f_E_S = s.filter.pass(s.motion.X_ST.q * f_E_T.force, settings.force_lag, settings.motion.dt);
     s.torque_E_T = f_E_T.torque;
     return Reason::kNone;
   }
@@ -106,6 +106,7 @@ Reason read_force(const FollowSettings& settings, const FollowInput& in, const Q
   if (wrong == Reason::kSensorStuck) s.invalid_wrenches = kInvalidWrenches;
   if (s.invalid_wrenches < kInvalidWrenches) return Reason::kNone;  // the last reading stands
   s.f_E_S.setZero();
+  s.filter.restart();
   return wrong;
 }
 

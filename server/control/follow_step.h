@@ -5,6 +5,7 @@
 #include "server/base/link_state.h"
 #include "server/base/payload.h"
 #include "server/control/bumper.h"
+#include "server/control/force_filter.h"
 #include "server/control/ladder.h"
 #include "server/control/monitors.h"
 #include "server/control/tip_motion.h"
@@ -18,6 +19,7 @@ struct FollowSettings {
   BumperSettings bumper;
   double sensor_range = 1000.0;  // a larger component is a fault of the sensor [N]
   Payload payload;               // taken out of what the sensor reads
+  double force_lag = 0.0;        // of the force's low pass; 0: none. Part of bumper.sensor_lag [s]
   bool sensor_required = false;  // true: without valid readings the arm holds
   FollowingSettings following;
   SectionHashes hashes;  // of mapping, limits and robot
@@ -55,8 +57,9 @@ struct FollowState {
   std::uint32_t stop_epoch = 0;
   std::uint32_t fault_epoch = 0;
   int invalid_wrenches = 0;   // in a row
-  Vec3 f_E_S = Vec3::Zero();  // last valid force, without the payload's [N]
-  Vec3 torque_E_T = Vec3::Zero();  // of the same reading, tip axes [N m]
+  Vec3 f_E_S = Vec3::Zero();  // of the valid readings, without the payload's, filtered [N]
+  Vec3 torque_E_T = Vec3::Zero();  // of the last valid one, tip axes [N m]
+  ForceFilter filter;
   Nanos oldest_applied = 0;
   std::uint64_t cycles = 0;
   ToolTube tube;

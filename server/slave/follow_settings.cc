@@ -3,7 +3,7 @@
 namespace handrail {
 
 FollowSettings follow_settings(const Scene& scene, Nanos period, bool has_sensor,
-                               double sensor_range, const Payload& payload) {
+                               double sensor_range, const Payload& payload, double force_lag) {
   FollowSettings out;
   out.motion.arm.d6 = scene.tip_length;
   out.motion.limits = scene.limits.joints;
@@ -16,6 +16,8 @@ FollowSettings follow_settings(const Scene& scene, Nanos period, bool has_sensor
   out.bumper.dead_band = scene.bumper.dead_band;
   out.sensor_range = sensor_range;
   out.payload = payload;
+  out.force_lag = force_lag;
+  out.bumper.sensor_lag += force_lag;
   out.sensor_required = has_sensor && scene.bumper.enabled;
   out.hashes = section_hashes(scene);
   out.scene = scene_name(scene.name);

@@ -1,4 +1,5 @@
 // handrail-slave: drives the robot arm as the master says, within the arm's limits.
+#include <spdlog/fmt/fmt.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
@@ -30,7 +31,8 @@ namespace {
 
 constexpr int kBadInput = 2;
 constexpr int kRobotPriority = 80;
-constexpr int kIoPriority = 70;  // the link must not starve on a busy machine
+constexpr double kMostSensorLag = 0.1;  // that the bumper can reckon with [s]
+constexpr int kIoPriority = 70;         // the link must not starve on a busy machine
 
 const char kWhat[] =
     "The robot's side: follows the master's commands on the arm, within its limits, and reports\n"
@@ -62,6 +64,22 @@ std::unique_ptr<NetFtSensor> make_sensor(const pb::FtConfig& config) {
   return std::make_unique<NetFtSensor>(options);
 }
 
+// What is done to the force before the bumper feels it; empty: nothing.
+std::string sensor_text(const FollowSettings& settings) {
+  std::string out;
+  if (!settings.payload.is_none()) {
+    out =
+        fmt::format("force sensor: {:.4g} kg are taken out of its readings", settings.payload.mass);
+  }
+  if (settings.force_lag > 0.0) {
+    out += fmt::format(
+        "{}its low pass makes the force {:.4g} ms late, {:.4g} ms behind the joints in all",
+        out.empty() ? "force sensor: " : "; ", 1e3 * settings.force_lag,
+        1e3 * settings.bumper.sensor_lag);
+  }
+  return out;
+}
+
 void run_robot(RobotLoop& loop) {
   sigset_t all;
   sigfillset(&all);
@@ -80,16 +98,26 @@ int run(const pb::SlaveConfig& config, bool check_only) {
   const auto settings_of = [&](const std::string& scene) -> Result<FollowSettings> {
     const auto loaded = library.load(scene);
     if (!loaded) return loaded.status();
-    return follow_settings(*loaded, robot.capabilities().period, sensor != nullptr,
-                           config.force_sensor().range_n(), payload_from(config.payload()));
+    const pb::FtConfig& force = config.force_sensor();
+    const FollowSettings out =
+        follow_settings(*loaded, robot.capabilities().period, sensor != nullptr, force.range_n(),
+                        payload_from(config.payload()), force.filter_ms() * 1e-3);
+    if (out.bumper.sensor_lag <= kMostSensorLag) return out;
+    return Status::error(
+        fmt::format("force_sensor.filter_ms: {} ms and bumper.sensor_lag_ms of scene {} make "
+                    "{:.4g} ms, expected at most {} ms",
+                    force.filter_ms(), scene, 1e3 * out.bumper.sensor_lag, 1e3 * kMostSensorLag));
   };
   const auto settings = settings_of(config.scene());
   if (!settings) return fail(settings.message());
+  const std::string sensor_says = sensor_text(*settings);
   if (check_only) {
     std::puts("configuration ok");
+    if (!sensor_says.empty()) std::puts(sensor_says.c_str());
     return 0;
   }
 
+  if (!sensor_says.empty()) spdlog::info("{}", sensor_says);
   SlaveMailboxes boxes;
   SlaveServerOptions options;
   options.address = config.link_address();

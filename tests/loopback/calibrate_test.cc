@@ -33,7 +33,7 @@ class CalibrateTest : public WholeCell {
 TEST_F(CalibrateTest, SixTiltsOfTheTipGiveThePayloadAndItsBlockTakesItOut) {
   const std::string block = folder.path() + "/payload.conf", csv = folder.path() + "/samples.csv";
   order("engage: true");
-  EXPECT_GT(force(at_rest()), 2.0) << "free air";
+  ASSERT_TRUE(eventually([](const pb::Status& s) { return force(s) > 4.0; })) << "in free air";
   Program calibrate(
       folder, "handrail",
       {"calibrate", "payload", "--socket", socket(), "--out", block, "--record", csv});

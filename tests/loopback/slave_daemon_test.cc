@@ -188,6 +188,12 @@ TEST(SlaveProgram, CheckReadsTheConfigurationAndTheScene) {
   Program good({kSlave, "--check"});
   EXPECT_EQ(good.line("configuration ok"), "configuration ok\n");
   EXPECT_EQ(good.exit_code(), 0);
+  const std::string text = "force_sensor { filter_ms: 20 } payload { mass_kg: 0.5 }";
+  Program filtered({kSlave, "--check", "--config", folder.write("f", text)});
+  EXPECT_EQ(filtered.line("force sensor: "),
+            "force sensor: 0.5 kg are taken out of its readings; its low pass makes the force 20 ms "
+            "late, 21 ms behind the joints in all\n");
+  EXPECT_EQ(filtered.exit_code(), 0);
   Program bad({kSlave, "--check", "--config", folder.write("a", "scene: \"nowhere\"\n")});
   EXPECT_NE(bad.line("handrail-slave: ").find("nowhere"), std::string::npos);
   EXPECT_EQ(bad.exit_code(), 2);

@@ -104,6 +104,15 @@ TEST(Config, RefusesAPayloadThatNoneIs) {
             "force_sensor.range_n: 50 N");
 }
 
+TEST(Config, RefusesAFilterLaterThanTheBumperCanReckonWith) {
+  EXPECT_EQ(load_slave_config("")->force_sensor().filter_ms(), 0.0);
+  EXPECT_EQ(slave_error("force_sensor { filter_ms: 50 }"), "");
+  EXPECT_EQ(slave_error("force_sensor {\n  filter_ms: 51\n}"),
+            "c.conf:2:3: field 'force_sensor.filter_ms': 51 is outside 0 to 50 ms");
+  EXPECT_EQ(slave_error("force_sensor { filter_ms: -1 }"),
+            "c.conf:1:16: field 'force_sensor.filter_ms': -1 is outside 0 to 50 ms");
+}
+
 TEST(Config, RefusesTwoEndsOnOnePort) {
   EXPECT_EQ(rig_error("sensor_port: 10000"),
             "c.conf:1:1: field 'sensor_port': 10000 is taken by robot_port");
