@@ -10,6 +10,7 @@
 
 #include "devices/hand/recorded_hand_io.h"
 #include "server/lab/accuracy/command.h"
+#include "server/lab/bumper/bumper_command.h"
 #include "server/lab/faults/fault_command.h"
 #include "server/lab/hand_run.h"
 #include "server/lab/study/linear_command.h"
@@ -270,6 +271,22 @@ void add_faults(CLI::App& app, FaultCommand& faults) {
       ->excludes(without);
 }
 
+void add_bumper(CLI::App& app, BumperCommand& bumper) {
+  CLI::App* sub = app.add_subcommand(
+      "bumper", "push into surfaces of every stiffness with the published bumper and the default");
+  sub->add_option("--arm", bumper.arm, "rigid, or the rig's with its servo lag; else both")
+      ->check(CLI::IsMember({"rigid", "rig"}));
+  sub->add_option("--form", bumper.form, "published or default; else both")
+      ->check(CLI::IsMember({"published", "default"}));
+  sub->add_option("--noise", bumper.noise, "of the sensor, standard deviation [N]")
+      ->check(CLI::Range(0.0, 20.0));
+  sub->add_option("--threads", bumper.threads, "0: one a core; results do not depend on it")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  sub->add_flag("--json", bumper.json, "print every cell as JSON");
+  sub->add_option("--figures", bumper.figures, "folder for the figure (SVG)");
+}
+
 int run(int argc, char** argv) {
   CLI::App app{
       "Experiments in virtual time: the same master and slave steps as the daemons, "
@@ -293,6 +310,8 @@ int run(int argc, char** argv) {
   add_gearshift(app, gearshift);
   FaultCommand faults;
   add_faults(app, faults);
+  BumperCommand bumper;
+  add_bumper(app, bumper);
   PriceCommand prices;
   add_price_check(app, prices);
   try {
@@ -311,6 +330,7 @@ int run(int argc, char** argv) {
   if (app.got_subcommand("gearshift")) return run_gearshift_command(gearshift, cancelled);
   if (app.got_subcommand("price-check")) return run_price_command(prices, cancelled);
   if (app.got_subcommand("faults")) return run_fault_command(faults, cancelled);
+  if (app.got_subcommand("bumper")) return run_bumper_command(bumper, cancelled);
   if (app.got_subcommand("fit")) return run_fit_command(fit, cancelled);
   const std::vector<std::string> shorthands = words.settings();
   study.settings.insert(study.settings.begin(), shorthands.begin(), shorthands.end());
