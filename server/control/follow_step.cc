@@ -80,6 +80,7 @@ void advance_session(const FollowInput& in, FollowState& s, Reason own_fault) {
   // Nothing moves: the tools are what the master says they are.
   if (in.master_known && !follows(s.session) && s.session != SessionState::kHold) {
     s.tube.restart(in.master, s.motion.X_ST);
+    s.bumper = BumperState();
   }
 }
 
@@ -124,7 +125,31 @@ Reason judge_arm(const FollowSettings& settings, const JointVector& q_measured, 
   return Reason::kFollowingError;
 }
 
-// How far the bumper may take the tip off its tool: what it yields to twice its threshold [m].
+// Where the commands so far bring the tip to rest [m].
+Vec3 rest_place(const FollowSettings& settings, const MotionState& motion) {
+  const StopPlan& stop = motion.stop;
+  if (stop.done()) return motion.X_ST.p;
+  return forward(settings.motion.arm, stop.q[static_cast<std::size_t>(stop.size - 1)]).p;
+}
+
+// What is wrong with the contact.
+Reason judge_contact(const FollowSettings& settings, const Vec3& p_measured, FollowState& s) {
+  const Vec3 moved = p_measured - s.p_measured;
+  s.p_measured = p_measured;
+  if (!settings.bumper.enabled || settings.bumper.form == BumperSettings::Form::kPublished ||
+      !s.placed) {
+    return Reason::kNone;
+  }
+  if (!follows(s.session)) {
+    s.contact = ContactMonitor();
+    return Reason::kNone;
+  }
+  return s.contact.judge(settings.bumper, s.f_E_S, moved, rest_place(settings, s.motion),
+                         settings.motion.dt);
+}
+
+// How far the published bumper may take the tip off its tool: what it yields to twice its threshold
+// [m]. A default one backs off as far as the contact needs.
 double most_yielding(const FollowSettings& settings) {
   return settings.bumper.alpha * std::min(settings.sensor_range, 2.0 * settings.bumper.threshold);
 }
@@ -149,15 +174,28 @@ Reason follow(const FollowSettings& settings, const FollowInput& in, FollowState
   s.applied_sequence = in.master_sequence;
   if (s.session == SessionState::kEngaged) s.tube.close(s.motion.X_ST.p, settings.motion.dt);
   const Pose X_SN = s.tube.project(in.master.X_SU, s.motion.X_ST);
-  Bumped bumped{X_SN.p};
-  if (settings.bumper.enabled) {
-    bumped = bump_as_published(settings.bumper, X_SN.p, s.f_E_S, s.motion.X_ST.p);
-  }
-  bumped.p_SB = s.tube.bounded(bumped.p_SB, most_yielding(settings));
+  if (s.invalid_wrenches == kInvalidWrenches) s.bumper = BumperState();  // nothing is felt any more
+  BumperInput contact;
+  contact.p_SU = X_SN.p;
+  contact.f_E_S = s.f_E_S;
+  contact.fresh = s.invalid_wrenches == 0;
+  contact.p_ST = s.p_measured;
+  contact.delay = s.lag.lag() + settings.bumper.sensor_lag;
+  contact.dt = settings.motion.dt;
+  const bool published = settings.bumper.form == BumperSettings::Form::kPublished;
+  contact.p_last = published ? s.motion.X_ST.p : rest_place(settings, s.motion);
+  Bumped bumped = bump(settings.bumper, contact, s.bumper);
+  if (published) bumped.p_SB = s.tube.bounded(bumped.p_SB, most_yielding(settings));
   // Beside its tool the tip goes only as far as command and contact take it; one that comes nearer
   // from further off, or flies by when the tool is called, does not go further than it is.
   const double room = std::max(s.tube.distance(bumped.p_SB), s.tube.distance(s.motion.X_ST.p));
-  const Moved moved = move_toward(settings.motion, s.tube.space(room), {bumped.p_SB, X_SN.q},
+  TipSpace space = s.tube.space(room);
+  if (s.bumper.phase != BumperState::Phase::kFree) {
+    // Out of a contact the way is free, whichever way the tool goes.
+    space.forward_S.setZero();
+    space.side_S.setZero();
+  }
+  const Moved moved = move_toward(settings.motion, space, {bumped.p_SB, X_SN.q},
                                   share_of_speed(in.master_age), s.motion);
   const Vec3 on_tool = X_SN.p - in.master.X_SU.p, yielded = bumped.p_SB - X_SN.p;
   const Reason tube = on_tool.isZero(0.0)     ? Reason::kNone
@@ -165,12 +203,14 @@ Reason follow(const FollowSettings& settings, const FollowInput& in, FollowState
                                               : Reason::kToolTube;
   put_stage(ledger, FollowStage::kTube, on_tool, tube);
   put_stage(ledger, FollowStage::kBumper, yielded,
-            yielded.isZero(0.0) ? Reason::kNone : Reason::kBumper);
+            yielded.isZero(0.0)           ? Reason::kNone
+            : bumped.why == Reason::kNone ? Reason::kBumper
+                                          : bumped.why);
   put_stage(ledger, FollowStage::kReach, moved.p_goal - bumped.p_SB, moved.reach.reason);
   put_stage(ledger, FollowStage::kLimits, s.motion.X_ST.p - moved.p_goal, moved.limit.reason);
   const Verdict& why = moved.reach.reason != Reason::kNone ? moved.reach : moved.limit;
   ledger.joint = why.joint;
-  return bumped.why == Reason::kBumper ? Reason::kBumper : why.reason;
+  return bumped.why != Reason::kNone ? bumped.why : why.reason;
 }
 
 }  // namespace
@@ -179,6 +219,8 @@ void place(const FollowSettings& settings, const JointVector& q, FollowState& st
   state.motion = standing_at(settings.motion.arm, q);
   state.joints = JointMonitor();
   state.following.restart(q);
+  state.bumper = BumperState();
+  state.p_measured = state.motion.X_ST.p;
   state.placed = true;
 }
 
@@ -188,9 +230,14 @@ void follow_step(const FollowSettings& settings, const FollowInput& in, FollowSt
   const JointVector q_measured = s.joints.judge(in.q_measured);
   const Pose X_measured = forward(settings.motion.arm, q_measured);
   const Reason sensor = read_force(settings, in, X_measured.q, s);
+  if (s.placed) {
+    s.lag.add(s.motion.joints.q, s.motion.joints.step, q_measured, settings.motion.dt);
+  }
+  const Reason contact = judge_contact(settings, X_measured.p, s);
   FollowLedger ledger;
   Reason fault = judge_arm(settings, q_measured, s, ledger.joint);
   if (fault == Reason::kNone && settings.sensor_required && follows(s.session)) fault = sensor;
+  if (fault == Reason::kNone && follows(s.session)) fault = contact;
   advance_session(in, s, fault);
 
   Reason intervention = Reason::kNone;

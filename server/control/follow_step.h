@@ -5,8 +5,10 @@
 #include "server/base/link_state.h"
 #include "server/base/payload.h"
 #include "server/control/bumper.h"
+#include "server/control/contact_monitor.h"
 #include "server/control/force_filter.h"
 #include "server/control/ladder.h"
+#include "server/control/lag_estimate.h"
 #include "server/control/monitors.h"
 #include "server/control/tip_motion.h"
 #include "server/control/tool_tube.h"
@@ -66,6 +68,10 @@ struct FollowState {
   WrenchMonitor wrench;
   JointMonitor joints;
   FollowingMonitor following;
+  BumperState bumper;
+  ContactMonitor contact;
+  LagEstimate lag;
+  Vec3 p_measured = Vec3::Zero();  // tip [m]
   std::uint64_t applied_sequence = 0;
   std::uint64_t guarded = 0;  // cycles in which the guard did not let the command pass
 };

@@ -169,6 +169,8 @@ std::string way_out_of(Reason reason, int joint, const JointVector& q) {
     case Reason::kSensorStuck:
     case Reason::kSensorInvalid:
     case Reason::kSensorMissing:
+    case Reason::kSensorSign:
+    case Reason::kContactUnrelieved:
       return "check the force sensor, then reset and engage";
     case Reason::kNoPeer:
     case Reason::kSessionClosed:
@@ -199,6 +201,7 @@ std::string way_out_of(Reason reason, int joint, const JointVector& q) {
     case Reason::kJointAcceleration:
     case Reason::kJointJerk:
     case Reason::kTipSpeed:
+    case Reason::kApproach:
       return "wait, or move slower";
     case Reason::kToolBlending:
       return "wait";

@@ -23,7 +23,10 @@ SectionHashes section_hashes(const Scene& scene) noexcept {
     for (int i = 0; i < 3; ++i) limits.f64((*v)[i]);
   }
   limits.f64(scene.limits.tip_speed).byte(scene.bumper.enabled);
-  limits.f64(scene.bumper.alpha).f64(scene.bumper.threshold).f64(scene.bumper.dead_band);
+  const BumperSettings& bumper = scene.bumper;
+  limits.f64(bumper.alpha).f64(bumper.threshold).f64(bumper.dead_band);
+  limits.byte(static_cast<std::uint8_t>(bumper.form)).f64(bumper.contact).f64(bumper.friction);
+  limits.f64(bumper.noise).f64(bumper.promise).f64(bumper.stiffest).f64(bumper.sensor_lag);
 
   SectionHashes out;
   out.mapping = mapping.value();
@@ -39,7 +42,8 @@ std::vector<std::string> warnings_of(const Scene& scene) {
   constexpr double kOnset = 2.1;
   constexpr double kPublishedStiffness = 800.0;  // rendered on an Omni at 1 kHz [N/m]
   std::vector<std::string> out;
-  if (scene.bumper.enabled && scene.bumper.alpha * kStiffContact > kOnset) {
+  const bool published = scene.bumper.form == BumperSettings::Form::kPublished;
+  if (scene.bumper.enabled && published && scene.bumper.alpha * kStiffContact > kOnset) {
     out.push_back(
         "bumper.alpha_mm_n: the bumper may oscillate against contacts as stiff as 100 N/mm");
   }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "server/base/bumper_settings.h"
 #include "server/base/joints.h"
 #include "server/base/link_state.h"
 #include "server/base/spatial.h"
@@ -35,13 +36,6 @@ struct Scene {
     double catch_up = 0.060;                 // bound on letting go of a position offset [m/s]
     double catch_up_rotation = 15.0 * kDeg;  // the same for orientation [rad/s]
   };
-  // Algorithm 3.
-  struct Bumper {
-    bool enabled = true;
-    double alpha = 1e-5;      // compliance [m/N]
-    double threshold = 50.0;  // f_th [N]
-    double dead_band = 2.0;   // forces below count as none [N]
-  };
   struct Limits {
     JointLimits joints;                         // within Table 3.1
     double tip_speed = 1.0;                     // [m/s]
@@ -58,7 +52,7 @@ struct Scene {
   Mapping mapping;
   Guidance guidance;
   int smoother_samples = 200;  // N of (3.11), at 1 kHz
-  Bumper bumper;
+  BumperSettings bumper;
   Limits limits;
   double tip_length = 0.301;    // wrist centre to the tip [m]
   std::vector<ToolCall> tools;  // called on loading: at most one position and one orientation tool

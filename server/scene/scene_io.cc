@@ -74,16 +74,41 @@ Problem smoother_from(const pb::Smoother& in, int& samples) {
   return FieldProblem{"smoother.samples", "only used with form: LENGTH"};
 }
 
-Problem bumper_from(const pb::Bumper& in, Scene::Bumper& out) {
+Problem bumper_from(const pb::Bumper& in, BumperSettings& out) {
+  using Form = BumperSettings::Form;
+  out.form = in.form() == pb::Bumper::PUBLISHED ? Form::kPublished : Form::kDefault;
   out.enabled = in.enabled();
   out.alpha = in.alpha_mm_n() * kMm;
   out.threshold = in.threshold_n();
   out.dead_band = in.dead_band_n();
-  if (out.dead_band < out.threshold) return std::nullopt;
-  const char* field = in.has_dead_band_n() ? "bumper.dead_band_n" : "bumper.threshold_n";
-  return FieldProblem{field, "dead band " + number_text(out.dead_band) +
-                                 " N is not below the threshold " + number_text(out.threshold) +
-                                 " N"};
+  out.contact = in.has_contact_n() ? in.contact_n() : std::min(10.0, 0.2 * out.threshold);
+  out.friction = in.friction();
+  out.noise = in.noise_n();
+  out.sensor_lag = in.sensor_lag_ms() * 1e-3;
+  if (in.has_approach()) {
+    out.promise = in.approach().force_n();
+    out.stiffest = in.approach().stiffness_n_mm() * kNewtonPerMm;
+  }
+  const auto newtons = [](double n) { return number_text(n) + " N"; };
+  const std::string threshold = "the threshold " + newtons(out.threshold);
+  if (out.dead_band >= out.threshold) {
+    return FieldProblem{in.has_dead_band_n() ? "bumper.dead_band_n" : "bumper.threshold_n",
+                        "dead band " + newtons(out.dead_band) + " is not below " + threshold};
+  }
+  if (out.contact >= out.threshold) {
+    return FieldProblem{"bumper.contact_n", newtons(out.contact) + " is not below " + threshold};
+  }
+  if (out.contact < 5.0 * out.noise) {
+    return FieldProblem{in.has_contact_n() ? "bumper.contact_n" : "bumper.noise_n",
+                        "a contact is felt at " + newtons(out.contact) +
+                            ", which noise of " + newtons(out.noise) +
+                            " reaches: expected at least 5 times as much"};
+  }
+  if (in.has_approach() && out.promise <= out.threshold) {
+    return FieldProblem{"bumper.approach.force_n",
+                        newtons(out.promise) + " is not above " + threshold};
+  }
+  return std::nullopt;
 }
 
 Problem tools_from(const pb::Scene& in, std::vector<ToolCall>& out) {

@@ -10,10 +10,7 @@ FollowSettings follow_settings(const Scene& scene, Nanos period, bool has_sensor
   out.motion.workspace = {scene.limits.workspace_low, scene.limits.workspace_high};
   out.motion.tip_speed = scene.limits.tip_speed;
   out.motion.dt = to_seconds(period);
-  out.bumper.enabled = scene.bumper.enabled;
-  out.bumper.alpha = scene.bumper.alpha;
-  out.bumper.threshold = scene.bumper.threshold;
-  out.bumper.dead_band = scene.bumper.dead_band;
+  out.bumper = scene.bumper;
   out.sensor_range = sensor_range;
   out.payload = payload;
   out.force_lag = force_lag;

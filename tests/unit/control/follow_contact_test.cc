@@ -27,8 +27,9 @@ TEST(FollowContact, TheSensorsForceIsTurnedIntoTheBaseFrame) {
   EXPECT_TRUE(rig.out.link.has_wrench);
 }
 
-TEST(FollowContact, OverTheThresholdThePushStopsAndMovingAwayIsFree) {
+TEST(FollowContact, OverTheThresholdThePublishedPushStopsAndMovingAwayIsFree) {
   FollowRig rig;
+  rig.settings.bumper.form = BumperSettings::Form::kPublished;
   rig.engage();
   const double height = rig.tip.p.z();
   Pose X = rig.state.motion.X_ST;
@@ -119,8 +120,9 @@ TEST(FollowContact, ASensorSilentForThreeCyclesIsMissingAndHoldsTheArmWhereItIsR
 
 // A surface of stiffness `k` [N/m] under the tip, whose force the sensor sees with noise.
 TEST(FollowContact, PushingIntoASurfaceSettlesNearTheThresholdWithoutChatter) {
-  for (const double k : {5e3, 30e3, 60e3}) {
+  for (const double k : {5e3, 30e3, 60e3, -60e3}) {
     FollowRig rig;
+    if (k < 0.0) rig.settings.bumper.form = BumperSettings::Form::kPublished;
     rig.engage();
     const double surface = rig.tip.p.z() - 0.002;
     Pose X = rig.state.motion.X_ST;
@@ -131,10 +133,10 @@ TEST(FollowContact, PushingIntoASurfaceSettlesNearTheThresholdWithoutChatter) {
       // Down at 50 mm/s to 20 mm below the surface, and pressing on.
       X.p.z() = std::max(surface - 0.02, X.p.z() - 0.05 * rig.settings.motion.dt);
       const double depth = std::max(0.0, surface - rig.tip.p.z());
-      press(rig, k * depth + noise(random));
+      press(rig, std::abs(k) * depth + noise(random));
       const double before = rig.tip.p.z();
       rig.follow(X);
-      most_force = std::max(most_force, k * depth);
+      most_force = std::max(most_force, std::abs(k) * depth);
       if (i >= 500) moved_late = std::max(moved_late, std::abs(rig.tip.p.z() - before));
     }
     EXPECT_GT(most_force, 40.0);

@@ -78,7 +78,7 @@ TEST(Ledger, ATipHeldBackByContactAndByTheToolIsTheirs) {
   X.p.z() -= 0.02;
   rig.in.f_E_T.force.z() = -30.0;  // the environment pushes up
   rig.in.master_sequence = 77;
-  for (int i = 0; i < 50; ++i) rig.follow(X);
+  for (int i = 0; i < 500; ++i) rig.follow(X);
   const FollowLedger& ledger = rig.out.link.ledger;
   const auto stage = [&](FollowStage s) {
     return Vec3(ledger.off_S.col(static_cast<int>(s)).cast<double>());

@@ -48,6 +48,7 @@ TEST(ToolTube, AWrongMasterNeverTakesTheTipOffItsTool) {
   Dice dice(91);
   for (int run = 0; run < 60; ++run) {
     FollowRig rig;
+    rig.settings.bumper.form = BumperSettings::Form::kPublished;  // the default one backs off
     rig.engage();
     const Vec3 p = rig.tip.p + (run % 2 == 0 ? Vec3(Vec3::Zero()) : dice.within(0.01));
     const ToolDefinition tool = of_epoch(some_tool(dice, run % 3, p), 1);

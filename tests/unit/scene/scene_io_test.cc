@@ -35,6 +35,13 @@ TEST(SceneIo, DefaultsOfTheFileAndOfTheStructAgree) {
   EXPECT_DOUBLE_EQ(read.bumper.alpha, made.bumper.alpha);
   EXPECT_DOUBLE_EQ(read.bumper.threshold, made.bumper.threshold);
   EXPECT_DOUBLE_EQ(read.bumper.dead_band, made.bumper.dead_band);
+  EXPECT_EQ(read.bumper.form, made.bumper.form);
+  EXPECT_DOUBLE_EQ(read.bumper.contact, made.bumper.contact);
+  EXPECT_DOUBLE_EQ(read.bumper.friction, made.bumper.friction);
+  EXPECT_DOUBLE_EQ(read.bumper.noise, made.bumper.noise);
+  EXPECT_DOUBLE_EQ(read.bumper.promise, made.bumper.promise);
+  EXPECT_DOUBLE_EQ(read.bumper.stiffest, made.bumper.stiffest);
+  EXPECT_DOUBLE_EQ(read.bumper.sensor_lag, made.bumper.sensor_lag);
   EXPECT_DOUBLE_EQ(read.limits.tip_speed, made.limits.tip_speed);
   EXPECT_DOUBLE_EQ(read.tip_length, made.tip_length);
   EXPECT_TRUE(read.tools.empty());
@@ -111,6 +118,37 @@ TEST(SceneIo, RefusesADeadBandThatSwallowsTheThreshold) {
       error_of("bumper { threshold_n: 5\ndead_band_n: 5 }"),
       "/x/a.scene:3:1: field 'bumper.dead_band_n': dead band 5 N is not below the threshold 5 "
       "N");
+}
+
+TEST(SceneIo, ReadsABumperWithItsPromise) {
+  BumperSettings b = scene_of(
+                         "bumper { form: PUBLISHED contact_n: 12 friction: 0.2 noise_n: 2 "
+                         "sensor_lag_ms: 5 approach { force_n: 150 stiffness_n_mm: 30 } }")
+                         .bumper;
+  EXPECT_EQ(b.form, BumperSettings::Form::kPublished);
+  EXPECT_DOUBLE_EQ(b.contact, 12.0);
+  EXPECT_DOUBLE_EQ(b.friction, 0.2);
+  EXPECT_DOUBLE_EQ(b.noise, 2.0);
+  EXPECT_DOUBLE_EQ(b.sensor_lag, 5e-3);
+  EXPECT_DOUBLE_EQ(b.promise, 150.0);
+  EXPECT_DOUBLE_EQ(b.stiffest, 30e3);
+  b = scene_of("bumper { approach {} threshold_n: 20 }").bumper;
+  EXPECT_DOUBLE_EQ(b.promise, 200.0);
+  EXPECT_DOUBLE_EQ(b.contact, 4.0);
+}
+
+TEST(SceneIo, RefusesABumperThatCannotTellContactFromNoiseOrKeepItsPromise) {
+  EXPECT_EQ(error_of("bumper { contact_n: 50 }"),
+            "/x/a.scene:2:10: field 'bumper.contact_n': 50 N is not below the threshold 50 N");
+  EXPECT_EQ(
+      error_of("bumper { noise_n: 3 }"),
+      "/x/a.scene:2:10: field 'bumper.noise_n': a contact is felt at 10 N, which noise of 3 N "
+      "reaches: expected at least 5 times as much");
+  EXPECT_EQ(error_of("bumper { approach { force_n: 40 } }"),
+            "/x/a.scene:2:21: field 'bumper.approach.force_n': 40 N is not above the threshold 50 "
+            "N");
+  EXPECT_EQ(error_of("bumper { threshold_n: -1 }"),
+            "/x/a.scene:2:10: field 'bumper.threshold_n': -1 is outside 0.1 to 1000 N");
 }
 
 TEST(SceneIo, KeepsJointRangesWithinTheTable) {

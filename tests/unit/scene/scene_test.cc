@@ -27,6 +27,13 @@ TEST(SectionHashes, ChangeWithTheirOwnSectionOnly) {
       {[](Scene& s) { s.bumper.alpha = 2e-5; }, false, true, false},
       {[](Scene& s) { s.bumper.threshold = 40.0; }, false, true, false},
       {[](Scene& s) { s.bumper.dead_band = 1.0; }, false, true, false},
+      {[](Scene& s) { s.bumper.form = BumperSettings::Form::kPublished; }, false, true, false},
+      {[](Scene& s) { s.bumper.contact = 9.0; }, false, true, false},
+      {[](Scene& s) { s.bumper.friction = 0.2; }, false, true, false},
+      {[](Scene& s) { s.bumper.noise = 1.0; }, false, true, false},
+      {[](Scene& s) { s.bumper.promise = 200.0; }, false, true, false},
+      {[](Scene& s) { s.bumper.stiffest = 30e3; }, false, true, false},
+      {[](Scene& s) { s.bumper.sensor_lag = 0.002; }, false, true, false},
       {[](Scene& s) { s.tip_length = 0.085; }, false, false, true},
       {[](Scene& s) { s.description = "other"; }, false, false, false},
       {[](Scene& s) { s.guidance.stiffness = 1.0; }, false, false, false},
@@ -46,6 +53,8 @@ TEST(Warnings, AreSilentAtTheDefaultsAndSpeakOfBumperAndStiffness) {
   Scene scene;
   EXPECT_TRUE(warnings_of(scene).empty());
   scene.bumper.alpha = 5e-5;
+  EXPECT_TRUE(warnings_of(scene).empty());  // only the published form swings by it
+  scene.bumper.form = BumperSettings::Form::kPublished;
   scene.guidance.stiffness = 2000.0;
   ASSERT_EQ(warnings_of(scene).size(), 2U);
   EXPECT_TRUE(warnings_of(scene)[0].starts_with("bumper.alpha_mm_n"));

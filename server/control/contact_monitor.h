@@ -1,0 +1,60 @@
+// What says that a contact is not what the bumper takes it for.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/base/bumper_settings.h"
+#include "server/base/reason.h"
+#include "server/base/spatial.h"
+
+namespace handrail {
+
+// Judges a contact, once a cycle. Real-time safe.
+class ContactMonitor {
+ public:
+  // `f_E_S`: force on the tip [N]; `moved`: way of the measured tip since the last cycle [m];
+  // `p_rest`: where the commands so far bring it to rest [m].
+  // kSensorSign: for 8 cycles, and the sensor's lag, the tip has moved the way the force points,
+  // and the force has grown; a surface pushes against the way into it. kContactUnrelieved: for 28
+  // cycles the force has stayed 30 N over the threshold and has not fallen, while the tip was not
+  // commanded against it.
+  Reason judge(const BumperSettings& settings, const Vec3& f_E_S, const Vec3& moved,
+               const Vec3& p_rest, double dt) noexcept {
+    const double force = f_E_S.norm();
+    const double margin = 1.0 + 6.0 * settings.noise;  // what noise does not explain [N]
+    const double way = moved.norm();
+    if (force > settings.contact && way > kSlow * dt && f_E_S.dot(moved) > 0.3 * force * way &&
+        (along_ == 0 || force > high_ - margin)) {
+      if (along_++ == 0) first_ = high_ = force;
+      high_ = std::max(high_, force);
+    } else {
+      along_ = 0;
+    }
+    const bool pushed = (p_rest - p_rest_).dot(f_E_S) < -1e-9 * force;
+    p_rest_ = p_rest;
+    if (force < settings.threshold + kOver || force < most_ - margin || pushed) {
+      over_ = 0;
+      most_ = 0.0;
+    } else {
+      ++over_;
+      most_ = std::max(most_, force);
+    }
+    const int late = static_cast<int>(std::ceil(settings.sensor_lag / dt));
+    if (along_ > kAlong + late && force > first_ + margin) return Reason::kSensorSign;
+    return over_ > kOverCycles ? Reason::kContactUnrelieved : Reason::kNone;
+  }
+
+ private:
+  static constexpr double kSlow = 1e-3;  // [m/s]
+  static constexpr double kOver = 30.0;  // [N]
+  static constexpr int kAlong = 8, kOverCycles = 28;
+
+  int along_ = 0, over_ = 0;  // cycles in a row
+  double first_ = 0.0;        // force when `along_` began [N]
+  double high_ = 0.0;         // most since then [N]
+  double most_ = 0.0;         // since `over_` began [N]
+  Vec3 p_rest_ = Vec3::Zero();
+};
+
+}  // namespace handrail
