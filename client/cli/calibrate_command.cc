@@ -91,7 +91,7 @@ std::string advice(PayloadSampler::State state, const PayloadSampler& sampler, b
     case PayloadSampler::State::kStanding:
       return text_of("standing: %.1f of %.0f s", sampler.stood(), PayloadSampler::kStand);
     case PayloadSampler::State::kMoving:
-      return "moving";
+      return "moving: let the tip stand; clutch in when the hand cannot";
     default:
       return text_of("tilt the tip on%s: %.0f of %.0f deg from the nearest sample", lean,
                      sampler.turned() / kDeg, PayloadSampler::kTurn / kDeg);

@@ -6,8 +6,10 @@
 namespace handrail {
 namespace {
 
-constexpr double kStill = 0.5 * kMm;
-constexpr double kStillTurn = 0.3 * kDeg;
+// A hand that holds the arm still drifts by a millimetre and a degree. That needs no force to speak
+// of, and pose and reading are means over the same time.
+constexpr double kStill = 3.0 * kMm;
+constexpr double kStillTurn = 1.5 * kDeg;
 constexpr std::size_t kFewestReadings = 20;
 
 Vec3 down_in_tip(const Quat& q_ST) { return q_ST.conjugate() * Vec3(0, 0, -1); }
@@ -61,6 +63,7 @@ PayloadSampler::State PayloadSampler::add(const PayloadReading& reading) {
   if (stood() < kStand || window_.size() < kFewestReadings) return State::kStanding;
   samples_.push_back(mean_of(window_));
   window_.clear();
+  turned_ = 0.0;
   return State::kTaken;
 }
 

@@ -15,7 +15,7 @@ struct PayloadReading {
   Wrench raw_T;    // of the sensor, with the payload's part, axes of the tip frame
 };
 
-// Takes the mean over every second in which the tip stays within 0.5 mm and 0.3 deg and gravity
+// Takes the mean over every second in which the tip stays within 3 mm and 1.5 deg and gravity
 // points, seen from the tip, 20 deg or more beside all samples so far.
 class PayloadSampler {
  public:

@@ -64,12 +64,25 @@ TEST(PayloadSampler, GravityFromTheSameSideIsNotTakenAgain) {
 TEST(PayloadSampler, AnArmThatCreepsIsNotTaken) {
   Arm arm;
   for (int i = 0; i < 500; ++i) {
-    const Pose turning{{0.3, 0, 0.4}, rotation_exp(Vec3(i * 0.01 * kDeg, 0, 0))};
+    const Pose turning{{0.3, 0, 0.4}, rotation_exp(Vec3(i * 0.04 * kDeg, 0, 0))};
     EXPECT_EQ(arm.stand(turning, 0.02), 0);
   }
   for (int i = 0; i < 500; ++i) {
-    EXPECT_EQ(arm.stand({{0.3 + i * 2e-5, 0, 0.4}, leaning(0.3).q}, 0.02), 0);
+    EXPECT_EQ(arm.stand({{0.3 + i * 1e-4, 0, 0.4}, leaning(0.3).q}, 0.02), 0);
   }
+}
+
+TEST(PayloadSampler, AHandsDriftIsStandingAndTheMeanIsOfPoseAndReadingAlike) {
+  // 1 deg and 2 mm a second; the reading follows the pose.
+  Arm arm;
+  int taken = 0;
+  for (int i = 0; i < 52; ++i) {
+    const Pose X{{0.3 + i * 4e-5, 0, 0.4}, rotation_exp(Vec3(i * 0.02 * kDeg, 0, 0))};
+    taken += arm.stand(X, 0.02, {X.q.conjugate() * Vec3(0, 0, -4.9), {0, 0, 0}});
+  }
+  ASSERT_EQ(taken, 1);
+  const PayloadSample& s = arm.sampler.samples()[0];
+  EXPECT_LT((s.raw_T.force - s.q_ST.conjugate() * Vec3(0, 0, -4.9)).norm(), 1e-3);
 }
 
 TEST(PayloadSampler, AnInterruptionBeginsTheSecondAnew) {
