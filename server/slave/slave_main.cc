@@ -102,7 +102,7 @@ int run(const pb::SlaveConfig& config, bool check_only) {
     const FollowSettings out =
         follow_settings(*loaded, robot.capabilities().period, sensor != nullptr, force.range_n(),
                         payload_from(config.payload()), force.filter_ms() * 1e-3);
-    if (out.bumper.sensor_lag <= kMostSensorLag) return out;
+    if (out.bumper.sensor_lag <= kMostSensorLag + 1e-9) return out;
     return Status::error(
         fmt::format("force_sensor.filter_ms: {} ms and bumper.sensor_lag_ms of scene {} make "
                     "{:.4g} ms, expected at most {} ms",

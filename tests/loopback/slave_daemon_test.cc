@@ -190,10 +190,22 @@ TEST(SlaveProgram, CheckReadsTheConfigurationAndTheScene) {
   EXPECT_EQ(good.exit_code(), 0);
   const std::string text = "force_sensor { filter_ms: 20 } payload { mass_kg: 0.5 }";
   Program filtered({kSlave, "--check", "--config", folder.write("f", text)});
-  EXPECT_EQ(filtered.line("force sensor: "),
-            "force sensor: 0.5 kg are taken out of its readings; its low pass makes the force 20 ms "
-            "late, 21 ms behind the joints in all\n");
+  EXPECT_EQ(
+      filtered.line("force sensor: "),
+      "force sensor: 0.5 kg are taken out of its readings; its low pass makes the force 20 ms "
+      "late, 21 ms behind the joints in all\n");
   EXPECT_EQ(filtered.exit_code(), 0);
+  folder.write("late.scene", "name: 'late' bumper { sensor_lag_ms: 90 }");
+  const std::string late_scene = "scene: 'late' scene_path: '" + folder.path() + "' ";
+  Program edge({kSlave, "--check", "--config",
+                folder.write("e", late_scene + "force_sensor { filter_ms: 10 }")});
+  EXPECT_EQ(edge.exit_code(), 0);
+  Program late({kSlave, "--check", "--config",
+                folder.write("l", late_scene + "force_sensor { filter_ms: 20 }")});
+  EXPECT_EQ(late.line("handrail-slave: "),
+            "handrail-slave: force_sensor.filter_ms: 20 ms and bumper.sensor_lag_ms of scene late "
+            "make 110 ms, expected at most 100 ms\n");
+  EXPECT_EQ(late.exit_code(), 2);
   Program bad({kSlave, "--check", "--config", folder.write("a", "scene: \"nowhere\"\n")});
   EXPECT_NE(bad.line("handrail-slave: ").find("nowhere"), std::string::npos);
   EXPECT_EQ(bad.exit_code(), 2);
