@@ -19,6 +19,7 @@ struct TipSpace {
   Vec3 forward_S = Vec3::Zero();   // unit: the tip never goes back along it; zero: it may
 
   Vec3 side_S = Vec3::Zero();  // unit: the tip stays on this side of it; zero: on any
+  bool touched = false;        // something is felt: no stop ends past its goal
 
   bool everything() const noexcept { return free >= 3; }
   // In how many directions the tip may set out from inside: the first columns of axes_S.

@@ -182,7 +182,10 @@ Bumped approach(const Reckoning& now, const BumperState& s, Bumped out) noexcept
   if (settings.promise <= 0.0) return out;
   const double most = now.in.dt * approach_speed(settings, settings.promise - settings.threshold,
                                                  now.in.delay, now.in.dt);
-  Vec3 step = out.p_SB - now.in.p_last, free = Vec3::Zero();
+  // From where the arm was told to go: where it comes to rest may be a little past that.
+  const Vec3 ahead = s.followed - now.in.p_last;
+  const Vec3 from = now.in.p_last + std::min(1.0, kOvershoot / (ahead.norm() + 1e-12)) * ahead;
+  Vec3 step = out.p_SB - from, free = Vec3::Zero();
   if (s.touching()) {
     // Above the threshold out is against the force, which keeps the step in the dual cone.
     const Vec3 n = now.force > settings.threshold ? Vec3(now.in.f_E_S / now.force) : s.n_S;
@@ -191,7 +194,7 @@ Bumped approach(const Reckoning& now, const BumperState& s, Bumped out) noexcept
   step -= free;
   const double length = step.norm();
   if (length <= most) return out;
-  return {now.in.p_last + free + most / length * step,
+  return {from + free + most / length * step,
           out.why == Reason::kNone ? Reason::kApproach : out.why};
 }
 
@@ -233,10 +236,12 @@ Bumped bump(const BumperSettings& settings, const BumperInput& in, BumperState& 
     return bump_as_published(settings, in.p_SU, in.f_E_S, in.p_last);
   }
   const Reckoning now{settings, in, in.f_E_S.norm(), in.delay + 1.5 * in.dt, 4.0 * settings.noise};
-  const Bumped out = bump_default(now, state);
+  if (state.newest < 0) state.followed = in.p_last;
+  const Bumped asked = bump_default(now, state);
+  const Bumped out = approach(now, state, asked);
+  state.behind = asked.p_SB - in.p_SU;
   state.followed = out.p_SB;
-  state.behind = out.p_SB - in.p_SU;
-  return approach(now, state, out);
+  return out;
 }
 
 Bumped bump_as_published(const BumperSettings& settings, const Vec3& p_SU, const Vec3& f_E_S,

@@ -50,8 +50,8 @@ struct BumperState {
   int felt = 0;                    // readings in a row above `contact`
   double last_normal_force = 0.0;  // of the cycle before [N]
   Vec3 last_tip = Vec3::Zero();    // where it was measured [m]
-  Vec3 followed = Vec3::Zero();    // the cycle before, but for the promise [m]
-  Vec3 behind = Vec3::Zero();      // from the command to it [m]
+  Vec3 followed = Vec3::Zero();    // the cycle before [m]
+  Vec3 behind = Vec3::Zero();      // from the command to it, but for the promise [m]
   std::array<Vec3, kTips> tips{};  // the newest measured ones, a ring [m]
   int newest = -1;
 

@@ -26,7 +26,12 @@ class ContactMonitor {
     const double way = moved.norm();
     if (force > settings.contact && way > kSlow * dt && f_E_S.dot(moved) > 0.3 * force * way &&
         (along_ == 0 || force > high_ - margin)) {
-      if (along_++ == 0) first_ = high_ = force;
+      if (along_++ == 0) {
+        first_ = f_E_S;
+        high_ = force;
+        way_.setZero();
+      }
+      way_ += moved;
       high_ = std::max(high_, force);
     } else {
       along_ = 0;
@@ -41,7 +46,12 @@ class ContactMonitor {
       most_ = std::max(most_, force);
     }
     const int late = static_cast<int>(std::ceil(settings.sensor_lag / dt));
-    if (along_ > kAlong + late && force > first_ + margin) return Reason::kSensorSign;
+    // What grows along the way only as another surface is met is none of it: the change is judged.
+    const Vec3 grown = f_E_S - first_;
+    if (along_ > kAlong + late && force > first_.norm() + margin &&
+        grown.dot(way_) > 0.3 * grown.norm() * way_.norm()) {
+      return Reason::kSensorSign;
+    }
     return over_ > kOverCycles ? Reason::kContactUnrelieved : Reason::kNone;
   }
 
@@ -50,10 +60,11 @@ class ContactMonitor {
   static constexpr double kOver = 30.0;  // [N]
   static constexpr int kAlong = 8, kOverCycles = 28;
 
-  int along_ = 0, over_ = 0;  // cycles in a row
-  double first_ = 0.0;        // force when `along_` began [N]
-  double high_ = 0.0;         // most since then [N]
-  double most_ = 0.0;         // since `over_` began [N]
+  int along_ = 0, over_ = 0;   // cycles in a row
+  Vec3 first_ = Vec3::Zero();  // force when `along_` began [N]
+  Vec3 way_ = Vec3::Zero();    // of the tip since then [m]
+  double high_ = 0.0;          // most since then [N]
+  double most_ = 0.0;          // since `over_` began [N]
   Vec3 p_rest_ = Vec3::Zero();
 };
 

@@ -194,6 +194,7 @@ Reason follow(const FollowSettings& settings, const FollowInput& in, FollowState
     // Out of a contact the way is free, whichever way the tool goes.
     space.forward_S.setZero();
     space.side_S.setZero();
+    space.touched = true;
   }
   const Moved moved = move_toward(settings.motion, space, {bumped.p_SB, X_SN.q},
                                   share_of_speed(in.master_age), s.motion);

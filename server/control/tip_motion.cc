@@ -79,7 +79,7 @@ struct Ways {
 
 class Planner {
  public:
-  // `free`: no tool holds the tip, now or later.
+  // `free`: neither tool nor contact holds the tip, now or later.
   Planner(const MotionSettings& settings, const TipSpace& space, bool free, MotionState& state)
       : settings_(settings),
         limits_(settings.guard()),
@@ -273,7 +273,7 @@ Moved move_toward(const MotionSettings& settings, const TipSpace& space, const P
                   double share, MotionState& state) noexcept {
   const Pose target{inside(settings.workspace, asked.p, state.X_ST.p), asked.q};
   const TipSpace within = space_now(space, target.p, state);
-  const bool free = space.everything();
+  const bool free = space.everything() && !space.touched;
   Planner planner(settings, within, free, state);
   const Reached reached =
       nearest_reachable(settings.arm, settings.limits, within, {within.nearest(target.p), target.q},

@@ -34,6 +34,15 @@ TEST(ContactMonitor, AForceThatGrowsTheWayTheTipGoesHasTheWrongSign) {
   EXPECT_EQ(spoken.cycles, 10);  // eight and the sensor's lag
 }
 
+TEST(ContactMonitor, AnotherSurfaceMetOnTheWayIsNoWrongSign) {
+  // Leaning against a wall in -Y and let go toward it, the tip meets a floor.
+  const Spoken spoken = watch({}, [](int i, Vec3& f, Vec3& moved, Vec3&) {
+    f = Vec3(0.0, -30.0 + 0.2 * i, std::min(60.0, 15.0 + 4.0 * i));
+    moved = Vec3(0.0, -1e-4, -0.1e-4);
+  });
+  EXPECT_EQ(spoken.why, Reason::kNone);
+}
+
 TEST(ContactMonitor, ARetreatASlideAndAStandAreNoWrongSign) {
   for (const Vec3& way : {Vec3(1e-4, 0, 0), Vec3(-2e-5, 1e-4, 0), Vec3(1e-6, 0, 0)}) {
     const bool out = way.x() == 1e-4;

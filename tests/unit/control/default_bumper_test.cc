@@ -206,6 +206,18 @@ TEST(DefaultBumper, AnArmThatOvershootsIsNotLedEverFurtherOut) {
   EXPECT_LT((law.in.p_last - began).dot(kUp), 2e-3 + 1e-9);
 }
 
+TEST(DefaultBumper, AnApproachIsNotLedOnByAnArmThatOvershoots) {
+  Law law;
+  law.settings.promise = 200.0;
+  const double v = approach_speed(law.settings, 150.0, law.in.delay, law.in.dt);
+  law.step(Vec3::Zero(), Vec3::Zero());
+  for (int i = 0; i < 100; ++i) {
+    law.step(-0.5 * kUp, Vec3::Zero());
+    law.in.p_last = law.out.p_SB - 2e-3 * kUp;
+  }
+  EXPECT_NEAR(-law.out.p_SB.dot(kUp), 100 * v * law.in.dt, 1e-9);
+}
+
 TEST(DefaultBumper, TheApproachIsAsSlowAsThePromisedForceAsks) {
   Law law;
   law.settings.promise = 200.0;
