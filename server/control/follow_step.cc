@@ -174,7 +174,6 @@ Reason follow(const FollowSettings& settings, const FollowInput& in, FollowState
   s.applied_sequence = in.master_sequence;
   if (s.session == SessionState::kEngaged) s.tube.close(s.motion.X_ST.p, settings.motion.dt);
   const Pose X_SN = s.tube.project(in.master.X_SU, s.motion.X_ST);
-  if (s.invalid_wrenches == kInvalidWrenches) s.bumper = BumperState();  // nothing is felt any more
   BumperInput contact;
   contact.p_SU = X_SN.p;
   contact.f_E_S = s.f_E_S;
