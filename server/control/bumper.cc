@@ -149,10 +149,11 @@ Bumped while_touching(const Reckoning& now, BumperState& s) noexcept {
                settings.threshold - std::max(0.05 * settings.threshold, now.margin));
   double least = std::min(rate * (now.force - goal), kRelief * in.dt);
   if (!in.fresh) least = std::max(least, 0.0);  // no news: no further in
-  // From where the arm comes to rest; one that overshoots what it was told is told the same again.
+  // From where the arm was told to go, near where it comes to rest: it may overshoot, in or out.
+  // Above the goal never from further in than it rests.
   const double rest = in.p_last.dot(s.n_S);
   const double from =
-      least >= 0.0 ? rest : std::clamp(s.followed.dot(s.n_S), rest - kOvershoot, rest);
+      std::clamp(s.followed.dot(s.n_S), least >= 0.0 ? rest : rest - kOvershoot, rest + kOvershoot);
   const Vec3 wanted = in.p_SU + beside_command(now, s) + s.give * s.n_S;
   const double held = from + least - wanted.dot(s.n_S);  // back, along the normal
   Vec3 step = wanted + std::max(0.0, held) * s.n_S - in.p_last;
@@ -182,8 +183,9 @@ Bumped approach(const Reckoning& now, const BumperState& s, Bumped out) noexcept
   if (settings.promise <= 0.0) return out;
   const double most = now.in.dt * approach_speed(settings, settings.promise - settings.threshold,
                                                  now.in.delay, now.in.dt);
-  // From where the arm was told to go: where it comes to rest may be a little past that.
-  const Vec3 ahead = s.followed - now.in.p_last;
+  // In the open from where the arm was told to go: where it comes to rest may be a little past
+  // that.
+  const Vec3 ahead = s.touching() ? Vec3(Vec3::Zero()) : Vec3(s.followed - now.in.p_last);
   const Vec3 from = now.in.p_last + std::min(1.0, kOvershoot / (ahead.norm() + 1e-12)) * ahead;
   Vec3 step = out.p_SB - from, free = Vec3::Zero();
   if (s.touching()) {

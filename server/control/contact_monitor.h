@@ -24,6 +24,9 @@ class ContactMonitor {
     const double force = f_E_S.norm();
     const double margin = 1.0 + 6.0 * settings.noise;  // what noise does not explain [N]
     const double way = moved.norm();
+    // No way explains the jump: another contact.
+    if ((f_E_S - last_).norm() > settings.contact + 2.0 * settings.stiffest * way) along_ = 0;
+    last_ = f_E_S;
     if (force > settings.contact && way > kSlow * dt && f_E_S.dot(moved) > 0.3 * force * way &&
         (along_ == 0 || force > high_ - margin)) {
       if (along_++ == 0) {
@@ -56,13 +59,14 @@ class ContactMonitor {
   }
 
  private:
-  static constexpr double kSlow = 1e-3;  // [m/s]
+  static constexpr double kSlow = 2e-3;  // so slow is led by what is touched [m/s]
   static constexpr double kOver = 30.0;  // [N]
   static constexpr int kAlong = 8, kOverCycles = 28;
 
   int along_ = 0, over_ = 0;   // cycles in a row
   Vec3 first_ = Vec3::Zero();  // force when `along_` began [N]
   Vec3 way_ = Vec3::Zero();    // of the tip since then [m]
+  Vec3 last_ = Vec3::Zero();   // force [N]
   double high_ = 0.0;          // most since then [N]
   double most_ = 0.0;          // since `over_` began [N]
   Vec3 p_rest_ = Vec3::Zero();

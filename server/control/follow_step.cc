@@ -265,13 +265,16 @@ void follow_step(const FollowSettings& settings, const FollowInput& in, FollowSt
     out.q_target = q_measured;
   }
 
+  // A contact that is held because nothing is known of it is the sensor's doing.
+  const bool blind = sensor != Reason::kNone;
   SlaveState& link = out.link;
   link.state = s.session;
   link.fault = s.fault;
   link.reason = s.session == SessionState::kFault   ? s.fault
                 : s.session_reason != Reason::kNone ? s.session_reason
-                : intervention != Reason::kNone     ? intervention
-                                                    : sensor;
+                : intervention != Reason::kNone && !(intervention == Reason::kBumper && blind)
+                    ? intervention
+                    : sensor;
   link.X_ST_command = s.motion.X_ST;
   link.X_ST = X_measured;
   link.has_pose = s.placed && in.robot_ready && is_finite(link.X_ST);

@@ -43,6 +43,15 @@ TEST(ContactMonitor, AnotherSurfaceMetOnTheWayIsNoWrongSign) {
   EXPECT_EQ(spoken.why, Reason::kNone);
 }
 
+TEST(ContactMonitor, AForceThatJumpsAsNoWayExplainsIsAnotherContactAndNoWrongSign) {
+  const Spoken spoken = watch({}, [](int i, Vec3& f, Vec3& moved, Vec3&) {
+    f = Vec3(12.0, 0.0, 0.0);
+    if (i > 40) f = Vec3(30.0 - 0.05 * i, 0.0, 0.0);  // and is let go from there on
+    moved.x() = 1e-5;
+  });
+  EXPECT_EQ(spoken.why, Reason::kNone);
+}
+
 TEST(ContactMonitor, ARetreatASlideAndAStandAreNoWrongSign) {
   for (const Vec3& way : {Vec3(1e-4, 0, 0), Vec3(-2e-5, 1e-4, 0), Vec3(1e-6, 0, 0)}) {
     const bool out = way.x() == 1e-4;

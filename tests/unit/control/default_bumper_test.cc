@@ -39,6 +39,7 @@ struct Law {
     step(Vec3::Zero(), Vec3::Zero());
     in.p_last = -depth * kUp;
     for (int i = 0; i < 3; ++i) step(in.p_last, 20.0 * kUp);
+    go();
     ASSERT_TRUE(state.touching());
   }
 };
@@ -204,6 +205,17 @@ TEST(DefaultBumper, AnArmThatOvershootsIsNotLedEverFurtherOut) {
   }
   EXPECT_TRUE(law.state.touching());
   EXPECT_LT((law.in.p_last - began).dot(kUp), 2e-3 + 1e-9);
+}
+
+TEST(DefaultBumper, AnArmThatGoesFurtherInThanToldIsToldTheSameAgain) {
+  Law law;
+  law.touch();
+  const Vec3 began = law.in.p_last;
+  for (int i = 0; i < 100; ++i) {
+    law.step(began - 0.05 * kUp, 60.0 * kUp);
+    ASSERT_GE((law.out.p_SB - began).dot(kUp), 0.0) << i;
+    law.in.p_last = law.out.p_SB - 2e-3 * kUp;
+  }
 }
 
 TEST(DefaultBumper, AnApproachIsNotLedOnByAnArmThatOvershoots) {
