@@ -28,6 +28,9 @@ enum class Check : std::uint8_t {
   kToolTube,      // the slave's own hold on the tools
   kLease,         // one operator drives
   kStopInput,     // the local stop circuit
+  kContact,       // the bumper
+  kSensorSign,    // a force that grows the way the tip goes
+  kRelief,        // a force that backing off does not relieve
   kCount
 };
 

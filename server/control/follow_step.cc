@@ -144,8 +144,11 @@ Reason judge_contact(const FollowSettings& settings, const Vec3& p_measured, Fol
     s.contact = ContactMonitor();
     return Reason::kNone;
   }
-  return s.contact.judge(settings.bumper, s.f_E_S, moved, rest_place(settings, s.motion),
-                         settings.motion.dt);
+  const Reason found = s.contact.judge(settings.bumper, s.f_E_S, moved,
+                                       rest_place(settings, s.motion), settings.motion.dt);
+  if (found == Reason::kSensorSign && !kept(Check::kSensorSign)) return Reason::kNone;
+  if (found == Reason::kContactUnrelieved && !kept(Check::kRelief)) return Reason::kNone;
+  return found;
 }
 
 // How far the published bumper may take the tip off its tool: what it yields to twice its threshold
@@ -183,7 +186,8 @@ Reason follow(const FollowSettings& settings, const FollowInput& in, FollowState
   contact.dt = settings.motion.dt;
   const bool published = settings.bumper.form == BumperSettings::Form::kPublished;
   contact.p_last = published ? s.motion.X_ST.p : rest_place(settings, s.motion);
-  Bumped bumped = bump(settings.bumper, contact, s.bumper);
+  Bumped bumped{X_SN.p};
+  if (kept(Check::kContact)) bumped = bump(settings.bumper, contact, s.bumper);
   if (published) bumped.p_SB = s.tube.bounded(bumped.p_SB, most_yielding(settings));
   // Beside its tool the tip goes only as far as command and contact take it; one that comes nearer
   // from further off, or flies by when the tool is called, does not go further than it is.

@@ -81,6 +81,11 @@ void Auditor::reported(std::uint64_t applied) noexcept {
   applied_of_ = newest_.incarnation;
 }
 
+void Auditor::touched(const Vec3& n_S) noexcept {
+  touched_ = true;
+  n_S_ = n_S;
+}
+
 void Auditor::commanded(const JointVector& q, Nanos at) noexcept {
   ++report_.cycles;
   const bool was_moving = joints_.moving();
@@ -96,6 +101,7 @@ void Auditor::commanded(const JointVector& q, Nanos at) noexcept {
   report_.acceleration = joints_.acceleration();
   report_.jerk = joints_.jerk();
   if (report_.cycles == 1) tips_.fill(tip());
+  if (touched_) hold_out(at);
   check_tool();
   tips_ = {tip(), tips_[0], tips_[1]};
   if (!joints_.moving()) {
@@ -207,6 +213,15 @@ void Auditor::check_place(Nanos at) noexcept {
   if (too_far(outside)) breach(Breach::kUnasked);
 }
 
+// The place commanded, out of the surface as far as the tip is, is one where it may be.
+void Auditor::hold_out(Nanos at) noexcept {
+  touched_ = false;
+  if (!heard_ || !newest_.has_command) return;
+  const Vec3 p = newest_.X_SU.p + std::max(0.0, (tip() - newest_.X_SU.p).dot(n_S_)) * n_S_;
+  remember_place(p, at);
+  tool_reach_ = std::max(tool_reach_, space_.distance(p));
+}
+
 void Auditor::remember_stop() noexcept {
   last_asked_ = joints_;
   even_way_ = even_way();
@@ -246,18 +261,22 @@ double Auditor::even_way() const noexcept {
   return 0.5 * speed * stop_time_;
 }
 
+double Auditor::way_to_rest() const noexcept {
+  return std::max(even_way(), joints_.way_of_joints());
+}
+
 // A tip beside its tool only ever comes nearer, but for its own stop: what it was when the tool
 // came, and at each command since. Once on it, it stays.
 void Auditor::reach_of_tool() noexcept {
   if (space_.everything()) return;
-  const double reach = space_.distance(tips_[0]) + std::max(even_way(), joints_.way_of_joints());
+  const double reach = space_.distance(tips_[0]) + way_to_rest();
   tool_reach_ = tool_new_ ? reach : std::min(tool_reach_, reach);
   tool_new_ = false;
 }
 
 void Auditor::check_tool() noexcept {
   if (space_.everything()) return;
-  if (space_.distance(tip()) > tool_reach_ + limits_.contact + kOffTool) breach(Breach::kOffTool);
+  if (space_.distance(tip()) > tool_reach_ + kOffTool) breach(Breach::kOffTool);
 }
 
 }  // namespace handrail

@@ -64,6 +64,9 @@ class Auditor {
   void delivered(const Delivery& delivery) noexcept;
   // From now on the arm must stop, whatever is sent, until an operator engages again.
   void must_stop(Nanos at) noexcept;
+  // A surface pushes on the arm along `n_S`, out of it, unit: over what is commanded the next
+  // command may hold the tip out that way, and no other.
+  void touched(const Vec3& n_S) noexcept;
   // The slave commands `q`, once a cycle. The arm stands on the first one.
   void commanded(const JointVector& q, Nanos at) noexcept;
 
@@ -80,6 +83,8 @@ class Auditor {
   const Vec3& tip() const noexcept { return joints_.tip(); }
   double behind() const noexcept { return heard_ ? (tip() - newest_.X_SU.p).norm() : 0.0; }
   bool moving() const noexcept { return joints_.moving(); }
+  // How far the tip may go on from the newest command until it rests [m].
+  double way_to_rest() const noexcept;
   // Whether the arm may move toward the newest command, as of the last cycle.
   bool led() const noexcept { return led_; }
 
@@ -114,6 +119,7 @@ class Auditor {
   bool in_reach(const Pose& X) const noexcept;
   void take_tool(const Sent& entry) noexcept;
   void check_tool() noexcept;
+  void hold_out(Nanos at) noexcept;
   void remember_stop() noexcept;
   bool too_far(double off) const noexcept;
   void reach_of_tool() noexcept;
@@ -157,6 +163,8 @@ class Auditor {
   TipSpace space_;
   bool tool_new_ = false;    // since the last command
   double tool_reach_ = 0.0;  // the tip goes no further from the tool [m]
+  bool touched_ = false;
+  Vec3 n_S_ = Vec3::Zero();  // out of the surface touched
   std::uint64_t applied_ = 0;
   std::uint32_t applied_of_ = 0;  // incarnation
 };

@@ -14,7 +14,8 @@ constexpr std::uint64_t bit(Check check) {
   return std::uint64_t{1} << static_cast<unsigned>(check);
 }
 
-// A number that is none fails the workspace as well.
+// A number that is none fails the workspace as well, and a force that grows the wrong way is not
+// relieved.
 constexpr std::array kProofs = {
     FaultProof{Check::kFinite, "finite", "X2a", 2, "not finite", bit(Check::kWorkspace)},
     FaultProof{Check::kWorkspace, "workspace", "X2a", 2, "outside the workspace"},
@@ -38,6 +39,9 @@ constexpr std::array kProofs = {
     FaultProof{Check::kToolTube, "tool-tube", "X2b", 1, "off the tool"},
     FaultProof{Check::kLease, "lease", "X9b", 2, "orders of two operators at a time"},
     FaultProof{Check::kStopInput, "stop-input", "S4", 3, "went on by itself"},
+    FaultProof{Check::kContact, "contact", "N3c", 2, "over the promised force"},
+    FaultProof{Check::kSensorSign, "sensor-sign", "S3c", 3, "not found"},
+    FaultProof{Check::kRelief, "relief", "S3e", 3, "not found", bit(Check::kSensorSign)},
 };
 static_assert(kProofs.size() == static_cast<std::size_t>(Check::kCount));
 

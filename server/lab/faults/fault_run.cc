@@ -19,15 +19,24 @@ constexpr Nanos kPatience = 10 * kSecond;
 constexpr Nanos kOperatorDelay = 300 * kMillisecond;
 constexpr Nanos kResumePatience = 500 * kMillisecond;
 
-Scene plain_scene() {
+Scene scene_of(const FaultOptions& fault) {
   Scene scene;
   scene.name = "faults";
   scene.limits.joints = rv2a_limits();
+  if (!fault.contact) return scene;
+  ArmGeometry arm;
+  arm.d6 = scene.tip_length;
+  PlaneSpec plane;
+  plane.normal = FaultRun::normal();
+  plane.at = forward(arm, ServoArmOptions::default_start()).p - FaultRun::kGap * FaultRun::normal();
+  scene.simulate = {{ServoLagSpec(), EncoderOffsetsSpec(), ArmComplianceSpec(), plane,
+                     SensorNoiseSpec(), SensorSaturationSpec()}};
+  scene.bumper.promise = 200.0;
   return scene;
 }
 
 std::unique_ptr<Cell> make_cell(std::uint64_t seed, const FaultOptions& fault) {
-  const Scene scene = plain_scene();
+  const Scene scene = scene_of(fault);
   auto options = std::make_unique<CellOptions>();
   options->haptic = haptic_settings(scene, omni_capabilities(false));
   options->haptic.ladder.good_for = kSecond;
@@ -35,6 +44,7 @@ std::unique_ptr<Cell> make_cell(std::uint64_t seed, const FaultOptions& fault) {
   options->haptic.presence = fault.presence;
   options->follow = follow_settings(scene, options->rig.controller.period, true, 1000.0);
   options->rig.controller.arm.geometry.d6 = scene.tip_length;
+  run_only_listed(scene, options->rig);
   options->rig.controller.arm.seed = seed;
   options->rig.sensor.seed = seed + 1;
   options->net = CellNetOptions{seed + 2, fault.master_clock, fault.slave_clock};
@@ -42,7 +52,7 @@ std::unique_ptr<Cell> make_cell(std::uint64_t seed, const FaultOptions& fault) {
 }
 
 AuditLimits audit_limits() {
-  const Scene scene = plain_scene();
+  const Scene scene = scene_of({});
   AuditLimits limits;
   limits.joints = scene.limits.joints;
   limits.max_jerk = scene.limits.joints.max_jerk;
@@ -76,11 +86,22 @@ void measure(FaultOutcome& outcome, double worst, double bound) {
 FaultRun::FaultRun(std::uint64_t seed, const FaultOptions& options)
     : random_(seed ^ 0xfa17ULL), cell_(make_cell(seed, options)), auditor_(audit_limits()) {
   for (std::size_t k = 0; k < 4; ++k) {
-    hand_[k] = (k < 3 ? 18.0 * kMm : 0.15) * (0.5 + 0.5 * random_.uniform());
+    hand_[k] =
+        options.contact ? 0.0 : (k < 3 ? 18.0 * kMm : 0.15) * (0.5 + 0.5 * random_.uniform());
     hand_[k + 4] = 2.0 * std::numbers::pi * (0.3 + 0.6 * random_.uniform());
     hand_[k + 8] = 2.0 * std::numbers::pi * random_.uniform();
   }
   cell_->set_tap(&layers_);
+}
+
+const Vec3& FaultRun::normal() {
+  static const Vec3 up = Vec3::UnitZ();
+  return up;
+}
+
+double FaultRun::true_force() const {
+  const World* world = cell_->rig().world();
+  return world == nullptr ? 0.0 : world->on_tip().force.dot(normal());
 }
 
 void FaultRun::set_network(const LinkFaults& faults) {
@@ -132,6 +153,7 @@ void FaultRun::feed_auditor() {
   };
   if (!cell_->targets().empty()) {
     take(cell_->robot_cycle_at());
+    if (true_force() > 0.0) auditor_.touched(normal());
     for (const JointVector& q : cell_->targets()) {
       auditor_.commanded(q, cell_->robot_cycle_at());
     }

@@ -29,6 +29,9 @@ struct FaultOptions {
   Nanos slave_clock = 0;
   Presence presence = Presence::kNone;
   Nanos fade_loop = 600 * kMillisecond;  // an older loop takes the force away
+  // A surface of 57 N/mm, with what gives way in the arm, kGap under the tip where it starts;
+  // approached slowly enough for 200 N. The hand stands, but for `layers().hand`.
+  bool contact = false;
 };
 
 // Faults of the devices: called with what the device says and when, they may change it. Empty:
@@ -49,6 +52,10 @@ struct FaultLayers final : public CellTap {
 // Same seed, same calls: same bits. The hand's motion and the network are drawn from the seed.
 class FaultRun {
  public:
+  // Of a run in contact: down to the surface [m], and out of it.
+  static constexpr double kGap = 0.004;
+  static const Vec3& normal();
+
   explicit FaultRun(std::uint64_t seed, const FaultOptions& options = {});
 
   LinkFaults& to_slave() { return cell_->net()->link().to_slave().faults; }
@@ -75,6 +82,8 @@ class FaultRun {
   Auditor& auditor() { return auditor_; }
   FaultLayers& layers() { return layers_; }
   Nanos now() const { return cell_->now(); }
+  // What the surface truly exerts along its normal; 0 without one [N].
+  double true_force() const;
   // When the newest datagram of the slave reached the master.
   Nanos master_heard() const { return master_heard_; }
   // Ticks in which the arm was not engaged although the auditor had let it move for half a second.

@@ -16,7 +16,6 @@ struct AuditLimits {
   ArmGeometry arm;
   Vec3 low = Vec3::Constant(-2.0);  // where the tip may be, frame S [m]
   Vec3 high = Vec3::Constant(2.0);
-  double contact = 0.0;                 // how far contact may push the tip off a tool [m]
   double force = 3.3;                   // on the hand [N]
   Nanos period = 7'100 * kMicrosecond;  // of the commands
 };

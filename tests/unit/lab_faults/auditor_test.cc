@@ -259,16 +259,32 @@ TEST(AuditorTest, ATipThatHasComeNearerItsToolMayNotLeaveAgain) {
   EXPECT_GT(s.report().of(Breach::kOffTool), 0u);
 }
 
-TEST(AuditorTest, ContactMayPushATipOffItsToolByItsOwnShare) {
-  for (const bool contact : {false, true}) {
-    AuditLimits limited = limits();
-    limited.contact = contact ? 0.001 : 0.0;
-    Stream s(limited);
-    s.state.position_tool = line_through(forward(limited.arm, s.q).p);
+TEST(AuditorTest, ASurfaceMayPushATipOffItsToolTheWayItPushesAndNoOther) {
+  for (const int push : {0, 1, 2}) {
+    Stream s;
+    s.state.position_tool = line_through(forward(limits().arm, s.q).p);
     s.coast(3);
-    const double away = 0.0008 / forward(limited.arm, s.q).p.x();
-    for (int i = 0; i < 16; ++i) s.cycle(away / 16.0);
-    EXPECT_EQ(s.report().of(Breach::kOffTool) > 0, !contact);
+    const double away = 0.0008 / forward(limits().arm, s.q).p.x();
+    for (int i = 0; i < 16; ++i) {
+      if (push > 0) s.auditor.touched(push == 1 ? Vec3::UnitY() : Vec3::UnitZ());
+      s.cycle(away / 16.0);
+    }
+    EXPECT_EQ(s.report().of(Breach::kOffTool) > 0, push != 1) << push;
+  }
+}
+
+// Held back by a surface the tip is far from all commands; it may be there, but not beside them.
+TEST(AuditorTest, ATipHeldOutByASurfaceIsWhereItWasAsked) {
+  for (const bool touched : {false, true}) {
+    Stream s;
+    const double reach = s.state.X_SU.p.x();
+    s.state.X_SU.p.y() -= 0.05;
+    const double step = 0.02 / reach / 20.0;
+    for (int i = 0; i < 600; ++i) {
+      if (touched) s.auditor.touched(Vec3::UnitY());
+      s.cycle(i % 40 < 20 ? step : -step);
+    }
+    EXPECT_EQ(s.report().of(Breach::kUnasked) > 0, !touched);
   }
 }
 

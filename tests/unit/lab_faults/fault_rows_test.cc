@@ -32,8 +32,9 @@ TEST(FaultRowsTest, EveryRowHasANameOfItsOwnAndRuns) {
     EXPECT_TRUE(names.insert(row.id).second) << row.id;
     EXPECT_GT(row.runs, 0);
   }
-  for (const char* id : {"N2", "N3", "N4", "N5", "N6", "N9", "N11", "N13", "P1", "P5", "C2", "S4",
-                         "S5", "X2a", "X2b", "X9a", "X9b"}) {
+  for (const char* id :
+       {"N2", "N3",  "N4",  "N5",  "N6",  "N9",  "N11", "N13", "P1",  "P5",  "C2",  "S4",
+        "S5", "X2a", "X2b", "X9a", "X9b", "N3c", "P1c", "S1d", "S2c", "S3c", "S3d", "S3e"}) {
     EXPECT_EQ(names.count(id), 1u) << id;
   }
 }
@@ -120,6 +121,26 @@ TEST(FaultRowsTest, ARunWithoutFaultsIsDrivenAndStaysEngaged) {
   EXPECT_GT(report.moved, 600u);
   EXPECT_EQ(run.longest_gap(), kMillisecond);
   EXPECT_EQ(report.fresh, run.cell().net()->slave().snapshot().accepted);
+}
+
+TEST(FaultRowsTest, InContactTheHandMeetsASurfaceThatAPlainRunHasNot) {
+  for (const bool contact : {false, true}) {
+    FaultOptions options;
+    options.contact = contact;
+    FaultRun run(1, options);
+    const Scene::Mapping mapping;
+    double down = 0.0;
+    run.layers().hand = [&](Nanos, HandReading& hand) {
+      hand.X_MH.p = mapping.R_SM.transpose() * Vec3(0.0, 0.0, -down) / mapping.scale;
+    };
+    ASSERT_TRUE(run.engage());
+    for (; down < FaultRun::kGap + 1e-3; down += 1e-5) run.run(kMillisecond);
+    run.run(2 * kSecond);
+    EXPECT_EQ(run.true_force() > 20.0, contact);
+    EXPECT_LT(run.true_force(), 60.0);
+    FaultOutcome out = run.outcome();
+    EXPECT_EQ(out.violations, 0u) << out.found;
+  }
 }
 
 // A guard that is not there is found: a stalled thread whose datagrams go on proves nobody alive.

@@ -1,0 +1,306 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "server/lab/faults/fault_rows.h"
+#include "server/scene/scene.h"
+
+namespace handrail {
+namespace {
+
+constexpr Nanos kCycle = 7'100 * kMicrosecond;
+constexpr double kThreshold = 50.0;  // f_th [N]
+constexpr double kPromise = 200.0;   // that no true force passes [N]
+constexpr double kBlind = 150.0;     // what 0.1 s of the fastest approach adds to it [N]
+
+FaultOptions in_contact() {
+  FaultOptions options;
+  options.contact = true;
+  return options;
+}
+
+// A run whose hand pushes into the surface, and whose force is watched. From begin() on the hand
+// goes down at `speed` to 10 mm below the surface and stays, and goes to and fro along it if
+// `slide`.
+class Push {
+ public:
+  // `seed` also draws speed and way of the slide.
+  Push(std::uint64_t seed, bool slide) : run(seed, in_contact()) {
+    speed_ = 0.02 + 0.08 * run.random().uniform();
+    rate_ = slide ? 2.0 * std::numbers::pi * (0.2 + 0.5 * run.random().uniform()) : 0.0;
+    const double angle = 2.0 * std::numbers::pi * run.random().uniform();
+    along_ = {std::cos(angle), std::sin(angle), 0.0};
+    run.layers().hand = [this](Nanos at, HandReading& hand) { lead(at, hand); };
+    run.layers().force = [this](Nanos at, Wrench& f, bool& valid) {
+      if (falsify) falsify(at, f, valid);
+      measured_ = valid ? f.force.norm() : 0.0;
+    };
+  }
+  Push(const Push&) = delete;
+
+  // Engages, and begins to push.
+  bool begin() {
+    if (!run.engage()) return false;
+    from_ = run.now();
+    return true;
+  }
+  void retreat() { back_ = run.now(); }
+
+  // Lets `span` pass with an operator who engages again if `driven`.
+  void pass(Nanos span, bool driven = false) {
+    for (const Nanos end = run.now() + span; run.now() < end;) {
+      const double before = height();
+      const double way = run.auditor().way_to_rest(), felt = measured_;
+      driven ? run.drive(kMillisecond) : run.run(kMillisecond);
+      watch(felt, before, way);
+    }
+  }
+  // The same until the true force passes `force`, at most ten seconds: when it did, or kForever.
+  Nanos pass_until(double force) {
+    for (const Nanos end = run.now() + 10 * kSecond; run.now() < end;) {
+      pass(kMillisecond);
+      if (run.true_force() > force) return run.now();
+    }
+    return kForever;
+  }
+
+  // Everything found, with the largest true force, at most `bound` [N]. A sensor that lies about
+  // the force's size (`lies`) has no say in which steps go in.
+  FaultOutcome outcome(bool lies = false, double bound = kPromise) {
+    FaultOutcome out = run.outcome();
+    const bool stopped = out.measured && out.worst > out.bound;
+    if (!stopped) measure(out, peak, bound);
+    find(out, peak > bound, "over the promised force");
+    if (!lies) find(out, inward_, "further in above the threshold");
+    return out;
+  }
+  // Peak to peak of the true force over the next second [N].
+  double swing() {
+    double low = run.true_force(), high = low;
+    for (int i = 0; i < 1000; ++i) {
+      pass(kMillisecond);
+      low = std::min(low, run.true_force());
+      high = std::max(high, run.true_force());
+    }
+    return high - low;
+  }
+
+  FaultRun run;
+  std::function<void(Nanos, Wrench&, bool&)> falsify;
+  double peak = 0.0;  // [N]
+
+ private:
+  double height() { return run.auditor().tip().dot(FaultRun::normal()); }
+
+  void lead(Nanos at, HandReading& hand) const {
+    constexpr double kDepth = 0.01, kBack = 0.1;  // [m], [m/s]
+    const Scene::Mapping mapping;
+    if (from_ == kForever) return;
+    const double t = to_seconds(at - from_);
+    double down = std::min(FaultRun::kGap + kDepth, speed_ * t);
+    if (at > back_) down -= kBack * to_seconds(at - back_);
+    const Vec3 p_S =
+        std::max(0.0, down) * -FaultRun::normal() + 0.01 * std::sin(rate_ * t) * along_;
+    hand.X_MH.p = mapping.R_SM.transpose() * p_S / mapping.scale;
+  }
+
+  // Above the threshold the place where the commands can come to rest only ever rises.
+  void watch(double felt, double before, double way) {
+    peak = std::max(peak, run.true_force());
+    if (run.cell().targets().empty()) return;
+    lowest_ = felt > kThreshold ? std::max(lowest_, before - way) : -1.0;
+    if (height() < lowest_ - 1e-6) ++inward_;
+  }
+
+  double speed_ = 0.0, rate_ = 0.0;
+  Vec3 along_;
+  Nanos from_ = kForever, back_ = kForever;
+  double measured_ = 0.0;  // newest reading [N]
+  double lowest_ = -1.0;   // [m]
+  std::uint64_t inward_ = 0;
+};
+
+// A constant delay one way: pushed, held, released. It settles, and the way out is free.
+FaultOutcome n3c(std::uint64_t seed, int index) {
+  constexpr std::array<int, 6> kDelays = {0, 10, 50, 100, 200, 500};
+  Push push(seed, false);
+  LinkFaults faults;
+  faults.delay = kDelays[static_cast<std::size_t>(index) % kDelays.size()] * kMillisecond;
+  push.run.set_network(faults);
+  if (!push.begin()) return not_engaged();
+  push.pass(8 * kSecond);
+  const double swing = push.swing();
+  const double force = push.run.true_force();
+  push.retreat();
+  push.pass(3 * kSecond);
+  const double left = push.run.true_force();
+  const bool engaged = push.run.engaged();
+  FaultOutcome out = push.outcome();
+  find(out, swing > 2.0, "swings");
+  find(out, force < 30.0, "contact given up");
+  find(out, left > 0.0, "not released");
+  find(out, !engaged, "not engaged");
+  return out;
+}
+
+// The master stopped for 5 ms to 10 s, or killed and started anew, while it pushes and slides.
+FaultOutcome p1c(std::uint64_t seed, int index) {
+  constexpr std::array<int, 6> kSpans = {5, 30, 150, 1000, 10'000, 1000};
+  const auto level = static_cast<std::size_t>(index) % kSpans.size();
+  const Nanos span = kSpans[level] * kMillisecond;
+  Push push(seed, true);
+  if (!push.begin()) return not_engaged();
+  if (push.pass_until(1.0 + 40.0 * push.run.random().uniform()) == kForever) return not_engaged();
+  CellNet& net = *push.run.cell().net();
+  net.stop_master(true);
+  push.pass(span);
+  if (level == kSpans.size() - 1) push.run.restart_master();
+  net.stop_master(false);
+  push.pass(kSecond);
+  if (span > Auditor::kLatch) push.pass(6 * kSecond, true);
+  const bool engaged = push.run.engaged();
+  FaultOutcome out = push.outcome();
+  find(out, !engaged, "not engaged again");
+  return out;
+}
+
+// Bad numbers of the sensor, for one reading of a cycle or for good: one costs nothing, the third
+// in a row stops the arm.
+FaultOutcome s1d(std::uint64_t seed, int index) {
+  constexpr std::array<double, 3> kBad = {std::numeric_limits<double>::quiet_NaN(),
+                                          std::numeric_limits<double>::infinity(), 1e308};
+  const bool once = index % 2 == 0;
+  Push push(seed, true);
+  if (!push.begin()) return not_engaged();
+  push.pass_until(1.0 + 40.0 * push.run.random().uniform());
+  const Nanos from = push.run.now() + kMillisecond;
+  push.falsify = [&](Nanos at, Wrench& f, bool&) {
+    if (at < from || (once && at >= from + kCycle)) return;
+    f.force[(index / 2) % 3] = kBad[static_cast<std::size_t>(index / 2) % kBad.size()];
+  };
+  push.pass(20 * kMillisecond);
+  if (!once) push.run.auditor().must_stop(from + 3 * kCycle);
+  push.pass(3 * kSecond);
+  const bool engaged = push.run.engaged();
+  FaultOutcome out = push.outcome();
+  find(out, engaged != once, once ? "not engaged after one bad reading" : "not found");
+  return out;
+}
+
+// The sensor repeats itself, from before the contact or in it: a stop within 100 ms, in which
+// nothing tells how hard is pushed.
+FaultOutcome s2c(std::uint64_t seed, int index) {
+  Push push(seed, true);
+  if (!push.begin()) return not_engaged();
+  if (index % 3 == 0) {
+    push.pass(50 * kMillisecond);
+  } else {
+    push.pass_until(index % 3 == 1 ? 5.0 : 45.0);
+  }
+  const Nanos from = push.run.now();
+  Wrench last;
+  bool have = false;
+  push.falsify = [&](Nanos, Wrench& f, bool&) {
+    if (have) f = last;
+    last = f;
+    have = true;
+  };
+  push.pass(50 * kMillisecond);
+  push.run.auditor().must_stop(from + 100 * kMillisecond);
+  push.pass(3 * kSecond);
+  const bool engaged = push.run.engaged();
+  FaultOutcome out = push.outcome(true, kPromise + kBlind);
+  find(out, engaged, "not found");
+  return out;
+}
+
+// The force has the wrong sign: a stop within 200 ms of a contact, that stays one.
+FaultOutcome s3c(std::uint64_t seed, int index) {
+  constexpr double kContact = 10.0;  // [N]
+  Push push(seed, index % 2 == 1);
+  push.falsify = [](Nanos, Wrench& f, bool&) { f.force = -f.force; };
+  if (!push.begin()) return not_engaged();
+  const Nanos felt = push.pass_until(kContact);
+  if (felt == kForever) return not_engaged();
+  push.pass(150 * kMillisecond);
+  push.run.auditor().must_stop(felt + 200 * kMillisecond);
+  push.pass(5 * kSecond);
+  const bool found = push.run.cell().slave().fault == Reason::kSensorSign;
+  FaultOutcome out = push.run.outcome();
+  find(out, !found, "not found");
+  return out;
+}
+
+// Saturation, drift, twice the scale, one wild sample, while it pushes.
+FaultOutcome s3d(std::uint64_t seed, int index) {
+  const int level = index % 4, beside = (index / 4) % 2;
+  const bool saturated = level == 0;
+  Push push(seed, true);
+  if (!push.begin()) return not_engaged();
+  push.pass_until(saturated ? 20.0 * push.run.random().uniform() : 30.0);
+  const Nanos from = push.run.now() + kMillisecond;
+  push.falsify = [&](Nanos at, Wrench& f, bool& valid) {
+    if (at < from) return;
+    if (saturated) {
+      f.force.z() = 1000.0;
+      valid = false;
+    } else if (level == 1) {
+      f.force.z() += (beside == 0 ? 1.0 : -1.0) * std::min(1.5, 0.5 * to_seconds(at - from));
+    } else if (level == 2) {
+      f.force *= 2.0;
+    } else if (at < from + kCycle) {
+      f.force[2 * beside] += 200.0;
+    }
+  };
+  if (saturated) {
+    push.pass(20 * kMillisecond);
+    push.run.auditor().must_stop(from + 3 * kCycle);
+  }
+  push.pass(5 * kSecond);
+  const bool engaged = push.run.engaged();
+  FaultOutcome out = push.outcome(true);
+  find(out, engaged == saturated, saturated ? "not found" : "not engaged");
+  return out;
+}
+
+// Two axes exchanged: the bumper backs off the wrong way, and the force grows, which looks like a
+// wrong sign or is not relieved. A stop within 220 ms of 80 N; until then the tip goes aside, where
+// nobody asked for it.
+FaultOutcome s3e(std::uint64_t seed, int index) {
+  Push push(seed, false);
+  if (!push.begin()) return not_engaged();
+  push.falsify = [&](Nanos, Wrench& f, bool&) { std::swap(f.force.z(), f.force[index % 2]); };
+  const Nanos over = push.pass_until(kThreshold + 30.0);
+  if (over == kForever) return not_engaged();
+  push.pass(150 * kMillisecond);
+  push.run.auditor().must_stop(over + 220 * kMillisecond);
+  push.pass(5 * kSecond);
+  const bool found = push.run.cell().slave().state == SessionState::kFault;
+  push.run.auditor().finish();
+  const AuditReport& report = push.run.auditor().report();
+  FaultOutcome out;
+  measure(out, to_seconds(report.worst.took) * 1e3, to_seconds(report.worst.allowed) * 1e3);
+  find(out, report.worst.took > report.worst.allowed, "stopped late");
+  find(out, report.total() - report.of(Breach::kUnasked), "breaches beside the tip's place");
+  find(out, !found, "not found");
+  return out;
+}
+
+}  // namespace
+
+const std::vector<FaultRow>& contact_rows() {
+  static const std::vector<FaultRow> rows = {
+      {"N3c", "in contact: delays up to 500 ms one way: no swing", "N", 6, n3c},
+      {"P1c", "in contact: master stopped or killed, a late burst", "N", 12, p1c},
+      {"S1d", "in contact: NaN, Inf, 1e308 from the force sensor", "N", 12, s1d},
+      {"S2c", "in contact: the force sensor repeats itself", "N", 9, s2c},
+      {"S3c", "in contact: wrong sign: found in 200 ms", "ms to stop", 8, s3c},
+      {"S3d", "in contact: saturation, drift, scale, spike", "N", 12, s3d},
+      {"S3e", "in contact: exchanged axes: found 0.2 s after 80 N", "ms to stop", 8, s3e},
+  };
+  return rows;
+}
+
+}  // namespace handrail
