@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace handrail {
 namespace {
@@ -48,7 +49,7 @@ void OperatorModel::aim(const OperatorAim& aim) noexcept {
   aiming_ = true;
   arrived_ = false;
   near_stop_ = felt_ = false;
-  felt_for_ = 0.0;
+  felt_for_ = told_ = 0.0;
   homing_for_ = 0.0;
   to_plan_ = 0.0;
 }
@@ -84,37 +85,46 @@ const OperatorModel::Glance& OperatorModel::before(double seconds) const noexcep
 }
 
 // A stop is felt when it pushes back, where it is expected, for long enough to react; what was
-// pushed into it is let go.
+// pushed into it is let go. A push by hand is not, only ended.
 void OperatorModel::feel(double dt, const Vec3& f_H_M, SteerableHand& hand) noexcept {
   if (!near_stop_ || felt_) return;
   const Vec3 forward = machine_.q_SM.conjugate() * (aim_.X_SG.p - aim_.p_S0).normalized();
   felt_for_ = -f_H_M.dot(forward) > parameters_.stop_force ? felt_for_ + dt : 0.0;
   if (felt_for_ < parameters_.touch_delay) return;
   felt_ = true;
-  goal_p_ = intent_.position().p + f_H_M / parameters_.stiffness;
+  goal_p_ = intent_.position().p;
+  if (aim_.stop) goal_p_ += f_H_M / parameters_.stiffness;
   steer(hand);
+}
+
+Vec3 OperatorModel::seen() const noexcept {
+  return before(parameters_.vision_delay).X_ST.p + machine_.q_SM * misjudged_;
 }
 
 void OperatorModel::plan(SteerableHand& hand) noexcept {
   const OperatorParameters& p = parameters_;
-  const Glance& seen = before(p.vision_delay);
+  const Glance& glance = before(p.vision_delay);
   const Glance& cause = before(p.vision_delay + machine_.lag);  // what made the tip be there
   // What was set going since, at the tip.
   const Vec3 coming = machine_.scale * (machine_.q_SM * (goal_p_ - cause.p_M));
   const Vec3 coming_turn = machine_.q_SM * rotation_log(goal_q_ * cause.q_M.conjugate());
-  const Vec3 p_seen = seen.X_ST.p + machine_.q_SM * misjudged_;
+  const Vec3 p_seen = seen();
   const Quat q_expected =
-      rotation_exp(machine_.q_SM * misjudged_turn_) * rotation_exp(coming_turn) * seen.X_ST.q;
+      rotation_exp(machine_.q_SM * misjudged_turn_) * rotation_exp(coming_turn) * glance.X_ST.q;
 
   const Vec3 turn = wanted_turn(rotation_log(aim_.X_SG.q * q_expected.conjugate()));
   Vec3 step = Vec3::Zero();
   if (aim_.stop) {
     if (!felt_) step = wanted_step(p_seen + coming);
     arrived_ = arrived_ || stopped(p_seen);
+  } else if (aim_.by_hand) {
+    step = wanted_step(p_seen + coming);
+    const Vec3 way = aim_.X_SG.p - aim_.p_S0;
+    arrived_ = (felt_ || told_ >= way.norm()) &&
+               std::abs(coming.dot(way.normalized())) < kUnderWay * tolerance();
   } else {
     step = wanted_step(p_seen + coming);
-    arrived_ = step.isZero(0.0) && turn.isZero(0.0) &&
-               coming.norm() < kUnderWay * tolerated(p.tolerance) &&
+    arrived_ = step.isZero(0.0) && turn.isZero(0.0) && coming.norm() < kUnderWay * tolerance() &&
                coming_turn.norm() < kUnderWay * tolerated(p.angle_threshold);
   }
   if (step.isZero(0.0) && turn.isZero(0.0)) return;
@@ -127,13 +137,22 @@ void OperatorModel::plan(SteerableHand& hand) noexcept {
 Vec3 OperatorModel::wanted_step(const Vec3& p_expected) noexcept {
   const OperatorParameters& p = parameters_;
   const Vec3 error = aim_.X_SG.p - p_expected;
-  const double advance = p.speed * p.plan_interval;
+  const double advance = (aim_.speed > 0.0 ? aim_.speed : p.speed) * p.plan_interval;
   const Vec3 forward = aim_.path ? (aim_.X_SG.p - aim_.p_S0).normalized() : Vec3(Vec3::Zero());
+  if (aim_.by_hand) {
+    near_stop_ = true;
+    const double to_go = felt_ ? 0.0 : (aim_.X_SG.p - aim_.p_S0).norm() - told_;
+    const double hurry = std::min(p.speed * p.plan_interval, to_go - aim_.gentle);
+    const double now = std::min(to_go, std::max(hurry, advance));
+    told_ += now;
+    const Vec3 aside = error - error.dot(forward) * forward;
+    return now * forward + (aside.norm() > p.threshold ? p.gain * aside : Vec3(Vec3::Zero()));
+  }
   const double left = error.dot(forward);
   const bool under_way = aim_.path && (aim_.stop || std::abs(left) > advance);
   if (!under_way) {
     homing_for_ += p.plan_interval;
-    return error.norm() > tolerated(p.tolerance) ? Vec3(p.gain * error) : Vec3(Vec3::Zero());
+    return error.norm() > tolerance() ? Vec3(p.gain * error) : Vec3(Vec3::Zero());
   }
   near_stop_ = aim_.stop && left < advance;
   // Toward a stop there is no turning back: the tool does not let the tip go past it.
@@ -143,11 +162,14 @@ Vec3 OperatorModel::wanted_step(const Vec3& p_expected) noexcept {
 }
 
 // The correction of orientation to ask for now, rotation vector in S [rad].
-Vec3 OperatorModel::wanted_turn(const Vec3& error) const noexcept {
+Vec3 OperatorModel::wanted_turn(const Vec3& shorter) const noexcept {
   const OperatorParameters& p = parameters_;
+  const bool back = shorter.dot(aim_.way_round) < 0.0 && shorter.norm() > 0.5 * std::numbers::pi;
+  const Vec3 error =
+      back ? Vec3((1.0 - 2.0 * std::numbers::pi / shorter.norm()) * shorter) : shorter;
   const double angle = error.norm();
   if (angle <= tolerated(p.angle_threshold)) return Vec3::Zero();
-  const double advance = p.turn_speed * p.plan_interval;
+  const double advance = (aim_.turn_speed > 0.0 ? aim_.turn_speed : p.turn_speed) * p.plan_interval;
   return error * (angle > advance ? advance / angle : p.gain);
 }
 

@@ -20,6 +20,15 @@ struct OperatorAim {
   Vec3 p_S0 = Vec3::Zero();  // with `path`: where the straight path to it begins [m]
   bool path = false;         // keep to the path at the preferred speed; else get there
   bool stop = false;  // a tool stops the tip at the end of the path: push on until that is felt
+  // With `path`: how far the tip is along it is known from the hand alone, as where the tip cannot
+  // be seen to advance or is held up. Ends when the hand has gone that far, or is pushed back.
+  bool by_hand = false;
+  Vec3 way_round =
+      Vec3::Zero();     // unit axis, frame S: to be turned about it; zero: the shorter way
+  double speed = 0.0;   // along a path [m/s]; 0: the preferred one
+  double gentle = 1.0;  // by hand: the last part of it goes at `speed`, before at the preferred [m]
+  double turn_speed = 0.0;  // [rad/s]; 0: the preferred one
+  double tolerance = 0.0;   // seen distance that counts as arrived [m]; 0: the person's own
 };
 
 // What the operator has learned of the machine by practice.
@@ -55,6 +64,13 @@ class OperatorModel {
   // tolerances with nothing left under way, or sees the tip stand at a stop it felt or expected.
   bool arrived() const noexcept { return arrived_; }
 
+  // During an aim by hand or at a stop: something has pushed back.
+  bool felt() const noexcept { return felt_; }
+  // Where the tip seems to be now: late and misjudged, frame S [m].
+  Vec3 seen() const noexcept;
+  // Where the hand is meant to end, at the tip's scale from where it began, frame S [m].
+  Vec3 meant() const noexcept { return machine_.scale * (machine_.q_SM * goal_p_); }
+
   const OperatorParameters& parameters() const noexcept { return parameters_; }
 
  private:
@@ -71,8 +87,11 @@ class OperatorModel {
   void feel(double dt, const Vec3& f_H_M, SteerableHand& hand) noexcept;
   void plan(SteerableHand& hand) noexcept;
   Vec3 wanted_step(const Vec3& p_expected) noexcept;
-  Vec3 wanted_turn(const Vec3& error) const noexcept;
+  Vec3 wanted_turn(const Vec3& shorter) const noexcept;
   // Nobody is picky for ever: a tolerance grows while the operator homes in.
+  double tolerance() const noexcept {
+    return tolerated(aim_.tolerance > 0.0 ? aim_.tolerance : parameters_.tolerance);
+  }
   double tolerated(double tolerance) const noexcept {
     return tolerance * (1.0 + homing_for_ / parameters_.patience);
   }
@@ -91,6 +110,7 @@ class OperatorModel {
   OperatorAim aim_;
   bool aiming_ = false;
   bool arrived_ = false;
+  double told_ = 0.0;                   // the hand to go along the path, since the aim [m]
   bool near_stop_ = false;              // as expected at the last plan
   double homing_for_ = 0.0;             // aiming at the end point itself [s]
   bool felt_ = false;                   // the stop

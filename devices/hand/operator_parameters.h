@@ -38,6 +38,13 @@ struct OperatorParameters {
   double call_key = 0.28;     // one key press; two to a phase [s]
   double stop_force = 0.5;    // a stop pushes back harder than this to be noticed [N]
   double touch_delay = 0.16;  // reaction to what is felt [s]
+  // Only with a key and a screw.
+  double insert_tolerance = 1.3e-3;  // seen distance from the socket's axis that will do, tip [m]
+  double insert_speed = 20e-3;       // lowering the key, tip [m/s]
+  double press = 0.5e-3;             // the key is led this far past the socket's bottom, tip [m]
+  double depth_memory = 0.5;         // share of that depth known from the last time, not from sight
+  double half_turn = 2.8;            // the stylus is turned by so much at a time [rad]
+  double lift = 12e-3;               // of the key above the rim, between turns, tip [m]
 };
 
 }  // namespace handrail

@@ -3,84 +3,22 @@
 
 #include <CLI/CLI.hpp>
 #include <atomic>
-#include <cstdio>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "devices/hand/recorded_hand_io.h"
 #include "server/lab/accuracy/command.h"
 #include "server/lab/bumper/bumper_command.h"
 #include "server/lab/faults/fault_command.h"
-#include "server/lab/hand_run.h"
+#include "server/lab/hand_command.h"
 #include "server/lab/study/linear_command.h"
+#include "server/lab/study/screw_command.h"
 #include "server/lab/walls/price_command.h"
 #include "server/lab/walls/wall_command.h"
-#include "server/scene/scene_library.h"
 
 namespace handrail {
 namespace {
-
-struct HandCommand {
-  std::string file;
-  std::string tool = "line";
-  std::string scene = "linear-movement";
-  bool one_way = false;
-  bool json = false;
-};
-
-const std::map<std::string, ToolKind> kTools = {
-    {"point", ToolKind::kPoint}, {"line", ToolKind::kLine}, {"plane", ToolKind::kPlane}};
-
-void print_json(const HandRunResult& r) {
-  std::printf(
-      "{\"samples\": %zu, \"gaps\": %zu, \"max_off_tool_mm\": %.9g, \"backward_steps\": %llu, "
-      "\"max_joint_speed_ratio\": %.9g, \"max_force_n\": %.9g, \"non_finite\": %llu}\n",
-      r.samples, r.gaps, r.max_off_tool / kMm, static_cast<unsigned long long>(r.backward_steps),
-      r.max_joint_speed_ratio, r.max_force, static_cast<unsigned long long>(r.non_finite));
-}
-
-void print_table(const HandCommand& command, const HandRunResult& r) {
-  std::printf("%s on a %s%s, scene %s, simulated arm\n", command.file.c_str(),
-              command.one_way ? "one-way " : "", command.tool.c_str(), command.scene.c_str());
-  std::printf("  samples                       %zu\n", r.samples);
-  std::printf("  gaps bridged                  %zu\n", r.gaps);
-  std::printf("  furthest off the tool         %.6f mm\n", r.max_off_tool / kMm);
-  std::printf("  backward steps                %llu\n",
-              static_cast<unsigned long long>(r.backward_steps));
-  std::printf("  fastest joint                 %.4f of Table 3.1\n", r.max_joint_speed_ratio);
-  std::printf("  largest force on the hand     %.3f N\n", r.max_force);
-  std::printf("  values not finite             %llu\n",
-              static_cast<unsigned long long>(r.non_finite));
-}
-
-// 0 done, 1 the run could not be made, 2 bad file or usage.
-int run_hand_command(const HandCommand& command) {
-  const auto scene = SceneLibrary().load(command.scene);
-  if (!scene) {
-    std::fprintf(stderr, "handrail-lab: %s\n", scene.message().c_str());
-    return 2;
-  }
-  const auto motion = load_recorded_motion(command.file);
-  if (!motion) {
-    std::fprintf(stderr, "handrail-lab: %s\n", motion.message().c_str());
-    return 2;
-  }
-  HandRunOptions options;
-  options.tool = kTools.at(command.tool);
-  options.one_way = command.one_way;
-  const auto result = run_hand(*scene, *motion, options);
-  if (!result) {
-    std::fprintf(stderr, "handrail-lab: %s\n", result.message().c_str());
-    return 1;
-  }
-  if (command.json) {
-    print_json(*result);
-  } else {
-    print_table(command, *result);
-  }
-  return 0;
-}
 
 // Raised by Ctrl-C: long work ends soon, and nothing half-done is printed.
 std::atomic<bool> cancelled = false;
@@ -93,90 +31,141 @@ void let_ctrl_c_cancel() {
   ::sigaction(SIGTERM, &action, nullptr);
 }
 
-// The words that stand for a setting, beside --set itself.
-struct Shorthands {
-  std::string smoother;
-  std::string rate;
-  std::string tool_method;
-
-  std::vector<std::string> settings() const {
-    std::vector<std::string> out;
-    if (smoother == "published") out.push_back("smoother.form=PUBLISHED");
-    if (smoother == "low-lag") out.push_back("smoother.form=LOW_LAG");
-    if (!smoother.empty() && out.empty()) {
-      out = {"smoother.form=LENGTH", "smoother.samples=" + smoother};
-    }
-    if (!rate.empty()) out.push_back("haptic.rate_hz=" + rate);
-    if (tool_method == "exact") out.push_back("guidance.method=EXACT");
-    if (tool_method == "published") out.push_back("guidance.method=PUBLISHED");
-    return out;
-  }
-};
-
 void add_hand(CLI::App& app, HandCommand& hand) {
   CLI::App* sub = app.add_subcommand("hand", "drive the simulated arm by a recorded hand");
   sub->add_option("FILE", hand.file, "CSV: t_s,x_mm,y_mm[,z_mm]")->required();
   sub->add_option("--tool", hand.tool, "tool to hold on to")
-      ->check(CLI::IsMember(kTools))
+      ->check(CLI::IsMember(hand_tools()))
       ->capture_default_str();
   sub->add_option("--scene", hand.scene, "scene to run in")->capture_default_str();
   sub->add_flag("--one-way", hand.one_way, "forward along device +X only");
   sub->add_flag("--json", hand.json, "print the result as JSON");
 }
 
-void add_linear(CLI::App& app, LinearCommand& study, Shorthands& words) {
-  CLI::App* sub = app.add_subcommand(
-      "linear-movement", "simulated operators from A to B to C, without tools (NV) and with (V)");
-  sub->add_option("--operators", study.operators, "how many")
+// The words of studies and fits.
+struct StudyWords {
+  StudyCommand linear{"linear-movement"};
+  // Of the linear movement: words that stand for a setting, beside --set itself.
+  std::string smoother;
+  std::string rate;
+  std::string tool_method;
+  ScrewCommand screw;
+  FitCommand linear_fit{"linear-movement"};
+  FitCommand screw_fit{"screw-fastening"};
+};
+
+constexpr const char* kVary = "Vary one thing, printed beside the study as it is";
+
+const std::map<std::string, BumperSettings::Form> kForms = {
+    {"published", BumperSettings::Form::kPublished}, {"default", BumperSettings::Form::kDefault}};
+
+// What all studies have in common. `block`: of the scene, that the study needs.
+void add_study(CLI::App& sub, StudyCommand& study, const std::string& block) {
+  sub.add_option("--operators", study.operators, "how many")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  sub->add_option("--trials", study.trials, "successful trials of each in each mode")
+  sub.add_option("--trials", study.trials, "successful trials of each in each mode")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
-  sub->add_option("--seed", study.seed, "another seed, other people")->capture_default_str();
-  sub->add_option("--threads", study.threads, "0: one a core; results do not depend on it")
+  sub.add_option("--seed", study.seed, "another seed, other people")->capture_default_str();
+  sub.add_option("--threads", study.threads, "0: one a core; results do not depend on it")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
-  sub->add_option("--scene", study.scene, "scene, with a task")->capture_default_str();
-  sub->add_option("--population", study.population, "name or file of the operators' population")
+  sub.add_option("--scene", study.scene, "scene, with a " + block)->capture_default_str();
+  sub.add_option("--population", study.population, "name or file of the operators' population")
       ->capture_default_str();
-  sub->add_flag("--json", study.json, "print everything, every trial too, as JSON");
-  sub->add_option("--figures", study.figures, "folder for the figures (SVG)");
-  const std::string vary = "Vary one thing, printed beside the study as it is";
-  sub->add_option("--smoother", words.smoother, "published, low-lag, or a number of samples")
-      ->group(vary);
-  sub->add_option("--rate", words.rate, "of the haptic loop [Hz]")->group(vary);
-  sub->add_option("--tool-method", words.tool_method, "exact or published (Algorithm 2)")
-      ->check(CLI::IsMember({"exact", "published"}))
-      ->group(vary);
-  sub->add_option("--set", study.settings,
-                  "KEY=VALUE: a scene's field, rig.FIELD, operator.PARAMETER, haptic.rate_hz, "
-                  "link.delay_ms; all --set together are one variation")
+  sub.add_flag("--json", study.json, "print everything, every trial too, as JSON");
+  sub.add_option("--figures", study.figures, "folder for the figures (SVG)");
+  sub.add_option("--set", study.settings,
+                 "KEY=VALUE: a scene's field, rig.FIELD, operator.PARAMETER, haptic.rate_hz, "
+                 "link.delay_ms; all --set together are one variation")
       ->allow_extra_args(false)
-      ->group(vary);
-  sub->add_option("--sweep", study.sweeps, "KEY=VALUE,VALUE,...: a variation for each value")
+      ->group(kVary);
+  sub.add_option("--sweep", study.sweeps, "KEY=VALUE,VALUE,...: a variation for each value")
       ->allow_extra_args(false)
-      ->group(vary);
+      ->group(kVary);
 }
 
-void add_fit(CLI::App& app, FitCommand& fit) {
+void add_linear(CLI::App& app, StudyWords& words) {
   CLI::App* sub = app.add_subcommand(
-      "fit", "fit a population's free parameters to the published medians without tools");
-  sub->require_subcommand(1);
-  sub = sub->add_subcommand("linear-movement", "to mode NV of the linear movement");
+      "linear-movement", "simulated operators from A to B to C, without tools (NV) and with (V)");
+  add_study(*sub, words.linear, "task");
+  sub->add_option("--smoother", words.smoother, "published, low-lag, or a number of samples")
+      ->group(kVary);
+  sub->add_option("--rate", words.rate, "of the haptic loop [Hz]")->group(kVary);
+  sub->add_option("--tool-method", words.tool_method, "exact or published (Algorithm 2)")
+      ->check(CLI::IsMember({"exact", "published"}))
+      ->group(kVary);
+}
+
+void add_screw(CLI::App& app, StudyWords& words) {
+  CLI::App* sub = app.add_subcommand(
+      "screw-fastening",
+      "simulated operators tighten a screw, without contact protection (NC) and with (C), without "
+      "tools (NV) and with (V)");
+  add_study(*sub, words.screw, "screw");
+  sub->add_option("--bumper", words.screw.bumper, "of the modes with protection")
+      ->transform(CLI::CheckedTransformer(kForms).description("{published,default}"))
+      ->default_str("default");
+}
+
+void add_fit(CLI::App& fits, FitCommand& fit, const char* name, const std::string& mode,
+             const std::string& block) {
+  CLI::App* sub = fits.add_subcommand(name, "to mode " + mode);
   sub->add_option("--operators", fit.operators, "how many")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  sub->add_option("--evaluations", fit.evaluations, "candidates to try, at most")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
   sub->add_option("--seed", fit.seed, "other people than a study's")->capture_default_str();
   sub->add_option("--threads", fit.threads, "0: one a core; the fit does not depend on it")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
-  sub->add_option("--scene", fit.scene, "scene, with a task")->capture_default_str();
+  sub->add_option("--scene", fit.scene, "scene, with a " + block)->capture_default_str();
   sub->add_option("--population", fit.population, "name or file to start from")
       ->capture_default_str();
   sub->add_option("--out", fit.out, "file to write; without it the population's own");
   sub->add_flag("--check", fit.check,
                 "write nothing; exit 1 if the file is not what the fit gives");
+}
+
+// The linear study as its words have it.
+StudyCommand linear_of(const StudyWords& words) {
+  std::vector<std::string> settings;
+  if (words.smoother == "published") settings.push_back("smoother.form=PUBLISHED");
+  if (words.smoother == "low-lag") settings.push_back("smoother.form=LOW_LAG");
+  if (!words.smoother.empty() && settings.empty()) {
+    settings = {"smoother.form=LENGTH", "smoother.samples=" + words.smoother};
+  }
+  if (!words.rate.empty()) settings.push_back("haptic.rate_hz=" + words.rate);
+  if (words.tool_method == "exact") settings.push_back("guidance.method=EXACT");
+  if (words.tool_method == "published") settings.push_back("guidance.method=PUBLISHED");
+  StudyCommand out = words.linear;
+  out.settings.insert(out.settings.begin(), settings.begin(), settings.end());
+  return out;
+}
+
+void add_studies(CLI::App& app, StudyWords& words) {
+  add_linear(app, words);
+  add_screw(app, words);
+  CLI::App* fits = app.add_subcommand(
+      "fit",
+      "fit a population's free parameters to the dissertation's medians without tools and "
+      "protection");
+  fits->require_subcommand(1);
+  add_fit(*fits, words.linear_fit, "linear-movement", "NV of the linear movement", "task");
+  add_fit(*fits, words.screw_fit, "screw-fastening", "NC-NV of screw fastening", "screw");
+}
+
+// The exit code of the study or the fit that was asked for; nothing if none was.
+std::optional<int> run_studies(const CLI::App& app, const StudyWords& words) {
+  if (app.got_subcommand("linear-movement")) return run_linear_command(linear_of(words), cancelled);
+  if (app.got_subcommand("screw-fastening")) return run_screw_command(words.screw, cancelled);
+  if (!app.got_subcommand("fit")) return std::nullopt;
+  return app.get_subcommand("fit")->got_subcommand("linear-movement")
+             ? run_linear_fit(words.linear_fit, cancelled)
+             : run_screw_fit(words.screw_fit, cancelled);
 }
 
 void add_accuracy(CLI::App& app, AccuracyCommand& accuracy) {
@@ -293,14 +282,11 @@ int run(int argc, char** argv) {
       "without sockets or sleeping, bit-identical for the same input."};
   app.require_subcommand(1);
   HandCommand hand;
-  LinearCommand study;
-  Shorthands words;
-  FitCommand fit;
+  StudyWords studies;
   AccuracyCommand accuracy;
   SceneToolCommand tool;
   add_hand(app, hand);
-  add_linear(app, study, words);
-  add_fit(app, fit);
+  add_studies(app, studies);
   add_accuracy(app, accuracy);
   add_scene_tools(app, tool);
   add_effects(app, tool);
@@ -329,12 +315,9 @@ int run(int argc, char** argv) {
   if (app.got_subcommand("wrench")) return run_wrench_command(wrench, cancelled);
   if (app.got_subcommand("gearshift")) return run_gearshift_command(gearshift, cancelled);
   if (app.got_subcommand("price-check")) return run_price_command(prices, cancelled);
-  if (app.got_subcommand("faults")) return run_fault_command(faults, cancelled);
   if (app.got_subcommand("bumper")) return run_bumper_command(bumper, cancelled);
-  if (app.got_subcommand("fit")) return run_fit_command(fit, cancelled);
-  const std::vector<std::string> shorthands = words.settings();
-  study.settings.insert(study.settings.begin(), shorthands.begin(), shorthands.end());
-  return run_linear_command(study, cancelled);
+  if (const auto code = run_studies(app, studies)) return *code;
+  return run_fault_command(faults, cancelled);
 }
 
 }  // namespace

@@ -16,6 +16,7 @@
 #include "server/scene/simulate.h"
 #include "server/scene/walls.h"
 #include "server/task/linear_task.h"
+#include "server/task/screw_task.h"
 
 namespace handrail {
 
@@ -57,6 +58,7 @@ struct Scene {
   double tip_length = 0.301;    // wrist centre to the tip [m]
   std::vector<ToolCall> tools;  // called on loading: at most one position and one orientation tool
   std::optional<LinearTask> task;      // what the person is asked to do
+  std::optional<ScrewTask> screw;      // the same, with a socket and a thread in `simulate`
   std::shared_ptr<const Walls> walls;  // of a two-axis device; null: none
   std::vector<EffectSpec> effects;     // with walls: what is simulated, and nothing else
   std::optional<Simulate> simulate;    // of the rig, and nothing else; none: as it is configured

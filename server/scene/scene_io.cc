@@ -151,6 +151,22 @@ Problem task_from(const pb::LinearTask& in, LinearTask& out) {
   return check_apart("task.c_mm", out.p_SC, "b_mm", out.p_SB);
 }
 
+// `simulate` has been read.
+Problem screw_from(const pb::ScrewTask& in, const std::optional<Simulate>& simulate,
+                   ScrewTask& out) {
+  if (!simulate || simulate->find<HexSocketSpec>() == nullptr ||
+      simulate->find<ScrewThreadSpec>() == nullptr) {
+    return FieldProblem{"screw",
+                        "no screw to fasten: expected a hex_socket and a screw_thread in simulate"};
+  }
+  out.start = Vec3(in.start_mm(0), in.start_mm(1), in.start_mm(2)) * kMm;
+  out.tight = in.tight_deg() * kDeg;
+  out.clear = in.clear_mm() * kMm;
+  const Vec3 out_of_it = simulate->find<HexSocketSpec>()->X_SK.q * Vec3::UnitZ();
+  if (out.start.dot(out_of_it) > 0.0) return std::nullopt;
+  return FieldProblem{"screw.start_mm", "not above the socket's rim"};
+}
+
 Problem scene_from(const pb::Scene& in, const std::string& path, Scene& out) {
   if (Problem p = name_from(in, path, out)) return p;
   out.description = in.description();
@@ -179,6 +195,9 @@ Problem scene_from(const pb::Scene& in, const std::string& path, Scene& out) {
   if (in.has_simulate()) {
     if (in.has_walls()) return FieldProblem{"simulate", "no arm takes part in a scene of walls"};
     if (Problem p = simulate_from(in.simulate(), out.simulate.emplace())) return p;
+  }
+  if (in.has_screw()) {
+    if (Problem p = screw_from(in.screw(), out.simulate, out.screw.emplace())) return p;
   }
   return tools_from(in, out.tools);
 }

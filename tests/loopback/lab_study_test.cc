@@ -70,6 +70,7 @@ TEST_F(LabStudy, RefusesWordsItDoesNotUnderstandBeforeRunningAnything) {
                {{"--scene", "published"}, "task"},
                {{"--scene", "nowhere"}, "nowhere"},
                {{"--population", "nobody"}, "nobody"},
+               {{"--scene", "screw-fastening"}, "task"},
                {{"--seed", "-1"}, "seed"}};
   for (const auto& c : cases) {
     const Run lab = run(c.words);

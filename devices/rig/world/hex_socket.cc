@@ -39,9 +39,12 @@ double HexSocket::across(const Vec3& p_K) const noexcept {
   return out;
 }
 
+double HexSocket::off_flats(double turn) const noexcept {
+  return std::remainder(spin_ - turn, kSixth);
+}
+
 bool HexSocket::fits(double turn) const noexcept {
-  const double off = std::remainder(spin_ - turn, kSixth);
-  return std::abs(off) <= 0.5 * spec_.backlash && tilt_ <= kLost;
+  return std::abs(off_flats(turn)) <= 0.5 * spec_.backlash && tilt_ <= kLost;
 }
 
 void HexSocket::clear_all() noexcept {

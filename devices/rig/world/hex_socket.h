@@ -27,6 +27,9 @@ class HexSocket {
   // The step has ended with the tip at X_ST: follows the key's turn and finds
   // where it is.
   void settle(const Pose& X_ST) noexcept;
+  // The key has slipped out of the flats: its corners stand on the chamfer's end until they fit
+  // again.
+  void lose() noexcept { zone_ = Zone::kMouth; }
 
   // How far the ball's centre is below the rim; minus infinity beside the mouth
   // [m].
@@ -37,6 +40,9 @@ class HexSocket {
   // its backlash. Counted on while the key is inside [rad].
   double key_turn() const noexcept { return spin_ - turns_; }
   double tilt() const noexcept { return tilt_; }
+  // How far the key's flats are from fitting a hexagon turned by `turn`, about the socket's Z, at
+  // most 30 degrees either way [rad].
+  double off_flats(double turn) const noexcept;
   // Unit, frame S, out of the socket.
   Vec3 axis() const noexcept { return X_SK_.q * Vec3::UnitZ(); }
   const HexSocketSpec& spec() const noexcept { return spec_; }

@@ -74,13 +74,16 @@ void World::turn_screw() noexcept {
   constexpr double kHardlyInside = 1e-3;  // [m]
   socket_->settle(tip_);
   const double engaged = socket_->engaged();
-  if (socket_->depth() < 0.0) slipped_ = false;
+  if (engaged > 0.0 || socket_->depth() < 0.0) slipped_ = false;
   double torque = 0.0;
-  if (engaged > 0.0 && !slipped_) {
+  if (engaged > 0.0) {
     torque = screw_.turn(-socket_->key_turn(), socket_->spec().backlash);
     slipped_ = (engaged < kHardlyInside && std::abs(torque) >= screw_.start()) ||
                socket_->tilt() > HexSocket::kLost;
-    if (slipped_) torque = 0.0;
+    if (slipped_) {
+      torque = 0.0;
+      socket_->lose();
+    }
   }
   on_tip_.torque = torque * socket_->axis();
 }

@@ -49,9 +49,12 @@ class World {
   // How far the tip is below the socket's rim, above it below 0; minus infinity
   // beside the mouth and without a socket [m].
   double depth() const noexcept;
-  // The key has left the hexagon's flats under load, and has not been lifted
-  // since.
+  // The key has left the hexagon's flats under load, and has neither found them
+  // again nor been lifted since.
   bool slipped() const noexcept { return slipped_; }
+  // How far clockwise, as one looks at the screw's head, the key has to be turned for its flats to
+  // fit; counterclockwise below 0, at most 30 degrees [rad]. 0 without a socket.
+  double off_flats() const noexcept { return socket_ ? socket_->off_flats(-screw_.angle()) : 0.0; }
   // Rounds the equilibrium took last.
   int rounds() const noexcept { return rounds_; }
 

@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "server/lab/console.h"
-#include "server/lab/study/linear_drawing.h"
+#include "server/lab/study/study_drawing.h"
 
 namespace handrail {
 

@@ -1,52 +1,19 @@
 #include "server/lab/study/linear_drawing.h"
 
-#include <spdlog/fmt/fmt.h>
-
-#include <filesystem>
-#include <system_error>
-
 #include "server/base/units.h"
 #include "server/lab/figure/figure.h"
 #include "server/lab/study/linear_figure.h"
+#include "server/lab/study/study_drawing.h"
 
 namespace handrail {
 namespace {
 
 using figure::Axis;
-using figure::Box;
 using figure::Figure;
 using figure::Panel;
 using figure::Point;
 
-std::string origin_of(const StudyHeader& header) {
-  return fmt::format(
-      "Simulated operators ({}, seed {}), simulated device and arm; fitted to the published NV "
-      "medians only",
-      header.operators, header.seed);
-}
-
-Panel measure_panel(const StudyResult& study, LinearFigure measure) {
-  const LinearFigureInfo& info = info_of(measure);
-  Axis modes;
-  modes.categories = {"NV: without tools", "V: with tools"};
-  Axis values;
-  values.label = fmt::format("{} [{}]", info.title, info.unit);
-  values.low = 0.0;
-  Panel panel("", modes, values);
-  for (const StudyMode mode : {StudyMode::kFree, StudyMode::kTools}) {
-    const auto index = static_cast<int>(mode);
-    Box box;
-    box.at = index + 1.0;
-    box.style = figure::style_of(static_cast<std::size_t>(index));
-    box.values = pooled(values_of(study, mode, measure));
-    for (double& value : box.values) value *= info.per_si;
-    box.published =
-        figure::Published{info.published[index], fmt::format("{:.4g}", info.published[index]),
-                          "published median, 7 people"};
-    panel.box(std::move(box));
-  }
-  return panel;
-}
+constexpr const char* kFitted = "the published NV medians";
 
 // The tip seen from one side: `across` to the right, `up` upward [mm].
 Panel path_panel(const std::string& title, const LinearTask& task, const TrialResult& trial,
@@ -68,26 +35,22 @@ Panel path_panel(const std::string& title, const LinearTask& task, const TrialRe
   return panel;
 }
 
-const TrialResult* first_traced(const StudyResult& study, StudyMode mode) {
-  for (const StudyTrial& trial : study.trials) {
-    if (trial.mode == mode && trial.result.end == TrialEnd::kDone && !trial.result.trace.empty()) {
-      return &trial.result;
-    }
-  }
-  return nullptr;
-}
-
-Figure measures_figure(const StudyHeader& header, const StudyResult& study) {
-  Figure out("Linear movement with fixed orientation", origin_of(header));
+Figure measures_figure(const StudyHeader& header, const LinearStudy& study) {
+  Figure out("Linear movement with fixed orientation", origin_of(header, kFitted));
   for (int i = 0; i < kPublishedFigures; ++i) {
-    out.add(measure_panel(study, static_cast<LinearFigure>(i)));
+    const auto figure = static_cast<LinearFigure>(i);
+    const LinearFigureInfo& info = info_of(figure);
+    out.add(measure_panel(
+        info.title, info.unit, info.per_si, {"NV: without tools", "V: with tools"},
+        {values_of(study, StudyMode::kFree, figure), values_of(study, StudyMode::kTools, figure)},
+        info.published, "published median, 7 people"));
   }
   return out;
 }
 
-Figure trajectories_figure(const StudyHeader& header, const StudyResult& study,
+Figure trajectories_figure(const StudyHeader& header, const LinearStudy& study,
                            const LinearTask& task) {
-  Figure out("Desired and actual path of the tip, one operator", origin_of(header));
+  Figure out("Desired and actual path of the tip, one operator", origin_of(header, kFitted));
   for (const StudyMode mode : {StudyMode::kFree, StudyMode::kTools}) {
     const TrialResult* trial = first_traced(study, mode);
     if (trial == nullptr) continue;
@@ -102,14 +65,7 @@ Figure trajectories_figure(const StudyHeader& header, const StudyResult& study,
 
 }  // namespace
 
-Status make_folder(const std::string& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) return Status::error(folder + ": cannot make the folder: " + error.message());
-  return Status::ok();
-}
-
-Status draw_linear(const std::string& folder, const StudyHeader& header, const StudyResult& study,
+Status draw_linear(const std::string& folder, const StudyHeader& header, const LinearStudy& study,
                    const LinearTask& task) {
   if (Status s =
           measures_figure(header, study).write_file(folder + "/linear-movement-measures.svg");

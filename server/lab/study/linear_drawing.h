@@ -4,19 +4,16 @@
 #include <string>
 
 #include "server/base/status.h"
-#include "server/lab/study/linear_report_io.h"
+#include "server/lab/study/linear_study.h"
 #include "server/task/linear_task.h"
 
 namespace handrail {
-
-// Makes a folder for figures where there is none; the error names it.
-Status make_folder(const std::string& folder);
 
 // Writes linear-movement-measures.svg (box plots of the four measures in both modes, with the
 // published medians) and linear-movement-trajectories.svg (the first successful trial of the first
 // traced operator in each mode: seen along X, and from above) into `folder`, which exists. The
 // error names what could not be written.
-Status draw_linear(const std::string& folder, const StudyHeader& header, const StudyResult& study,
+Status draw_linear(const std::string& folder, const StudyHeader& header, const LinearStudy& study,
                    const LinearTask& task);
 
 }  // namespace handrail

@@ -1,7 +1,6 @@
 #include "server/lab/study/linear_figure.h"
 
 #include <limits>
-#include <map>
 
 #include "server/base/units.h"
 
@@ -45,15 +44,8 @@ double value_of(const TrialResult& result, LinearFigure figure) noexcept {
   return 0.0;
 }
 
-ByPerson values_of(const StudyResult& study, StudyMode mode, LinearFigure figure) {
-  std::map<int, std::vector<double>> by_person;
-  for (const StudyTrial& trial : study.trials) {
-    std::vector<double>& values = by_person[trial.person];
-    if (trial.mode == mode) values.push_back(value_of(trial.result, figure));
-  }
-  ByPerson out;
-  for (auto& [person, values] : by_person) out.push_back(std::move(values));
-  return out;
+ByPerson values_of(const LinearStudy& study, StudyMode mode, LinearFigure figure) {
+  return study.values(mode, [&](const TrialResult& result) { return value_of(result, figure); });
 }
 
 }  // namespace handrail

@@ -32,6 +32,6 @@ const LinearFigureInfo& info_of(LinearFigure figure) noexcept;
 double value_of(const TrialResult& result, LinearFigure figure) noexcept;
 
 // All trials of a mode by operator [SI]; in either mode entry k is the same person.
-ByPerson values_of(const StudyResult& study, StudyMode mode, LinearFigure figure);
+ByPerson values_of(const LinearStudy& study, StudyMode mode, LinearFigure figure);
 
 }  // namespace handrail

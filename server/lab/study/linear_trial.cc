@@ -3,24 +3,10 @@
 #include <cmath>
 #include <memory>
 
-#include "devices/hand/operator_model.h"
-#include "devices/omni/sim_omni.h"
-#include "server/master/haptic_settings.h"
-#include "server/slave/follow_settings.h"
-
 namespace handrail {
 namespace {
 
-constexpr double kEngagePatience = 1.0;  // [s]
-constexpr double kAtRest = 0.3;          // between engaging and the first thought [s]
-constexpr std::size_t kOrders = 2;       // to call a phase's tools
-
-// What the machine adds between hand and tip, as practice teaches it.
-double lag_of(const StudyMachine& machine) {
-  const double smoother = 0.5 * (machine.scene.smoother_samples - 1) * to_seconds(machine.tick);
-  const double cycles = 1.5 * to_seconds(machine.rig.controller.period);
-  return smoother + cycles + to_seconds(machine.transit) + machine.rig.controller.arm.lag;
-}
+constexpr std::size_t kOrders = 2;  // to call a phase's tools
 
 HapticOrder line_order(const Vec3& from, const Vec3& to) {
   HapticOrder order;
@@ -73,55 +59,10 @@ OperatorAim aim_of(const LinearTask& task, LinearPhase phase, bool tools) {
   return aim;
 }
 
-// The operator at the cell, tick by tick.
-class Bench {
- public:
-  Bench(const StudyMachine& machine, const CellOptions& cell, const OperatorParameters& person,
-        std::uint64_t seed)
-      : dt_(to_seconds(machine.tick)),
-        cell_(cell),
-        omni_(hand_options(person, seed), false),
-        mind_(person,
-              {machine.scene.mapping.scale, Quat(machine.scene.mapping.R_SM), lag_of(machine)},
-              seed + 1),
-        tip_(cell_.rig().controller().arm().true_tip()) {
-    (void)omni_.open();
-  }
-
-  void tick(const HapticOrder& order) {
-    now_ += dt_;
-    HandReading hand = hand_reading(omni_.read(cell_.now()));
-    hand.clutch_button = clutch_;
-    cell_.tick(hand, order);
-    omni_.write(cell_.master().f_H_M);
-    if (cell_.robot_cycle()) tip_ = cell_.rig().controller().arm().true_tip();
-    mind_.step(dt_, tip_, cell_.master().f_H_M.force, *omni_.hand());
-  }
-
-  void clutch(bool closed) { clutch_ = closed; }
-  OperatorModel& mind() { return mind_; }
-  const Cell& cell() const { return cell_; }
-  const Pose& tip() const { return tip_; }
-  double now() const { return now_; }
-  bool driving() const {
-    const SessionState state = cell_.master_state().session;
-    return state == SessionState::kEngaged || state == SessionState::kClutched;
-  }
-
- private:
-  double dt_;
-  double now_ = 0.0;
-  bool clutch_ = true;
-  Cell cell_;
-  SimOmni omni_;
-  OperatorModel mind_;
-  Pose tip_;
-};
-
 // A trial on the bench: the procedure and its clock.
 class Trial {
  public:
-  Trial(const LinearTask& task, const TrialOptions& options, Bench& bench)
+  Trial(const LinearTask& task, const TrialOptions& options, StudyBench& bench)
       : task_(task), options_(options), bench_(bench), measure_(task) {}
 
   TrialResult run() {
@@ -130,7 +71,7 @@ class Trial {
     const bool tools = options_.mode == StudyMode::kTools;
     const double call =
         tools ? options_.person.call_homing + kOrders * options_.person.call_key : 0.0;
-    bool ok = engage();
+    bool ok = bench_.engage() || fail(TrialEnd::kSession);
     for (int i = 0; ok && i < kLinearPhases; ++i) {
       phase_ = static_cast<LinearPhase>(i);
       ok = wait(pause) && start_clock() && wait(call) && call_tools(tools) && act(tools);
@@ -150,18 +91,6 @@ class Trial {
   bool fail(TrialEnd end) {
     result_.end = end;
     return false;
-  }
-
-  bool engage() {
-    HapticOrder order;
-    order.kind = OrderKind::kEngage;
-    while (bench_.cell().master_state().session != SessionState::kClutched) {
-      if (bench_.now() > kEngagePatience) return fail(TrialEnd::kSession);
-      bench_.tick(order);
-    }
-    const double until = bench_.now() + kAtRest;
-    while (bench_.now() < until) bench_.tick({});
-    return true;
   }
 
   // One tick with everything that is watched all the time.
@@ -215,7 +144,7 @@ class Trial {
 
   LinearTask task_;
   const TrialOptions& options_;
-  Bench& bench_;
+  StudyBench& bench_;
   LinearMeasure measure_;
   TrialResult result_;
   LinearPhase phase_ = LinearPhase::kToB;
@@ -246,22 +175,10 @@ Result<TrialResult> run_linear_trial(const StudyMachine& machine, const TrialOpt
     return Status::error("scene '" + machine.scene.name + "' has no task block");
   }
   const LinearTask& task = *machine.scene.task;
-  auto cell = std::make_unique<CellOptions>();
-  cell->rig = machine.rig;
-  cell->rig.controller.arm.seed = options.arm_seed;
-  cell->rig.sensor.seed = options.seed + 2;
-  ServoArmOptions& arm = cell->rig.controller.arm;
-  arm.geometry.d6 = machine.scene.tip_length;
-  const Pose X_SA{task.p_SA, task.q_first};
-  if (inverse_near(arm.geometry, X_SA, ServoArmOptions::default_start(), arm.q_start) !=
-      InverseStatus::kOk) {
-    return Status::error("scene '" + machine.scene.name + "': the arm cannot stand at task.a_mm");
-  }
-  cell->haptic = haptic_settings(machine.scene, omni_capabilities(false));
-  cell->follow = follow_settings(machine.scene, cell->rig.controller.period, true, 1000.0);
-  cell->transit = machine.transit;
-  cell->tick = machine.tick;
-  const auto bench = std::make_unique<Bench>(machine, *cell, options.person, options.seed);
+  const auto cell = study_cell(machine, {task.p_SA, task.q_first}, "task.a_mm", options.arm_seed,
+                               options.seed + 2);
+  if (!cell) return cell.status();
+  const auto bench = std::make_unique<StudyBench>(machine, **cell, options.person, options.seed);
   return Trial(task, options, *bench).run();
 }
 

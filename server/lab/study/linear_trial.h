@@ -6,19 +6,10 @@
 
 #include "devices/hand/operator_parameters.h"
 #include "server/base/status.h"
-#include "server/lab/cell.h"
-#include "server/scene/scene.h"
+#include "server/lab/study/study_bench.h"
 #include "server/task/linear_measure.h"
 
 namespace handrail {
-
-// What operators are set before, the same in both modes.
-struct StudyMachine {
-  Scene scene;  // with a task
-  RigOptions rig;
-  Nanos transit = 0;          // one-way time of the link
-  Nanos tick = kMillisecond;  // of the haptic loop
-};
 
 enum class StudyMode : std::uint8_t { kFree, kTools };  // NV and V of the dissertation
 inline constexpr int kStudyModes = 2;

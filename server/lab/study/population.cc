@@ -44,6 +44,12 @@ const std::vector<ParameterInfo>& operator_parameter_table() {
       {&P::call_key, "call_key_ms", kMs, 0, 10000},
       {&P::stop_force, "stop_force_n", 1.0, 0.01, 50},
       {&P::touch_delay, "touch_delay_ms", kMs, 0, 1000},
+      {&P::insert_tolerance, "insert_tolerance_mm", kMm, 0.01, 100, true},
+      {&P::insert_speed, "insert_speed_mm_s", kMm, 1, 1000, true},
+      {&P::press, "press_mm", kMm, 0, 20, true},
+      {&P::depth_memory, "depth_memory", 1.0, 0, 1, true},
+      {&P::half_turn, "half_turn_deg", kDeg, 10, 240, true},
+      {&P::lift, "lift_mm", kMm, 1, 100, true},
   };
   return table;
 }

@@ -23,12 +23,28 @@ struct ParameterRange {
   std::string source;            // where median, spread and bounds come from
 };
 
+// One parameter as the file knows it, and what the operator's model can work with.
+struct ParameterInfo {
+  double OperatorParameters::*field;
+  const char* name;  // ends in the unit
+  double unit;       // SI value of 1
+  double least;      // allowed in a file, in its unit
+  double most;
+  bool of_screws = false;  // only people at a screw have it: a file leaves all of these out, or none
+};
+
+// Every field of OperatorParameters, in its order.
+const std::vector<ParameterInfo>& operator_parameter_table();
+
 struct Population {
   std::string name;
   std::string description;
   std::string comment;                     // lines the file begins with, each with its '#'
   std::string file;                        // where it was read from
-  std::vector<ParameterRange> parameters;  // every field of OperatorParameters, in its order
+  std::vector<ParameterRange> parameters;  // those of the table the file has, in its order
+
+  // False when the parameters of people at a screw are missing.
+  bool knows_screws() const { return parameters.size() == operator_parameter_table().size(); }
 
   // The parameter of that name, or null.
   ParameterRange* find(std::string_view parameter_name);
@@ -38,17 +54,5 @@ struct Population {
   // The operator of all medians.
   OperatorParameters median() const;
 };
-
-// One parameter as the file knows it, and what the operator's model can work with.
-struct ParameterInfo {
-  double OperatorParameters::*field;
-  const char* name;  // ends in the unit
-  double unit;       // SI value of 1
-  double least;      // allowed in a file, in its unit
-  double most;
-};
-
-// Every field of OperatorParameters, in its order.
-const std::vector<ParameterInfo>& operator_parameter_table();
 
 }  // namespace handrail

@@ -89,11 +89,15 @@ Problem population_from(const pb::Operators& in, Population& out) {
       return p;
     }
   }
+  const bool screws = std::any_of(ranges.begin(), ranges.end(), [&](const ParameterRange& range) {
+    return range.field != nullptr && table[static_cast<std::size_t>(&range - ranges.data())].of_screws;
+  });
   for (std::size_t i = 0; i < table.size(); ++i) {
-    if (ranges[i].field != nullptr) continue;
+    if (ranges[i].field != nullptr || (table[i].of_screws && !screws)) continue;
     return FieldProblem{"parameter",
                         std::string(table[i].name) + " is missing, expected every one once"};
   }
+  std::erase_if(ranges, [](const ParameterRange& range) { return range.field == nullptr; });
   out.parameters = std::move(ranges);
   return std::nullopt;
 }

@@ -140,6 +140,18 @@ Paired compare_paired(const ByPerson& with, const ByPerson& without, Random& ran
   return out;
 }
 
+Share share_of(const std::vector<bool>& people, Random& random, int resamples) {
+  const auto n = static_cast<double>(people.size());
+  std::vector<double> shares;
+  for (int i = 0; i < resamples && !people.empty(); ++i) {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < people.size(); ++k) sum += people[pick(people.size(), random)];
+    shares.push_back(sum / n);
+  }
+  const auto all = static_cast<double>(std::count(people.begin(), people.end(), true));
+  return {all / n, middle_95(std::move(shares))};
+}
+
 Interval cohort_spread(const ByPerson& people, std::size_t size, Random& random, int draws) {
   const ByPerson persons = with_values(people);
   std::vector<std::size_t> order(persons.size());

@@ -52,6 +52,13 @@ struct Paired {
 Paired compare_paired(const ByPerson& with, const ByPerson& without, Random& random,
                       int resamples = kResamples);
 
+// The share of people of whom something is true. Interval as in bootstrap_median().
+struct Share {
+  double value = 0.0;
+  Interval value_95;
+};
+Share share_of(const std::vector<bool>& people, Random& random, int resamples = kResamples);
+
 // Where the medians of cohorts of `size` people, at least one, drawn without replacement, lie: 2.5
 // to 97.5 %. With no more people than that there is one cohort only, and the interval is a point;
 // without values or draws it is NaN.

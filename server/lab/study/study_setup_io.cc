@@ -100,7 +100,6 @@ Result<StudySetup> study_setup(const std::string& scene, const std::string& popu
   StudySetup out;
   auto loaded = SceneLibrary().load(scene, of_scene);
   if (!loaded) return loaded.status();
-  if (!loaded->task) return Status::error(loaded->file + ": the scene has no task block");
   out.machine.scene = std::move(*loaded);
   const auto rig = rig_options(of_rig);
   if (!rig) return rig.status();

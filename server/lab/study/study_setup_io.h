@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "server/lab/study/linear_trial.h"
 #include "server/lab/study/population.h"
+#include "server/lab/study/study_bench.h"
 
 namespace handrail {
 

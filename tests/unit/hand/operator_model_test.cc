@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "server/base/units.h"
 #include "tests/support/no_allocation.h"
 
 namespace handrail {
@@ -267,6 +268,72 @@ TEST(OperatorModel, PushesOnToAStopUntilItIsFeltAndThenLetsGo) {
   }
   EXPECT_LT(-desk.force_.x(), 0.3 * most) << "what was pushed into the stop is let go";
   EXPECT_TRUE(desk.mind_->arrived());
+}
+
+OperatorAim by_hand(double way) {
+  OperatorAim aim;
+  aim.X_SG.p = Vec3(way, 0.0, 0.0);
+  aim.path = aim.by_hand = true;
+  return aim;
+}
+
+TEST(OperatorModel, ByHandGoesAsFarAsMeantWhereverTheTipIsSeen) {
+  for (const bool held : {false, true}) {
+    Desk desk(steady());
+    desk.tick();
+    desk.held_ = held;
+    desk.aim(by_hand(0.05));
+    EXPECT_LT(desk.until_arrived(), 10.0) << held;
+    EXPECT_NEAR(desk.hand_.position().p.x(), 0.05, 1e-6) << held;
+    EXPECT_NEAR(desk.mind_->meant().x(), 0.05, 1e-12) << held;
+  }
+}
+
+TEST(OperatorModel, APushByHandEndsWhereItIsFeltAndIsKeptUp) {
+  const OperatorParameters p = steady();
+  Desk desk(p);
+  desk.aim(by_hand(0.1));
+  while (desk.hand_.position().p.x() < 0.04) desk.tick();
+  desk.force_ = Vec3(-2.0 * p.stop_force, 0.0, 0.0);
+  const double felt_at = desk.now_;
+  while (!desk.mind_->felt() && desk.now_ - felt_at < 2.0) desk.tick();
+  EXPECT_NEAR(desk.now_ - felt_at, p.touch_delay, 5e-3);
+  const double there = desk.hand_.position().p.x();
+  desk.until_arrived();
+  EXPECT_GE(desk.hand_.position().p.x(), there - 1e-6);
+  EXPECT_LT(desk.hand_.position().p.x(), 0.06);
+}
+
+TEST(OperatorModel, GoesGentlyOnTheLastOfAWayByHand) {
+  const OperatorParameters p = steady();
+  const auto time = [&](double gentle) {
+    Desk desk(p);
+    OperatorAim aim = by_hand(0.1);
+    aim.speed = 0.5 * p.speed;
+    aim.gentle = gentle;
+    desk.aim(aim);
+    return desk.until_arrived();
+  };
+  EXPECT_NEAR(time(1.0) - time(0.02), 0.08 / (0.5 * p.speed) - 0.08 / p.speed,
+              2.0 * p.plan_interval);
+}
+
+TEST(OperatorModel, TurnsTheLongerWayRoundWhereItIsTold) {
+  for (const double sign : {1.0, -1.0}) {
+    Desk desk(steady());
+    OperatorAim aim;
+    aim.X_SG.q = rotation_exp(Vec3(0.0, 0.0, -sign * 150 * kDeg));  // the same as 210 the other way
+    aim.way_round = Vec3(0.0, 0.0, sign);
+    desk.aim(aim);
+    double turned = 0.0;
+    Quat last = desk.hand_.orientation();
+    for (int i = 0; i < 20000 && !desk.mind_->arrived(); ++i) {
+      desk.tick();
+      turned += rotation_log(desk.hand_.orientation() * last.conjugate()).z();
+      last = desk.hand_.orientation();
+    }
+    EXPECT_NEAR(turned, sign * 210 * kDeg, 5 * kDeg);
+  }
 }
 
 TEST(OperatorModel, SeesATipThatIsHeldAtTheStopEvenWithoutForce) {

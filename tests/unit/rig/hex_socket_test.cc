@@ -234,6 +234,21 @@ TEST(HexSocket, AKeyHardlyInsideIsLostUnderLoad) {
   EXPECT_FALSE(key.world().slipped()) << "lifted, it may be put in again";
 }
 
+TEST(HexSocket, ALostKeyFindsTheFlatsAgainWhenItIsTurnedOn) {
+  Key key(workpiece());
+  key.to(Vec3(0, 0, -1.5e-3));
+  key.turn(10 * kDeg);
+  ASSERT_TRUE(key.world().slipped());
+  EXPECT_GT(std::abs(key.world().off_flats()), 2 * kDeg);
+  key.to(Vec3(0, 0, -6e-3));
+  EXPECT_LT(key.depth(), 1e-3) << "its corners stand on the chamfer's end";
+  key.turn(key.world().off_flats());
+  key.wait();
+  EXPECT_FALSE(key.world().slipped());
+  EXPECT_GT(key.depth(), 4.9e-3);
+  EXPECT_NEAR(key.world().off_flats(), 0.0, 1e-9);
+}
+
 TEST(HexSocket, AKeyTiltedFarIsLost) {
   Key key(workpiece());
   key.to(Vec3(0, 0, -4e-3));

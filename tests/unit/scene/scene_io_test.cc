@@ -202,6 +202,30 @@ TEST(SceneIo, PlacesAProblemOfATool) {
             "/x/a.scene:4:3: field 'tool[0].direction': the direction has no length");
 }
 
+const char* const kScrew =
+    "simulate { effect { hex_socket { at_mm: [350, 0, 260] axis: [0, 0, 1] } }\n"
+    " effect { screw_thread {} } }\n";
+
+TEST(SceneIo, AScrewToFasten) {
+  EXPECT_FALSE(scene_of("").screw.has_value());
+  const Scene s =
+      scene_of(std::string(kScrew) + "screw { start_mm: [2, 1, 12] tight_deg: 180 clear_mm: 8 }");
+  ASSERT_TRUE(s.screw.has_value());
+  EXPECT_TRUE(s.screw->start.isApprox(Vec3(2e-3, 1e-3, 12e-3), 1e-12));
+  EXPECT_DOUBLE_EQ(s.screw->tight, 180 * kDeg);
+  EXPECT_DOUBLE_EQ(s.screw->clear, 8e-3);
+}
+
+TEST(SceneIo, AScrewTaskNeedsAScrewAndAStartAboveIt) {
+  EXPECT_EQ(error_of("screw { start_mm: [0, 0, 12] }"),
+            "/x/a.scene:2:1: field 'screw': no screw to fasten: expected a hex_socket and a "
+            "screw_thread in simulate");
+  EXPECT_EQ(error_of(std::string(kScrew) + "screw { start_mm: [2, 0, -1] }"),
+            "/x/a.scene:4:9: field 'screw.start_mm': not above the socket's rim");
+  EXPECT_EQ(error_of(std::string(kScrew) + "screw { }"),
+            "/x/a.scene:4:1: field 'screw.start_mm': missing, but required");
+}
+
 TEST(SceneIo, ReadsTheTask) {
   EXPECT_FALSE(scene_of("").task.has_value());
   const Scene s = scene_of(

@@ -11,6 +11,7 @@
 #include "proto/study.pb.h"
 #include "server/base/units.h"
 #include "server/lab/study/linear_drawing.h"
+#include "server/lab/study/study_drawing.h"
 #include "tests/support/temp_folder.h"
 
 namespace handrail {
@@ -18,9 +19,9 @@ namespace {
 
 using ::testing::HasSubstr;
 
-StudyTrial trial(int person, StudyMode mode, double time, double path_mm,
-                 TrialEnd end = TrialEnd::kDone) {
-  StudyTrial out;
+LinearStudyTrial trial(int person, StudyMode mode, double time, double path_mm,
+                       TrialEnd end = TrialEnd::kDone) {
+  LinearStudyTrial out;
   out.person = person;
   out.mode = mode;
   out.result.end = end;
@@ -35,8 +36,8 @@ StudyTrial trial(int person, StudyMode mode, double time, double path_mm,
 }
 
 // Three people: with tools each path is 50 mm shorter and each time 1 s longer.
-StudyResult three_people() {
-  StudyResult out;
+LinearStudy three_people() {
+  LinearStudy out;
   for (int person = 0; person < 3; ++person) {
     out.trials.push_back(trial(person, StudyMode::kFree, 10.0 + person, 200.0 + 10.0 * person));
     out.trials.push_back(trial(person, StudyMode::kTools, 11.0 + person, 150.0 + 10.0 * person));
@@ -97,7 +98,7 @@ TEST(LinearReport, JsonTellsEveryTrialAndComparesPersonByPerson) {
 }
 
 TEST(LinearReport, AFailedTrialIsTheWorstRankAndIsCountedByItsEnd) {
-  StudyResult study = three_people();
+  LinearStudy study = three_people();
   study.trials[0].result.end = TrialEnd::kTimeOut;
   study.trials[2].result.end = TrialEnd::kOffTarget;
   const std::string json = linear_json(header(), study, {});
@@ -113,9 +114,9 @@ TEST(LinearReport, AFailedTrialIsTheWorstRankAndIsCountedByItsEnd) {
 }
 
 TEST(LinearReport, VariationsStandBesideTheStudy) {
-  StudyResult other = three_people();
-  for (StudyTrial& t : other.trials) t.result.execution_time += 5.0;
-  const std::vector<StudyVariation> variations = {{"guidance.delta_mm=1", other}};
+  LinearStudy other = three_people();
+  for (LinearStudyTrial& t : other.trials) t.result.execution_time += 5.0;
+  const std::vector<LinearVariation> variations = {{"guidance.delta_mm=1", other}};
   const pb::LinearStudy out = parsed(linear_json(header(), three_people(), variations));
   ASSERT_EQ(out.variations_size(), 1);
   EXPECT_EQ(out.variations(0).setting(), "guidance.delta_mm=1");

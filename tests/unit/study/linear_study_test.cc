@@ -15,13 +15,13 @@ StudySetup setup(const std::vector<std::string>& settings = {}) {
   return out ? std::move(*out) : StudySetup();
 }
 
-StudyResult run(const StudySetup& s, const StudyOptions& options) {
+LinearStudy run(const StudySetup& s, const StudyOptions& options) {
   auto out = run_linear_study(s.machine, s.population, options);
   EXPECT_TRUE(out) << out.message();
-  return out ? std::move(*out) : StudyResult();
+  return out ? std::move(*out) : LinearStudy();
 }
 
-void expect_same(const StudyTrial& a, const StudyTrial& b) {
+void expect_same(const LinearStudyTrial& a, const LinearStudyTrial& b) {
   EXPECT_EQ(a.person, b.person);
   EXPECT_EQ(a.mode, b.mode);
   EXPECT_EQ(a.number, b.number);
@@ -38,10 +38,10 @@ TEST(LinearStudy, IsTheSameBitForBitOnAnyNumberOfThreads) {
   StudyOptions options;
   options.operators = 6;
   options.threads = 1;
-  const StudyResult one = run(s, options);
+  const LinearStudy one = run(s, options);
   for (const int threads : {2, 5}) {
     options.threads = threads;
-    const StudyResult more = run(s, options);
+    const LinearStudy more = run(s, options);
     ASSERT_EQ(one.trials.size(), more.trials.size());
     for (std::size_t i = 0; i < one.trials.size(); ++i) expect_same(one.trials[i], more.trials[i]);
     EXPECT_EQ(one.simulated_time, more.simulated_time);
@@ -52,9 +52,9 @@ TEST(LinearStudy, AnOperatorIsTheSameInABiggerStudyAndAnotherWithAnotherSeed) {
   const StudySetup s = setup();
   StudyOptions options;
   options.operators = 2;
-  const StudyResult few = run(s, options);
+  const LinearStudy few = run(s, options);
   options.operators = 4;
-  const StudyResult more = run(s, options);
+  const LinearStudy more = run(s, options);
   for (std::size_t i = 0; i < few.trials.size(); ++i) expect_same(few.trials[i], more.trials[i]);
   options.seed = 2;
   EXPECT_NE(run(s, options).trials[0].result.path, few.trials[0].result.path);
@@ -65,13 +65,13 @@ TEST(LinearStudy, EveryOperatorSucceedsTheTrialsWantedInBothModesInRandomOrder) 
   StudyOptions options;
   options.operators = 12;
   options.trials = 2;
-  const StudyResult study = run(s, options);
+  const LinearStudy study = run(s, options);
   std::set<StudyMode> first_modes;
   for (int person = 0; person < options.operators; ++person) {
     int done[kStudyModes] = {};
     int last_number[kStudyModes] = {};
     bool first = true;
-    for (const StudyTrial& trial : study.trials) {
+    for (const LinearStudyTrial& trial : study.trials) {
       if (trial.person != person) continue;
       if (first) first_modes.insert(trial.mode);
       first = false;
@@ -91,11 +91,11 @@ TEST(LinearStudy, NvAloneIsTheNvOfTheWholeStudy) {
   const StudySetup s = setup();
   StudyOptions options;
   options.operators = 4;
-  const StudyResult both = run(s, options);
-  options.with_tools = false;
-  const StudyResult nv = run(s, options);
+  const LinearStudy both = run(s, options);
+  options.only = {static_cast<int>(StudyMode::kFree)};
+  const LinearStudy nv = run(s, options);
   std::size_t next = 0;
-  for (const StudyTrial& trial : both.trials) {
+  for (const LinearStudyTrial& trial : both.trials) {
     if (trial.mode != StudyMode::kFree) continue;
     ASSERT_LT(next, nv.trials.size());
     expect_same(trial, nv.trials[next++]);
@@ -108,9 +108,9 @@ TEST(LinearStudy, GivesUpAfterThreeTimesTheTrialsWanted) {
   StudyOptions options;
   options.operators = 1;
   options.trials = 1;
-  const StudyResult study = run(s, options);
+  const LinearStudy study = run(s, options);
   int nv = 0;
-  for (const StudyTrial& trial : study.trials) nv += trial.mode == StudyMode::kFree;
+  for (const LinearStudyTrial& trial : study.trials) nv += trial.mode == StudyMode::kFree;
   EXPECT_EQ(nv, 3);
 }
 
@@ -119,7 +119,7 @@ TEST(LinearStudy, OnlyTheOperatorsAskedForAreTraced) {
   StudyOptions options;
   options.operators = 2;
   options.traced = 1;
-  for (const StudyTrial& trial : run(s, options).trials) {
+  for (const LinearStudyTrial& trial : run(s, options).trials) {
     EXPECT_EQ(trial.result.trace.empty(), trial.person != 0);
   }
 }

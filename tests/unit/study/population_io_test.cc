@@ -80,17 +80,41 @@ TEST(PopulationIo, TakesParametersInAnyOrder) {
   }
 }
 
+// Where one parameter more than the table has stands.
+std::string one_too_many() {
+  const std::size_t size = operator_parameter_table().size();
+  return "/x/p.operators:" + std::to_string(size + 2) + ":13: field 'parameter[" +
+         std::to_string(size) + "].name': ";
+}
+
 TEST(PopulationIo, RefusesAnUnknownParameter) {
   EXPECT_EQ(error_of(population_text() + parameter_text("speed_mm", kPlainRange)),
-            "/x/p.operators:30:13: field 'parameter[28].name': no parameter 'speed_mm'; did you "
-            "mean 'speed_mm_s'?");
+            one_too_many() + "no parameter 'speed_mm'; did you mean 'speed_mm_s'?");
   EXPECT_EQ(error_of("name: 'p' " + parameter_text("colour_of_the_hat", kPlainRange)),
             "/x/p.operators:1:23: field 'parameter[0].name': no parameter 'colour_of_the_hat'");
 }
 
 TEST(PopulationIo, RefusesAParameterGivenTwice) {
   EXPECT_EQ(error_of(population_text() + parameter_text("gain", kPlainRange)),
-            "/x/p.operators:30:13: field 'parameter[28].name': 'gain' is given twice");
+            one_too_many() + "'gain' is given twice");
+}
+
+TEST(PopulationIo, WhatOnlyPeopleAtAScrewHaveIsLeftOutAltogetherOrNotAtAll) {
+  std::string all = population_text(), none, but_one;
+  for (const ParameterInfo& info : operator_parameter_table()) {
+    const std::size_t start = all.find("parameter { name: '" + std::string(info.name) + "'");
+    const std::string line = all.substr(start, all.find('\n', start) + 1 - start);
+    if (!info.of_screws) none += line;
+    if (std::string(info.name) != "press_mm") but_one += line;
+  }
+  const auto without = parse_population("p", "name: 'p'\n" + none);
+  ASSERT_TRUE(without.is_ok()) << without.message();
+  EXPECT_FALSE(without->knows_screws());
+  EXPECT_EQ(without->median().press, OperatorParameters().press);
+  const auto with = parse_population("p", all);
+  ASSERT_TRUE(with.is_ok()) << with.message();
+  EXPECT_TRUE(with->knows_screws());
+  EXPECT_NE(error_of("name: 'p'\n" + but_one).find("press_mm is missing"), std::string::npos);
 }
 
 TEST(PopulationIo, WantsEveryParameter) {

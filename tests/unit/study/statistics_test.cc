@@ -303,5 +303,21 @@ TEST(CohortSpread, NarrowsAsCohortsGrow) {
   EXPECT_LT(ratio, 4.2);
 }
 
+TEST(Statistics, AShareOfPeopleHasAnIntervalThatNarrowsWithTheirNumber) {
+  const auto share = [](std::size_t people) {
+    std::vector<bool> nine_of_ten(people, true);
+    for (std::size_t i = 0; i < people; i += 10) nine_of_ten[i] = false;
+    Random random(7);
+    return share_of(nine_of_ten, random);
+  };
+  EXPECT_DOUBLE_EQ(share(10).value, 0.9);
+  EXPECT_DOUBLE_EQ(share(200).value, 0.9);
+  // Binomial: 1.96 sqrt(0.9 * 0.1 / 200) = 0.042 either side.
+  EXPECT_NEAR(share(200).value_95.low, 0.858, 0.01);
+  EXPECT_NEAR(share(200).value_95.high, 0.942, 0.01);
+  EXPECT_LT(share(10).value_95.low, share(200).value_95.low);
+  EXPECT_DOUBLE_EQ(share(10).value_95.high, 1.0);
+}
+
 }  // namespace
 }  // namespace handrail

@@ -1,0 +1,129 @@
+// One trial of screw fastening: what ends it, and what the modes differ in.
+#include "server/lab/study/screw_trial.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "server/lab/study/study_setup_io.h"
+
+namespace handrail {
+namespace {
+
+// The operator of all medians at the shipped scene, settings applied.
+struct Screwing {
+  StudyMachine machine;
+  ScrewTrialOptions options;
+
+  explicit Screwing(ScrewMode mode, const std::vector<std::string>& settings = {}) {
+    auto out = study_setup("screw-fastening", "screw-fastening", settings);
+    EXPECT_TRUE(out) << out.message();
+    machine = out->machine;
+    options.person = out->population.median();
+    options.mode = mode;
+    options.keep_trace = true;
+  }
+  ScrewResult run() const {
+    auto out = run_screw_trial(machine, options);
+    EXPECT_TRUE(out) << out.message();
+    return out ? std::move(*out) : ScrewResult();
+  }
+  double height(const Vec3& p) const {
+    const HexSocketSpec& socket = *machine.scene.simulate->find<HexSocketSpec>();
+    return (p - socket.X_SK.p).dot(socket.X_SK.q * Vec3::UnitZ());
+  }
+};
+
+TEST(ScrewTrial, EveryModeIsDoneWithTheKeyTenMillimetresOut) {
+  for (int i = 0; i < kScrewModes; ++i) {
+    const Screwing screwing(static_cast<ScrewMode>(i));
+    const ScrewResult r = screwing.run();
+    EXPECT_EQ(r.end, ScrewEnd::kDone) << i;
+    ASSERT_GT(r.trace.size(), 1000u) << i;
+    EXPECT_NEAR(screwing.height(r.trace.back().p_ST), 10e-3, 0.5e-3) << i;
+    EXPECT_EQ(r.trace.back().phase, ScrewPhase::kLift) << i;
+    EXPECT_NEAR(r.trace.back().time, r.completion_time, 0.01) << i;
+    EXPECT_GT(r.completion_time, 15.0) << i;
+    double most = 0.0;
+    for (const ScrewTracePoint& p : r.trace) most = std::max(most, p.contact.norm());
+    EXPECT_LE(most, r.measured.max_force + 1e-9) << i;
+    EXPECT_GT(most, 0.9 * r.measured.max_force) << i;
+  }
+}
+
+TEST(ScrewTrial, OnlyProtectionLetsTheSpringBeFelt) {
+  for (int i = 0; i < kScrewModes; ++i) {
+    const auto mode = static_cast<ScrewMode>(i);
+    const ScrewResult r = Screwing(mode).run();
+    const bool felt = std::any_of(r.trace.begin(), r.trace.end(),
+                                  [](const ScrewTracePoint& p) { return p.spring.norm() > 0.1; });
+    EXPECT_EQ(felt, has_protection(mode)) << name_of(mode);
+  }
+}
+
+TEST(ScrewTrial, ToolsKeepTheKeyOverTheScrewWhileItIsTurnedBack) {
+  const auto strayed = [](ScrewMode mode) {
+    const ScrewResult r = Screwing(mode).run();
+    double most = 0.0;
+    const Vec3* from = nullptr;
+    for (const ScrewTracePoint& p : r.trace) {
+      if (p.phase != ScrewPhase::kReturn) {
+        from = nullptr;
+        continue;
+      }
+      if (from == nullptr) from = &p.p_ST;
+      most = std::max(most, (p.p_ST - *from).head<2>().norm());
+    }
+    return most;
+  };
+  EXPECT_LT(strayed(ScrewMode::kNCV), 0.5e-3);
+  EXPECT_GT(strayed(ScrewMode::kNCNV), 1e-3);
+}
+
+TEST(ScrewTrial, FiveHundredNewtonsEndATrialThatProtectionEndsWell) {
+  const std::vector<std::string> hard = {"operator.press_mm=15"};
+  const ScrewResult without = Screwing(ScrewMode::kNCNV, hard).run();
+  EXPECT_EQ(without.end, ScrewEnd::kForce);
+  EXPECT_GT(without.measured.max_force, kTooHard);
+  const ScrewResult with = Screwing(ScrewMode::kCNV, hard).run();
+  EXPECT_LT(with.measured.max_force, 200.0);
+}
+
+TEST(ScrewTrial, AScrewThatIsNeverTightEndsInTime) {
+  const ScrewResult r = Screwing(ScrewMode::kCV, {"screw.tight_deg=36000"}).run();
+  EXPECT_EQ(r.end, ScrewEnd::kTimeOut);
+  EXPECT_NEAR(r.completion_time, kScrewLimit, 0.01);
+}
+
+TEST(ScrewTrial, IsTheSameBitForBit) {
+  const Screwing screwing(ScrewMode::kCNV);
+  const ScrewResult a = screwing.run(), b = screwing.run();
+  EXPECT_EQ(a.completion_time, b.completion_time);
+  EXPECT_EQ(a.measured.path, b.measured.path);
+  EXPECT_EQ(a.measured.impulse, b.measured.impulse);
+}
+
+TEST(ScrewTrial, NeedsAScrewWithinReach) {
+  Screwing screwing(ScrewMode::kNCNV);
+  StudyMachine none = screwing.machine;
+  none.scene.screw.reset();
+  EXPECT_EQ(run_screw_trial(none, screwing.options).message(),
+            "scene 'screw-fastening' has no screw block");
+  StudyMachine far = screwing.machine;
+  for (RigEffectSpec& effect : far.scene.simulate->effects) {
+    if (auto* socket = std::get_if<HexSocketSpec>(&effect)) socket->X_SK.p.x() = 2.0;
+  }
+  EXPECT_EQ(run_screw_trial(far, screwing.options).message(),
+            "scene 'screw-fastening': the arm cannot stand at screw.start_mm");
+  StudyMachine low = screwing.machine;
+  low.scene.screw->start.z() = 0.15;
+  for (RigEffectSpec& effect : low.scene.simulate->effects) {
+    if (auto* socket = std::get_if<HexSocketSpec>(&effect)) socket->X_SK.p.z() = -0.45;
+  }
+  EXPECT_NE(run_screw_trial(low, screwing.options).message().find("does not reach the screw"),
+            std::string::npos)
+      << run_screw_trial(low, screwing.options).message();
+}
+
+}  // namespace
+}  // namespace handrail
