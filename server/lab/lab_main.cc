@@ -104,8 +104,9 @@ void add_screw(CLI::App& app, StudyWords& words) {
       "simulated operators tighten a screw, without contact protection (NC) and with (C), without "
       "tools (NV) and with (V)");
   add_study(*sub, words.screw, "screw");
-  sub->add_option("--bumper", words.screw.bumper, "of the modes with protection")
-      ->transform(CLI::CheckedTransformer(kForms).description("{published,default}"))
+  const auto choose = [&words](const std::string& form) { words.screw.bumper = kForms.at(form); };
+  sub->add_option_function<std::string>("--bumper", choose, "of the modes with protection")
+      ->check(CLI::IsMember({"published", "default"}))
       ->default_str("default");
 }
 

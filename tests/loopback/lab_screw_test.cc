@@ -65,9 +65,9 @@ TEST_F(LabScrew, RefusesWordsItDoesNotUnderstandBeforeRunningAnything) {
   const struct {
     std::vector<std::string> words;
     const char* part;
-  } cases[] = {{{"--bumper", "soft"}, "soft"},
+  } cases[] = {{{"--bumper", "soft"}, "soft not in {"},
                {{"--set", "bumper.threshold=1"}, "threshold_n"},
-               {{"--set", "bumper.threshold_n=-1"}, "0 to"},
+               {{"--set", "bumper.threshold_n=-1"}, "0.1 to 1000 N"},
                {{"--set", "operator.pres_mm=1"}, "press_mm"},
                {{"--sweep", "rig.servo_spread"}, "KEY=VALUE,VALUE"},
                {{"--trials", "0"}, "trials"},
