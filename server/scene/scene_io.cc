@@ -14,6 +14,7 @@
 #include "server/scene/text_io.h"
 #include "server/scene/tool_io.h"
 #include "server/scene/walls_io.h"
+#include "server/scene/workpiece_reach.h"
 
 namespace handrail {
 namespace {
@@ -199,7 +200,8 @@ Problem scene_from(const pb::Scene& in, const std::string& path, Scene& out) {
   if (in.has_screw()) {
     if (Problem p = screw_from(in.screw(), out.simulate, out.screw.emplace())) return p;
   }
-  return tools_from(in, out.tools);
+  if (Problem p = tools_from(in, out.tools)) return p;
+  return out_of_reach(out);
 }
 
 // The part that takes long, once everything else is known to be right.

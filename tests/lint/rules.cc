@@ -30,7 +30,7 @@ const std::map<std::string, Folders>& table() {
       {"proto", {}},
       {"server/base", {}},
       {"server/task", base},
-      {"server/scene", base + Folders{"server/task", "proto"}},
+      {"server/scene", base + Folders{"server/kinematics", "server/task", "proto"}},
       {"server/kinematics", base},
       {"server/constraint", base + Folders{"server/scene"}},
       {"server/effects", base + Folders{"server/scene"}},

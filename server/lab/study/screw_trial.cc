@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "devices/rig/world/compliance.h"
-#include "server/scene/field_check.h"
+#include "server/scene/workpiece_reach.h"
 
 namespace handrail {
 namespace {
@@ -326,26 +326,15 @@ Result<ScrewResult> run_screw_trial(const StudyMachine& given, const ScrewTrialO
   if (!has_protection(options.mode)) machine.scene.guidance.spring = 0.0;
   const HexSocketSpec& socket = *machine.scene.simulate->find<HexSocketSpec>();
   const Workpiece work{socket.X_SK.p, socket.X_SK.q * Vec3::UnitZ(), socket.depth, socket.chamfer};
-  // Straight along the axis, and turned back by half of a half turn: the wrist has the same way to
-  // go on either side.
-  const Quat down = Quat::FromTwoVectors(Vec3::UnitZ(), work.out) * Quat(0.0, 0.0, 1.0, 0.0);
-  const Quat q_start = rotation_exp(0.5 * options.person.half_turn * work.out) * down;
+  if (const auto problem = out_of_reach(machine.scene, options.person.half_turn)) {
+    return Status::error("scene '" + machine.scene.name + "': " + to_sentence(*problem));
+  }
+  // Turned back by half of a half turn: the wrist has the same way to go on either side.
+  const Quat q_start =
+      rotation_exp(0.5 * options.person.half_turn * work.out) * key_in_socket(machine.scene);
   const auto cell = study_cell(machine, {work.p_SK + machine.scene.screw->start, q_start},
                                "screw.start_mm", options.arm_seed, options.seed + 2);
   if (!cell) return cell.status();
-  const ServoArmOptions& arm = (*cell)->rig.controller.arm;
-  for (const double turned : {0.0, options.person.half_turn}) {
-    for (const double height : {-work.depth, machine.scene.screw->clear}) {
-      const Pose X_ST{work.p_SK + height * work.out, rotation_exp(-turned * work.out) * q_start};
-      JointVector q;
-      if (inverse_near(arm.geometry, X_ST, arm.q_start, q) != InverseStatus::kOk) {
-        return Status::error("scene '" + machine.scene.name +
-                             "': the arm does not reach the screw: simulate.hex_socket.at_mm, " +
-                             number_text(height / kMm) + " mm above the rim, turned by " +
-                             number_text(turned / kDeg) + " deg");
-      }
-    }
-  }
   const auto bench = std::make_unique<StudyBench>(machine, **cell, options.person, options.seed);
   return Trial(machine, work, options, *bench).run();
 }

@@ -64,7 +64,7 @@ inline constexpr double kTooHard = 500.0;     // as has one that pushes harder [
 // screw is tight the operator inserts the ball end, turns clockwise about half a turn, lifts the
 // key and turns back. With tools: a line along the screw's axis throughout, with N-rotation while
 // inserting and F-rotation while turning, lifting and turning back. Same arguments, same bits.
-// `machine.scene` has a screw task; the error says why none or where the arm cannot stand.
+// `machine.scene` has a screw task; the error says why none or what the arm cannot reach.
 Result<ScrewResult> run_screw_trial(const StudyMachine& machine, const ScrewTrialOptions& options);
 
 }  // namespace handrail

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "client/cli/command.h"
+#include "tests/support/temp_folder.h"
 
 namespace handrail {
 namespace {
@@ -152,6 +153,21 @@ TEST(Cli, LooksAtScenesWithoutAMaster) {
       without_master({"scene", "check", HANDRAIL_SOURCE_DIR "/server/scene/library/plane.scene"});
   EXPECT_EQ(check.code, kExitDone);
   EXPECT_TRUE(check.out.ends_with("plane.scene: ok\n"));
+}
+
+TEST(Cli, TheCheckOfASceneFindsAWorkpieceOutOfReach) {
+  const TempFolder folder;
+  const std::string file = folder.write("far-screw.scene",
+                                        "name: 'far-screw'\nsimulate { effect { hex_socket {\n"
+                                        "at_mm: [900, 0, 260] axis: [0, 0, 1] } } }\n");
+  const CliRun check = without_master({"scene", "check", file});
+  EXPECT_EQ(check.code, kExitUsage);
+  EXPECT_TRUE(
+      check.err.starts_with("handrail: " + file +
+                            ":3:1: field 'simulate.effect[0].hex_socket.at_mm': out of the arm's "
+                            "reach: at the bottom of the socket the wrist would be 826.1 mm"))
+      << check.err;
+  EXPECT_EQ(check.out, "");
 }
 
 }  // namespace

@@ -262,7 +262,7 @@ TEST(SceneIo, WantsTheTasksPointsApart) {
             "/x/a.scene:4:2: field 'task.c_mm': 0.3 mm from b_mm, expected at least 1");
   EXPECT_EQ(error_of(task("0, 0, 0", "0, 9, 0", "0, 0, 0")),
             "/x/a.scene:4:2: field 'task.c_mm': 0 mm from a_mm, expected at least 1");
-  EXPECT_EQ(error_of(task("0, 0, 0", "0, 1, 0", "0, 2, 0")), "");
+  EXPECT_EQ(error_of(task("350, 0, 260", "350, 1, 260", "350, 2, 260")), "");
 }
 
 // The error of a scene with `text` and overrides.
@@ -296,15 +296,15 @@ TEST(SceneIo, KeepsWhatOverridesDoNotName) {
 }
 
 TEST(SceneIo, TakesATaskFieldByField) {
-  const std::vector<Override> task = {{"task.a_mm", "0,0,0"},
-                                      {"task.b_mm", "0,9,0"},
-                                      {"task.c_mm", "0,9,9"},
+  const std::vector<Override> task = {{"task.a_mm", "350,0,260"},
+                                      {"task.b_mm", "350,9,260"},
+                                      {"task.c_mm", "350,9,269"},
                                       {"task.turn_deg", "0,0,45"}};
   const Result<Scene> scene = parse_scene("/x/a.scene", "name: 'a'", nullptr, task);
   ASSERT_TRUE(scene.is_ok()) << scene.message();
-  EXPECT_TRUE(scene->task->p_SC.isApprox(Vec3(0, 0.009, 0.009)));
+  EXPECT_TRUE(scene->task->p_SC.isApprox(Vec3(0.35, 0.009, 0.269)));
   EXPECT_EQ(error_with({task[0]}),
-            "--set task.a_mm=0,0,0: field 'task.b_mm': missing, but required");
+            "--set task.a_mm=350,0,260: field 'task.b_mm': missing, but required");
 }
 
 TEST(SceneIo, NamesTheOverrideAtFault) {

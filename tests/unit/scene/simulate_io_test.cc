@@ -107,11 +107,12 @@ TEST(SimulateIo, ConvertsToSi) {
 }
 
 TEST(SimulateIo, ASocketOpensAlongItsAxis) {
-  const Simulate s = simulate_of("effect { hex_socket { at_mm: [350, 0, 100] axis: [0, 3, 4] } }");
+  const Simulate s = simulate_of("effect { hex_socket { at_mm: [350, 0, 250] axis: [0, 3, 4] } }");
   const Pose& X_SK = s.find<HexSocketSpec>()->X_SK;
   EXPECT_TRUE((X_SK.q * Vec3::UnitZ()).isApprox(Vec3(0, 0.6, 0.8)));
-  EXPECT_TRUE(X_SK.p.isApprox(Vec3(0.35, 0, 0.1)));
-  const Simulate down = simulate_of("effect { hex_socket { at_mm: [0, 0, 0] axis: [0, 0, -1] } }");
+  EXPECT_TRUE(X_SK.p.isApprox(Vec3(0.35, 0, 0.25)));
+  const Simulate down =
+      simulate_of("effect { hex_socket { at_mm: [350, 0, 950] axis: [0, 0, -1] } }");
   EXPECT_TRUE((down.find<HexSocketSpec>()->X_SK.q * Vec3::UnitZ()).isApprox(-Vec3::UnitZ()));
 }
 
