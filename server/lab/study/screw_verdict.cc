@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace handrail {
 namespace {
@@ -38,6 +39,15 @@ const char* besides(ScrewPairing pairing) {
 
 const char* means(ScrewPairing pairing) { return by_tools(pairing) ? "tools" : "protection"; }
 
+// At least one of the medians is not a failed trial: their ratio says something.
+bool finite(const ScrewStudy& study, ScrewPairing pairing, ScrewFigure figure) {
+  const ScrewPair pair = pair_of(pairing);
+  return std::isfinite(median(pooled(values_of(study, pair.with, figure)))) ||
+         std::isfinite(median(pooled(values_of(study, pair.without, figure))));
+}
+
+constexpr const char* kAllFailed = "most trials failed";
+
 ScrewTarget fitted(const ScrewStudy& study, ScrewFigure figure) {
   const ScrewFigureInfo& info = info_of(figure);
   const double found = median(pooled(values_of(study, ScrewMode::kNCNV, figure))) * info.per_si;
@@ -50,7 +60,9 @@ ScrewTarget size(const ScrewEffect& effect) {
   const std::string with =
       fmt::format("with {}, {}", means(effect.pairing), besides(effect.pairing));
   const std::string title = info_of(effect.figure).title;
-  const std::string found = fmt::format("{:.0f} % lower", 100.0 * effect.lowered);
+  const std::string found = std::isnan(effect.lowered)
+                                ? kAllFailed
+                                : fmt::format("{:.0f} % lower", 100.0 * effect.lowered);
   if (effect.figure == ScrewFigure::kMeanForce) {
     return {fmt::format("{} 30 to 70 % lower {}", title, with), found,
             effect.lowered >= kLeastForce && effect.lowered <= kMostForce};
@@ -99,27 +111,34 @@ std::vector<ScrewEffect> effects_of(const ScrewStudy& study, std::uint64_t seed)
   std::vector<ScrewEffect> out;
   for (const Asked& asked : kAsked) {
     const Paired paired = comparison_of(study, asked.pairing, asked.figure, seed);
-    out.push_back({asked.pairing,
-                   asked.figure,
-                   1.0 - paired.ratio,
-                   {1.0 - paired.ratio_95.high, 1.0 - paired.ratio_95.low},
-                   1.0 - implied_ratio(asked.pairing, asked.figure)});
+    const bool told = finite(study, asked.pairing, asked.figure);
+    ScrewEffect& effect = out.emplace_back();
+    effect.pairing = asked.pairing;
+    effect.figure = asked.figure;
+    effect.lowered = told ? 1.0 - paired.ratio : std::numeric_limits<double>::quiet_NaN();
+    effect.lowered_95 = {1.0 - paired.ratio_95.high, 1.0 - paired.ratio_95.low};
+    effect.implied = 1.0 - implied_ratio(asked.pairing, asked.figure);
   }
   return out;
 }
 
 std::string text_of(const ScrewEffect& effect) {
+  const std::string what = fmt::format("{}, with {}, {}", info_of(effect.figure).title,
+                                       means(effect.pairing), besides(effect.pairing));
+  if (std::isnan(effect.lowered)) {
+    return fmt::format("{}: cannot be told, {} (dissertation {:.1f} % lower)", what, kAllFailed,
+                       100.0 * effect.implied);
+  }
   const bool lower = effect.lowered >= 0.0;
   const Interval& in = effect.lowered_95;
   const char* verdict = effect.reproduced()               ? "as there, within the interval"
                         : !lower                          ? "the other way there"
                         : effect.lowered > effect.implied ? "more than there"
                                                           : "less than there";
-  return fmt::format(
-      "{} {:.3g} % {} with {}, {} (95 %: {:.3g} to {:.3g} %; dissertation {:.1f} % lower): {}",
-      info_of(effect.figure).title, 100.0 * std::abs(effect.lowered), lower ? "lower" : "higher",
-      means(effect.pairing), besides(effect.pairing), 100.0 * (lower ? in.low : -in.high),
-      100.0 * (lower ? in.high : -in.low), 100.0 * effect.implied, verdict);
+  return fmt::format("{}: {:.3g} % {} (95 %: {:.3g} to {:.3g} %; dissertation {:.1f} % lower), {}",
+                     what, 100.0 * std::abs(effect.lowered), lower ? "lower" : "higher",
+                     100.0 * (lower ? in.low : -in.high), 100.0 * (lower ? in.high : -in.low),
+                     100.0 * effect.implied, verdict);
 }
 
 std::vector<ScrewTarget> targets_of(const ScrewStudy& study, std::uint64_t seed) {

@@ -135,6 +135,7 @@ Result<Study> run_person(const StudyPlan& plan, int modes, const Population& pop
     int succeeded = 0;
     const int most = kAttemptsPerTrial * plan.trials;
     for (int i = 0; i < most && succeeded < plan.trials; ++i) {
+      if (plan.cancelled != nullptr && plan.cancelled->load()) return Status::error("cancelled");
       trial.number = first + i;
       trial.seed =
           seed_of(own, 3 + static_cast<std::uint64_t>(mode), static_cast<std::uint64_t>(i));

@@ -27,7 +27,7 @@ TEST(ScrewVerdict, SizesStandBesideTheDissertations) {
   EXPECT_NEAR(effects[2].lowered, 0.4, 1e-12);
   EXPECT_NEAR(effects[2].implied, 0.432, 1e-3);
   const std::string force = text_of(effects[0]);
-  EXPECT_THAT(force, HasSubstr("mean contact force 50 % lower with protection, without tools"));
+  EXPECT_THAT(force, HasSubstr("mean contact force, with protection, without tools: 50 % lower"));
   EXPECT_THAT(force, HasSubstr("dissertation 46.8 % lower"));
 }
 
@@ -41,7 +41,8 @@ TEST(ScrewVerdict, ASizeIsReproducedWhenTheDissertationsIsWithinTheInterval) {
   effect = {ScrewPairing::kToolsNC, ScrewFigure::kTime, 0.3, {0.25, 0.35}, 0.209};
   EXPECT_THAT(text_of(effect), HasSubstr("more than there"));
   effect = {ScrewPairing::kToolsNC, ScrewFigure::kTime, -0.05, {-0.12, 0.03}, 0.209};
-  EXPECT_THAT(text_of(effect), HasSubstr("completion time 5 % higher with tools"));
+  EXPECT_THAT(text_of(effect),
+              HasSubstr("completion time, with tools, without protection: 5 % higher"));
   EXPECT_THAT(text_of(effect), HasSubstr("-3 to 12 %"));
   EXPECT_THAT(text_of(effect), HasSubstr("the other way there"));
 }
@@ -85,6 +86,21 @@ TEST(ScrewVerdict, TargetsAreMissedByNumbers) {
   EXPECT_EQ(target(targets, "no more failures for 90 % of operators with protection, with t").found,
             "80.0 %");
   EXPECT_TRUE(target(targets, "NC-NV: path").met);
+}
+
+TEST(ScrewVerdict, NothingIsMetWhereMostTrialsFailed) {
+  ScrewStudy study = five_people();
+  for (ScrewStudyTrial& trial : study.trials) trial.result.end = ScrewEnd::kTimeOut;
+  const std::vector<ScrewTarget> targets = targets_of(study, 1);
+  for (const char* what :
+       {"NC-NV: completion time", "shorter with tools, without protection",
+        "not longer with tools, without protection", "not longer with tools, with protection"}) {
+    EXPECT_FALSE(target(targets, what).met) << what;
+  }
+  EXPECT_EQ(target(targets, "not longer with tools, with protection").found, "most trials failed");
+  EXPECT_THAT(text_of(effects_of(study, 1)[4]), HasSubstr("cannot be told"));
+  EXPECT_TRUE(target(targets, "30 to 70 % lower with protection, without").met)
+      << "forces count all the same";
 }
 
 }  // namespace

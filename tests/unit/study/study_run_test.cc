@@ -163,5 +163,21 @@ TEST(StudyRun, TheFirstErrorOfATrialIsTheStudys) {
   EXPECT_EQ(study.message(), "no arm there");
 }
 
+TEST(StudyRun, ACancelledStudyEndsAfterTheTrialUnderWay) {
+  std::atomic<bool> cancelled = false;
+  int made = 0;
+  StudyPlan plan;
+  plan.operators = 1;
+  plan.threads = 1;
+  plan.cancelled = &cancelled;
+  const auto study =
+      run_study<Study>(plan, kModes, people(), Trial(), [&](const Trial& trial) -> Result<Outcome> {
+        cancelled = ++made == 3;
+        return Outcome{End::kDone, 1.0, trial};
+      });
+  EXPECT_EQ(study.message(), "cancelled");
+  EXPECT_EQ(made, 3);
+}
+
 }  // namespace
 }  // namespace handrail
