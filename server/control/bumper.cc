@@ -183,9 +183,10 @@ Bumped approach(const Reckoning& now, const BumperState& s, Bumped out) noexcept
   if (settings.promise <= 0.0) return out;
   const double most = now.in.dt * approach_speed(settings, settings.promise - settings.threshold,
                                                  now.in.delay, now.in.dt);
-  // In the open from where the arm was told to go: where it comes to rest may be a little past
-  // that.
-  const Vec3 ahead = s.touching() ? Vec3(Vec3::Zero()) : Vec3(s.followed - now.in.p_last);
+  // From where the arm was told to go: where it comes to rest may be a little past that, and
+  // beside it while it turns. Above the threshold from where it rests, as the dual cone.
+  const bool strict = s.touching() && now.force > settings.threshold;
+  const Vec3 ahead = strict ? Vec3(Vec3::Zero()) : Vec3(s.followed - now.in.p_last);
   const Vec3 from = now.in.p_last + std::min(1.0, kOvershoot / (ahead.norm() + 1e-12)) * ahead;
   Vec3 step = out.p_SB - from, free = Vec3::Zero();
   if (s.touching()) {

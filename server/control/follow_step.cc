@@ -132,6 +132,13 @@ Vec3 rest_place(const FollowSettings& settings, const MotionState& motion) {
   return forward(settings.motion.arm, stop.q[static_cast<std::size_t>(stop.size - 1)]).p;
 }
 
+// From where the bumper reckons: where the tip comes to rest, but never further out of a contact
+// than it is told to be now. An arm that turns fast stops late, and would be led ever further out.
+Vec3 bumped_from(const FollowSettings& settings, const FollowState& s) {
+  const Vec3 rest = rest_place(settings, s.motion), now = s.motion.X_ST.p;
+  return s.bumper.touching() && (rest - now).dot(s.bumper.n_S) > 0.0 ? now : rest;
+}
+
 // What is wrong with the contact.
 Reason judge_contact(const FollowSettings& settings, const Vec3& p_measured, FollowState& s) {
   const Vec3 moved = p_measured - s.p_measured;
@@ -185,7 +192,7 @@ Reason follow(const FollowSettings& settings, const FollowInput& in, FollowState
   contact.delay = s.lag.lag() + settings.bumper.sensor_lag;
   contact.dt = settings.motion.dt;
   const bool published = settings.bumper.form == BumperSettings::Form::kPublished;
-  contact.p_last = published ? s.motion.X_ST.p : rest_place(settings, s.motion);
+  contact.p_last = published ? s.motion.X_ST.p : bumped_from(settings, s);
   Bumped bumped{X_SN.p};
   if (kept(Check::kContact)) bumped = bump(settings.bumper, contact, s.bumper);
   if (published) bumped.p_SB = s.tube.bounded(bumped.p_SB, most_yielding(settings));

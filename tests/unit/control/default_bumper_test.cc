@@ -97,6 +97,20 @@ TEST(DefaultBumper, ASlantingPushSlidesAndDoesNotBackOff) {
   EXPECT_NEAR(step.dot(kUp), std::tan(0.02) * 2e-3, 1e-9);
 }
 
+// An arm that turns in contact would come to rest beside where it was told to go: that is not where
+// it is to go from now on.
+TEST(DefaultBumper, WhereTheArmWouldRestBesideItsCommandLeadsNowhere) {
+  Law law;
+  law.settings.promise = 200.0;
+  law.touch();
+  const Vec3 told = law.out.p_SB;
+  for (int i = 0; i < 20; ++i) {
+    law.in.p_last = law.out.p_SB + 2e-3 * kAlong;
+    law.step(told, 20.0 * kUp);
+    EXPECT_LT(std::abs((law.out.p_SB - told).dot(kAlong)), 1e-9) << i;
+  }
+}
+
 TEST(DefaultBumper, RetreatIsNeverSlowed) {
   Dice dice(62);
   for (int i = 0; i < 500; ++i) {

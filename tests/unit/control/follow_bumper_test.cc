@@ -99,6 +99,48 @@ TEST(FollowBumper, ThePushIsHeldUnderTheThresholdAndTheRestPlaceNeverGoesFurther
   }
 }
 
+// A key in its socket, turned while the hand strays: walls and bottom push at once, and an arm that
+// turns fast comes to rest elsewhere than where it is told to go. That must not lead it out.
+TEST(FollowBumper, AKeyThatIsTurnedHardInItsSocketStaysInIt) {
+  const auto run = [](double promise, double stray, double begin, double press) {
+    FollowRig rig;
+    rig.settings.bumper.promise = promise;
+    rig.settings.bumper.stiffest = 35e3;
+    rig.engage();
+    const Pose X_first = rig.state.motion.X_ST;
+    std::deque<JointVector> late(7, rig.joints());
+    double out = 0.0, hardest = 0.0;
+    for (int i = 0; i < 330; ++i) {
+      const double t = i * rig.settings.motion.dt;
+      const double angle = 110.0 * kDeg * std::max(0.0, t - 0.7);
+      const Vec3 hand(stray * std::sin(angle + begin), 0.35 * stray * std::sin(2.0 * angle),
+                      -press);
+      const Pose X{X_first.p + std::min(1.0, t / 0.4) * hand,
+                   rotation_exp(-angle * Vec3::UnitZ()) * X_first.q};
+      const Pose tip = forward(rig.settings.motion.arm, late.front());
+      const Vec3 bent = tip.p - X_first.p;
+      const Vec3 f_S(-7e3 * bent.x(), -7e3 * bent.y(), 30e3 * std::max(0.0, -bent.z()));
+      hardest = std::max(hardest, f_S.norm());
+      rig.in.q_measured = late.front();
+      rig.in.f_E_T.force = tip.q.conjugate() * f_S;
+      rig.follow(X);
+      late.push_back(rig.joints());
+      late.pop_front();
+      out = std::max(out, rig.state.motion.X_ST.p.z() - X_first.p.z());
+    }
+    EXPECT_GT(hardest, 45.0);
+    EXPECT_LT(hardest, 70.0);
+    EXPECT_LT(out, 0.1e-3) << promise << ' ' << stray << ' ' << begin << ' ' << press;
+  };
+  for (const double promise : {0.0, 200.0}) {
+    for (const double stray : {4e-3, 6e-3, 9e-3}) {
+      for (const double begin : {-0.8, -0.4, 0.0}) {
+        for (const double press : {2e-3, 3e-3, 4e-3}) run(promise, stray, begin, press);
+      }
+    }
+  }
+}
+
 // Nothing is known of the contact any more, so nothing goes in; out is free.
 TEST(FollowBumper, ASensorThatSticksOrFallsSilentInContactDoesNotLetTheCommandIn) {
   for (const bool sticks : {true, false}) {
