@@ -43,6 +43,8 @@ void add_run(FaultResult& result, const FaultOutcome& run, std::uint64_t seed, i
   }
   result.violations += run.violations;
   result.settled = std::max(result.settled, run.settled);
+  result.harder = std::max(result.harder, run.harder);
+  result.deeper = std::max(result.deeper, run.deeper);
   ++result.runs;
 }
 
@@ -127,6 +129,12 @@ std::string fault_table(const std::vector<FaultResult>& results) {
         "  the simulated arm's joints moved on for up to {:.0f} ms after the last "
         "command of a stop\n",
         settled);
+  }
+  for (const FaultResult& r : results) {
+    if (r.harder <= 0.0) continue;
+    out += fmt::format(
+        "  {}: a stop that had set in still pushed up to {:.0f} N harder, {:.1f} mm further in\n",
+        r.row->id, r.harder, r.deeper);
   }
   return out;
 }

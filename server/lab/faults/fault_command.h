@@ -30,6 +30,8 @@ struct FaultResult {
   int shown_index = 0;
   std::string found;     // by that run
   double settled = 0.0;  // of all runs [ms]
+  double harder = 0.0;   // [N]
+  double deeper = 0.0;   // [mm]
 };
 
 // All runs of `rows`, on `threads` threads. Fewer when cancelled.

@@ -131,6 +131,7 @@ void FaultRun::tick(const HapticOrder& order) {
   feed_auditor();
   follow_loop();
   watch_servo();
+  if (cell_->rig().world() != nullptr) watch_surface();
   const bool should = auditor_.led();
   if (!should || may_hold_ || engaged()) led_since_ = now();
   if (now() - led_since_ > kResumePatience) ++not_resumed_;
@@ -263,6 +264,18 @@ void FaultRun::send_instead(const MasterState* state) {
   cell_->send_instead(state);
 }
 
+void FaultRun::watch_surface() {
+  const double force = true_force();
+  const double height = cell_->rig().controller().arm().true_tip().p.dot(normal());
+  if (engaged()) {
+    force_led_ = force;
+    height_led_ = height;
+  } else if (force > 0.0) {
+    harder_ = std::max(harder_, force - force_led_);
+    deeper_ = std::max(deeper_, height_led_ - height);
+  }
+}
+
 FaultOutcome FaultRun::outcome() {
   auditor_.finish();
   const AuditReport& report = auditor_.report();
@@ -276,6 +289,8 @@ FaultOutcome FaultRun::outcome() {
   find(out, report.worst.took > report.worst.allowed && report.of(Breach::kLateStop) == 0,
        name_of(Breach::kLateStop));
   out.settled = settled_;
+  out.harder = harder_;
+  out.deeper = deeper_ * 1e3;
   find(out, not_resumed_, "ms not engaged with a link that had come back");
   return out;
 }

@@ -22,6 +22,10 @@ struct FaultOutcome {
   std::string found;  // names of the violations, for people
   // How long the arm's joints went on after the last command of a stop, at most [ms].
   double settled = 0.0;
+  // In contact: how much more the surface pushed, and how much further in the arm's joints stood,
+  // after a stop had set in than when it did, at most [N], [mm].
+  double harder = 0.0;
+  double deeper = 0.0;
 };
 
 struct FaultOptions {
@@ -104,6 +108,7 @@ class FaultRun {
   void feed_auditor();
   void follow_loop();
   void watch_servo();
+  void watch_surface();
   HandReading hand_now();
 
   Random random_;
@@ -137,6 +142,10 @@ class FaultRun {
   JointVector q_arm_ = JointVector::Zero();
   Nanos stood_since_ = -1;  // commands
   double settled_ = 0.0;
+  double force_led_ = 0.0;    // when the arm was engaged last [N]
+  double height_led_ = -1e9;  // of the tip then by the joints, along the normal [m]
+  double harder_ = 0.0;       // [N]
+  double deeper_ = 0.0;       // [m]
 };
 
 // What the run has measured, in the row's unit.

@@ -15,6 +15,7 @@ namespace handrail {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 const std::atomic<bool> kGoOn = false;
 
@@ -22,6 +23,12 @@ FaultOutcome odd_ones_fail(std::uint64_t, int index) {
   FaultOutcome out;
   measure(out, 10.0 * index, 25.0);
   find(out, index % 2 == 1 ? 2 : 0, "oddities");
+  return out;
+}
+FaultOutcome pushes_on(std::uint64_t, int index) {
+  FaultOutcome out;
+  out.harder = 10.0 * index;
+  out.deeper = 1.0 - 0.5 * index;
   return out;
 }
 FaultOutcome never_measured(std::uint64_t, int) { return {}; }
@@ -37,6 +44,15 @@ TEST(FaultRowsTest, EveryRowHasANameOfItsOwnAndRuns) {
         "S5", "X2a", "X2b", "X9a", "X9b", "N3c", "P1c", "S1d", "S2c", "S3c", "S3d", "S3e"}) {
     EXPECT_EQ(names.count(id), 1u) << id;
   }
+}
+
+TEST(FaultRowsTest, ARowTellsHowMuchItsStopsPushOn) {
+  const std::vector<FaultRow> rows = {{"T1", "a test", "N", 3, pushes_on},
+                                      {"T2", "another", "N", 2, never_measured}};
+  const std::string table = fault_table(run_faults(rows, 1, 2, kGoOn));
+  EXPECT_THAT(table,
+              HasSubstr("T1: a stop that had set in still pushed up to 20 N harder, 1.0 mm"));
+  EXPECT_THAT(table, Not(HasSubstr("T2: a stop")));
 }
 
 TEST(FaultRowsTest, TheWorstRunIsTheOneNearestToItsBound) {
@@ -141,6 +157,28 @@ TEST(FaultRowsTest, InContactTheHandMeetsASurfaceThatAPlainRunHasNot) {
     FaultOutcome out = run.outcome();
     EXPECT_EQ(out.violations, 0u) << out.found;
   }
+}
+
+// Commands stop at once, the joints come after: by their lag of 45 ms, less what the stop takes
+// off.
+TEST(FaultRowsTest, InContactAStopPushesOnByWhatTheArmIsBehind) {
+  FaultOptions options;
+  options.contact = true;
+  FaultRun run(1, options);
+  const Scene::Mapping mapping;
+  double down = 0.0;
+  run.layers().hand = [&](Nanos, HandReading& hand) {
+    hand.X_MH.p = mapping.R_SM.transpose() * Vec3(0.0, 0.0, -down) / mapping.scale;
+  };
+  ASSERT_TRUE(run.engage());
+  constexpr double kSpeed = 0.02;  // [m/s]
+  for (; run.true_force() < 10.0; down += 1e-3 * kSpeed) run.run(kMillisecond);
+  run.cell().net()->stop_master(true);
+  run.run(kSecond);
+  const FaultOutcome out = run.outcome();
+  EXPECT_GT(out.deeper, 0.3 * kSpeed * 45.0);
+  EXPECT_LT(out.deeper, 1.2 * kSpeed * 45.0);
+  EXPECT_NEAR(out.harder, 57.0 * out.deeper, 0.15 * out.harder);
 }
 
 // A guard that is not there is found: a stalled thread whose datagrams go on proves nobody alive.
