@@ -54,6 +54,13 @@ void OperatorModel::aim(const OperatorAim& aim) noexcept {
   to_plan_ = 0.0;
 }
 
+void OperatorModel::leave_off(SteerableHand& hand) noexcept {
+  aiming_ = false;
+  goal_p_ = intent_.position().p;
+  goal_q_ = intent_.orientation();
+  steer(hand);
+}
+
 void OperatorModel::step(double dt, const Pose& X_ST, const Vec3& f_H_M,
                          SteerableHand& hand) noexcept {
   intent_.step(dt);
@@ -118,14 +125,16 @@ void OperatorModel::plan(SteerableHand& hand) noexcept {
     if (!felt_) step = wanted_step(p_seen + coming);
     arrived_ = arrived_ || stopped(p_seen);
   } else if (aim_.by_hand) {
-    step = wanted_step(p_seen + coming);
     const Vec3 way = aim_.X_SG.p - aim_.p_S0;
-    arrived_ = (felt_ || told_ >= way.norm()) &&
-               std::abs(coming.dot(way.normalized())) < kUnderWay * tolerance();
+    const bool all_told = told_ >= way.norm();
+    step = wanted_step(p_seen + coming);
+    arrived_ =
+        (felt_ || all_told) && std::abs(coming.dot(way.normalized())) < kUnderWay * tolerance();
   } else {
     step = wanted_step(p_seen + coming);
-    arrived_ = step.isZero(0.0) && turn.isZero(0.0) && coming.norm() < kUnderWay * tolerance() &&
-               coming_turn.norm() < kUnderWay * tolerated(p.angle_threshold);
+    arrived_ = step.isZero(0.0) && turn.isZero(0.0) &&
+               (aim_.minds_place * coming).norm() <= kUnderWay * tolerance() &&
+               (aim_.minds_turn * coming_turn).norm() <= kUnderWay * angle_tolerance();
   }
   if (step.isZero(0.0) && turn.isZero(0.0)) return;
   goal_p_ += machine_.q_SM.conjugate() * missed(step) / machine_.scale;
@@ -136,7 +145,7 @@ void OperatorModel::plan(SteerableHand& hand) noexcept {
 // The correction of the tip's expected place to ask for now, frame S [m].
 Vec3 OperatorModel::wanted_step(const Vec3& p_expected) noexcept {
   const OperatorParameters& p = parameters_;
-  const Vec3 error = aim_.X_SG.p - p_expected;
+  const Vec3 error = aim_.minds_place * (aim_.X_SG.p - p_expected);
   const double advance = (aim_.speed > 0.0 ? aim_.speed : p.speed) * p.plan_interval;
   const Vec3 forward = aim_.path ? (aim_.X_SG.p - aim_.p_S0).normalized() : Vec3(Vec3::Zero());
   if (aim_.by_hand) {
@@ -166,9 +175,10 @@ Vec3 OperatorModel::wanted_turn(const Vec3& shorter) const noexcept {
   const OperatorParameters& p = parameters_;
   const bool back = shorter.dot(aim_.way_round) < 0.0 && shorter.norm() > 0.5 * std::numbers::pi;
   const Vec3 error =
-      back ? Vec3((1.0 - 2.0 * std::numbers::pi / shorter.norm()) * shorter) : shorter;
+      aim_.minds_turn *
+      (back ? Vec3((1.0 - 2.0 * std::numbers::pi / shorter.norm()) * shorter) : shorter);
   const double angle = error.norm();
-  if (angle <= tolerated(p.angle_threshold)) return Vec3::Zero();
+  if (angle <= angle_tolerance()) return Vec3::Zero();
   const double advance = (aim_.turn_speed > 0.0 ? aim_.turn_speed : p.turn_speed) * p.plan_interval;
   return error * (angle > advance ? advance / angle : p.gain);
 }

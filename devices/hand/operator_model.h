@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 #include "devices/hand/hand_model.h"
@@ -29,6 +30,10 @@ struct OperatorAim {
   double gentle = 1.0;  // by hand: the last part of it goes at `speed`, before at the preferred [m]
   double turn_speed = 0.0;  // [rad/s]; 0: the preferred one
   double tolerance = 0.0;   // seen distance that counts as arrived [m]; 0: the person's own
+  // Which errors of place and orientation are minded, projections in S. What a tool holds is left
+  // to the tool: errors that do not matter are not corrected (Todorov and Jordan 2002).
+  Mat3 minds_place = Mat3::Identity();
+  Mat3 minds_turn = Mat3::Identity();
 };
 
 // What the operator has learned of the machine by practice.
@@ -55,6 +60,9 @@ class OperatorModel {
 
   // Takes up an aim at once; deciding about it is the caller's business.
   void aim(const OperatorAim& aim) noexcept;
+
+  // Leaves off: the hand comes to rest on the spot.
+  void leave_off(SteerableHand& hand) noexcept;
 
   // Lets dt pass, 0 < dt <= 10 ms. `X_ST`: the tip now. `f_H_M`: force on the hand now [N]. Steers
   // `hand`, whose intent nobody else may steer and whose own reaction delay is zero.
@@ -90,8 +98,14 @@ class OperatorModel {
   Vec3 wanted_turn(const Vec3& shorter) const noexcept;
   // Nobody is picky for ever: a tolerance grows while the operator homes in.
   double tolerance() const noexcept {
-    return tolerated(aim_.tolerance > 0.0 ? aim_.tolerance : parameters_.tolerance);
+    return tolerated(aim_.tolerance > 0.0 ? aim_.tolerance
+                                          : share(aim_.minds_place) * parameters_.tolerance);
   }
+  double angle_tolerance() const noexcept {
+    return tolerated(share(aim_.minds_turn) * parameters_.angle_threshold);
+  }
+  // Of an error of all three axes together, as RMS: that of the axes that are minded.
+  static double share(const Mat3& minded) noexcept { return std::sqrt(minded.trace() / 3.0); }
   double tolerated(double tolerance) const noexcept {
     return tolerance * (1.0 + homing_for_ / parameters_.patience);
   }

@@ -39,6 +39,8 @@ class World {
 
   // X_ST of the true tip: with all that bends.
   const Pose& tip() const noexcept { return tip_; }
+  // Where it would be with nothing to touch, frame S [m].
+  const Vec3& untouched() const noexcept { return p0_; }
   // What the contacts exert on the tip, at the tip, frame S.
   const Wrench& on_tip() const noexcept { return on_tip_; }
   // The same in the tip's axes, with the payload's weight: f_E_T, what an ideal

@@ -56,6 +56,11 @@ OperatorAim aim_of(const LinearTask& task, LinearPhase phase, bool tools) {
   aim.p_S0 = phase == LinearPhase::kToB ? task.p_SA : task.p_SB;
   aim.path = phase != LinearPhase::kTurn;
   aim.stop = aim.path && tools;
+  if (!tools) return aim;
+  // A line and N-rotation leave the way along the line, a point the turn.
+  const Vec3 along = (aim.X_SG.p - aim.p_S0).normalized();
+  aim.minds_place = aim.path ? Mat3(along * along.transpose()) : Mat3(Mat3::Zero());
+  if (aim.path) aim.minds_turn.setZero();
   return aim;
 }
 

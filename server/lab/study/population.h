@@ -30,7 +30,7 @@ struct ParameterInfo {
   double unit;       // SI value of 1
   double least;      // allowed in a file, in its unit
   double most;
-  bool of_screws = false;  // only people at a screw have it: a file leaves all of these out, or none
+  bool of_screws = false;  // only people at a screw have it: a file names all of these, or none
 };
 
 // Every field of OperatorParameters, in its order.

@@ -90,7 +90,8 @@ Problem population_from(const pb::Operators& in, Population& out) {
     }
   }
   const bool screws = std::any_of(ranges.begin(), ranges.end(), [&](const ParameterRange& range) {
-    return range.field != nullptr && table[static_cast<std::size_t>(&range - ranges.data())].of_screws;
+    return range.field != nullptr &&
+           table[static_cast<std::size_t>(&range - ranges.data())].of_screws;
   });
   for (std::size_t i = 0; i < table.size(); ++i) {
     if (ranges[i].field != nullptr || (table[i].of_screws && !screws)) continue;

@@ -132,15 +132,24 @@ class Trial {
     return true;
   }
 
-  // Until the operator holds the aim to be reached.
-  bool act(ScrewPhase phase, const OperatorAim& aim) {
+  // Until the operator holds the aim to be reached, or with `until_in` sees the key in. On the line
+  // only what is left free is minded.
+  bool act(ScrewPhase phase, OperatorAim aim, bool until_in = false) {
     phase_ = phase;
+    if (on_line_) {
+      aim.minds_place = work_.out * work_.out.transpose();
+      aim.minds_turn = phase == ScrewPhase::kInsert ? Mat3(Mat3::Zero()) : aim.minds_place;
+    }
     bench_.mind().aim(aim);
     double in_for = 0.0;  // the key has seemed to be in [s]
     do {
       if (!step()) return false;
-      in_for = phase == ScrewPhase::kSeek && seems_in() ? in_for + dt_ : 0.0;
-      if (in_for >= person_.plan_interval || (phase == ScrewPhase::kTurn && tight())) break;
+      in_for = until_in && seems_in() ? in_for + dt_ : 0.0;
+      if (in_for >= person_.plan_interval) {
+        bench_.leave_off();
+        break;
+      }
+      if (phase == ScrewPhase::kTurn && tight()) break;
     } while (!bench_.mind().arrived());
     return true;
   }
@@ -168,13 +177,30 @@ class Trial {
     const double by_memory = bench_.mind().meant().dot(work_.out) - known_depth_;
     const double way =
         inserted_before_ ? by_sight + person_.depth_memory * (by_memory - by_sight) : by_sight;
+    return act(ScrewPhase::kInsert, by_hand(-std::max(way, 1e-3)));
+  }
+
+  // The hand goes so far along the axis, whatever the key does.
+  OperatorAim by_hand(double up) const {
     OperatorAim aim;
     aim.path = aim.by_hand = true;
     aim.p_S0 = above(0.0);
-    aim.X_SG = {above(-std::max(way, 1e-3)), turned(fit_)};
+    aim.X_SG = {above(up), turned(fit_)};
     aim.speed = person_.insert_speed;
     aim.gentle = work_.depth + kHover;
-    return act(ScrewPhase::kInsert, aim);
+    return aim;
+  }
+
+  // A key that is seen not to be in is pushed by what seems to be missing; what did not help is
+  // taken back.
+  bool push_on() {
+    if (seems_in()) return true;
+    const double before = bench_.mind().meant().dot(work_.out);
+    const double missing = height(bench_.mind().seen()) + work_.depth + person_.press;
+    if (!act(ScrewPhase::kInsert, by_hand(-missing), true)) return false;
+    if (seems_in()) return true;
+    const double pushed = before - bench_.mind().meant().dot(work_.out);
+    return pushed < kHardly || act(ScrewPhase::kInsert, by_hand(pushed));
   }
 
   // As far as the eye tells.
@@ -191,10 +217,11 @@ class Trial {
                               tool_order(ToolKind::kNRotation)})) {
           return false;
         }
+        on_line_ = tools();
       } else if (!call({tool_order(ToolKind::kNRotation)})) {
         return false;
       }
-      if (!let_down()) return false;
+      if (!let_down() || !push_on()) return false;
       if (!seems_in() && !seek()) return false;
       if (seems_in()) break;
       ++result_.misses;
@@ -214,7 +241,7 @@ class Trial {
       aim.X_SG = {bench_.tip().p, turned(fit_ + turn)};
       aim.tolerance = kAnywhere;
       aim.turn_speed = kSlowly * person_.turn_speed;
-      if (!act(ScrewPhase::kSeek, aim)) return false;
+      if (!act(ScrewPhase::kSeek, aim, true) || !push_on()) return false;
       if (seems_in()) break;
     }
     return true;
@@ -222,7 +249,7 @@ class Trial {
 
   bool give_up() {
     if (tools() && !call({tools_off()})) return false;
-    line_found_ = false;
+    on_line_ = line_found_ = false;
     free_to_turn_ = false;
     OperatorAim aim;
     aim.X_SG = {above(kHover), turned(fit_)};
@@ -265,8 +292,9 @@ class Trial {
     return act(ScrewPhase::kReturn, aim);
   }
 
-  static constexpr double kSlowly = 0.5;    // of the turning speed, while feeling for the flats
-  static constexpr double kShallow = 0.35;  // of the way down the flats still counts as in
+  static constexpr double kSlowly = 0.5;     // of the turning speed, while feeling for the flats
+  static constexpr double kShallow = 0.35;   // of the way down the flats still counts as in
+  static constexpr double kHardly = 0.5e-3;  // a push of less need not be taken back [m]
   // What counts as arrived where the place does not matter [m].
   static constexpr double kRoughly = 5e-3;
   static constexpr double kAnywhere = 0.1;
@@ -286,6 +314,7 @@ class Trial {
   double started_ = 0.0;
   bool timed_ = false;
   bool at_keys_ = false;
+  bool on_line_ = false;       // a line is called
   bool line_found_ = false;    // with tools: the line stands over the socket
   bool free_to_turn_ = false;  // F-rotation has been called already
   bool inserted_before_ = false;

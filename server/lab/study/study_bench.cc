@@ -70,7 +70,15 @@ void StudyBench::tick(const HapticOrder& order) {
   cell_.tick(hand, order);
   omni_.write(cell_.master().f_H_M);
   if (cell_.robot_cycle() || cell_.rig().world() != nullptr) tip_ = cell_.rig().true_tip();
-  mind_.step(dt_, tip_, cell_.master().f_H_M.force, *omni_.hand());
+  mind_.step(dt_, in_sight(), cell_.master().f_H_M.force, *omni_.hand());
+}
+
+// What the operator sees: of a tool that touches how far it has come by its end, and sideways by
+// its body, since a bent one looks crooked.
+Pose StudyBench::in_sight() const {
+  if (cell_.rig().world() == nullptr) return tip_;
+  const Vec3 bent = cell_.rig().world()->untouched() - tip_.p, axis = tip_.q * Vec3::UnitZ();
+  return {tip_.p + bent - bent.dot(axis) * axis, tip_.q};
 }
 
 }  // namespace handrail

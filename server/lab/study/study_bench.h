@@ -37,6 +37,7 @@ class StudyBench {
   void tick(const HapticOrder& order);
   void clutch(bool closed) { clutch_ = closed; }
   OperatorModel& mind() { return mind_; }
+  void leave_off() { mind_.leave_off(*omni_.hand()); }
   const Cell& cell() const { return cell_; }
   const Pose& tip() const { return tip_; }  // true, X_ST
   double now() const { return now_; }       // [s]
@@ -46,6 +47,8 @@ class StudyBench {
   }
 
  private:
+  Pose in_sight() const;
+
   double dt_;
   double now_ = 0.0;
   bool clutch_ = true;

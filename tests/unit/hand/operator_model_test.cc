@@ -4,72 +4,18 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <memory>
 #include <vector>
 
 #include "server/base/units.h"
 #include "tests/support/no_allocation.h"
+#include "tests/unit/hand/desk.h"
 
 namespace handrail {
 namespace {
 
-constexpr double kTick = 1e-3;
-
-// An operator without noise at a machine that follows the hand at once, one to one.
-OperatorParameters steady() {
-  OperatorParameters p;
-  p.vision_noise_lateral = p.vision_noise_depth = p.vision_noise_angle = 0.0;
-  p.motor_noise = p.tremor = p.drift = p.drift_angle = p.turn_lever = 0.0;
-  p.gain = 0.7;
-  return p;
-}
-
-// The tip is where the hand means it to be, plus what is pushed on it from outside.
-class Desk {
- public:
-  explicit Desk(const OperatorParameters& p, std::uint64_t seed = 1)
-      : mind_(std::make_unique<OperatorModel>(p, OperatorMachine{1.0, Quat::Identity(), 0.0},
-                                              seed)) {}
-
-  void aim(const OperatorAim& aim) { mind_->aim(aim); }
-  void reach(const Vec3& p, const Quat& q = Quat::Identity()) {
-    OperatorAim aim;
-    aim.X_SG = {p, q};
-    mind_->aim(aim);
-  }
-  void tick() {
-    hand_.step(kTick);
-    tip_.p = held_ ? tip_.p : Vec3(hand_.position().p + pushed_);
-    tip_.q = hand_.orientation();
-    mind_->step(kTick, tip_, force_, hand_steered_);
-    now_ += kTick;
-  }
-  // Ticks until the operator calls it reached; how long that took [s].
-  double until_arrived(double most = 60.0) {
-    const double start = now_;
-    do tick();
-    while (!mind_->arrived() && now_ - start < most);
-    return now_ - start;
-  }
-
-  HandMotion hand_{0.0};
-  struct Steered final : SteerableHand {
-    explicit Steered(HandMotion& hand) : motion(hand) {}
-    void steer(const HandIntent& intent) noexcept override {
-      motion.steer(intent);
-      ++orders;
-    }
-    bool moving() const noexcept override { return motion.moving(); }
-    HandMotion& motion;
-    int orders = 0;
-  } hand_steered_{hand_};
-  std::unique_ptr<OperatorModel> mind_;
-  Pose tip_;
-  Vec3 pushed_ = Vec3::Zero();
-  Vec3 force_ = Vec3::Zero();
-  bool held_ = false;
-  double now_ = 0.0;
-};
+using test::Desk;
+using test::kTick;
+using test::steady;
 
 TEST(OperatorModel, SeesADisturbanceOnlyAfterTheVisionDelay) {
   const OperatorParameters p = steady();
@@ -279,13 +225,15 @@ OperatorAim by_hand(double way) {
 
 TEST(OperatorModel, ByHandGoesAsFarAsMeantWhereverTheTipIsSeen) {
   for (const bool held : {false, true}) {
-    Desk desk(steady());
-    desk.tick();
-    desk.held_ = held;
-    desk.aim(by_hand(0.05));
-    EXPECT_LT(desk.until_arrived(), 10.0) << held;
-    EXPECT_NEAR(desk.hand_.position().p.x(), 0.05, 1e-6) << held;
-    EXPECT_NEAR(desk.mind_->meant().x(), 0.05, 1e-12) << held;
+    for (const double way : {0.05, 0.004}) {
+      Desk desk(steady());
+      desk.tick();
+      desk.held_ = held;
+      desk.aim(by_hand(way));
+      EXPECT_LT(desk.until_arrived(), 10.0) << held;
+      EXPECT_NEAR(desk.hand_.position().p.x(), way, 1e-6) << held;
+      EXPECT_NEAR(desk.mind_->meant().x(), way, 1e-12) << held;
+    }
   }
 }
 
@@ -316,6 +264,36 @@ TEST(OperatorModel, GoesGentlyOnTheLastOfAWayByHand) {
   };
   EXPECT_NEAR(time(1.0) - time(0.02), 0.08 / (0.5 * p.speed) - 0.08 / p.speed,
               2.0 * p.plan_interval);
+}
+
+TEST(OperatorModel, LeavesToAToolWhatTheToolHolds) {
+  const OperatorParameters p = steady();
+  const Vec3 axis = Vec3::UnitX();
+  OperatorAim aim;
+  aim.X_SG = {Vec3(0.03, 0.01, 0.02), rotation_exp({0.5, 0.2, -0.3})};
+  aim.minds_place = axis * axis.transpose();
+  aim.minds_turn.setZero();
+  Desk desk(p);
+  desk.aim(aim);
+  EXPECT_LT(desk.until_arrived(), 10.0);
+  EXPECT_NEAR(desk.hand_.position().p.x(), 0.03, p.tolerance);
+  EXPECT_EQ(desk.hand_.position().p.tail<2>().norm(), 0.0);
+  EXPECT_EQ(angle_between(desk.hand_.orientation(), Quat::Identity()), 0.0);
+}
+
+// The errors that matter are those of one axis of three: a third of the variance, as much care.
+TEST(OperatorModel, WhoMindsOneAxisOnlyIsTheMorePrecise) {
+  OperatorParameters p = steady();
+  p.patience = 1e9;
+  OperatorAim aim;
+  aim.X_SG.q = rotation_exp(Vec3(0.8 * p.angle_threshold, 0.0, 0.0));
+  for (const bool one : {false, true}) {
+    if (one) aim.minds_turn = Vec3::UnitX() * Vec3::UnitX().transpose();
+    Desk desk(p);
+    desk.aim(aim);
+    EXPECT_LT(desk.until_arrived(), 10.0);
+    EXPECT_EQ(desk.hand_steered_.orders > 0, one);
+  }
 }
 
 TEST(OperatorModel, TurnsTheLongerWayRoundWhereItIsTold) {

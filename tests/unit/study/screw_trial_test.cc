@@ -89,6 +89,43 @@ TEST(ScrewTrial, FiveHundredNewtonsEndATrialThatProtectionEndsWell) {
   EXPECT_LT(with.measured.max_force, 200.0);
 }
 
+// A key that never finds its flats: who feels nothing pushes by what seems to be missing, and takes
+// that back; who feels it leaves it at that.
+TEST(ScrewTrial, AKeyThatDoesNotGoInIsPushedOnceMoreWhereNothingIsFelt) {
+  for (const ScrewMode mode : {ScrewMode::kNCNV, ScrewMode::kCNV}) {
+    Screwing screwing(mode);
+    for (RigEffectSpec& effect : screwing.machine.scene.simulate->effects) {
+      if (auto* socket = std::get_if<HexSocketSpec>(&effect)) socket->backlash = 1e-6;
+    }
+    const ScrewResult r = screwing.run();
+    const auto seek = std::find_if(r.trace.begin(), r.trace.end(), [](const ScrewTracePoint& p) {
+      return p.phase == ScrewPhase::kSeek;
+    });
+    ASSERT_NE(seek, r.trace.end());
+    double most = 0.0;
+    for (auto p = r.trace.begin(); p != seek; ++p) most = std::max(most, p->contact.norm());
+    if (mode == ScrewMode::kNCNV) {
+      EXPECT_GT(most, seek->contact.norm() + 60.0);
+    } else {
+      EXPECT_LT(most, 60.0);
+    }
+  }
+}
+
+// The tip is held by the socket: only the key's bending tells that the hand has strayed.
+TEST(ScrewTrial, AHandThatStraysIsSeenByTheKeyItBends) {
+  const ScrewResult r = Screwing(ScrewMode::kNCNV).run();
+  double sum = 0.0;
+  int turning = 0;
+  for (const ScrewTracePoint& p : r.trace) {
+    if (p.phase != ScrewPhase::kTurn) continue;
+    sum += p.contact.head<2>().norm();
+    ++turning;
+  }
+  EXPECT_GT(sum / turning, 10.0);
+  EXPECT_LT(sum / turning, 35.0);  // 45 N where it is not seen
+}
+
 TEST(ScrewTrial, AScrewThatIsNeverTightEndsInTime) {
   const ScrewResult r = Screwing(ScrewMode::kCV, {"screw.tight_deg=36000"}).run();
   EXPECT_EQ(r.end, ScrewEnd::kTimeOut);
