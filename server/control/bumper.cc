@@ -52,23 +52,16 @@ void remember_tip(BumperState& s, const Vec3& p_ST) noexcept {
   s.tips[static_cast<std::size_t>(s.newest)] = p_ST;
 }
 
-// How deep the tip is behind where the contact began, along the normal, and how far beside it [m].
-struct Way {
-  double depth;
-  double beside;
-};
-
-Way way_since_touch(const BumperState& s, const Vec3& p_ST) noexcept {
-  const Vec3 way = p_ST - s.p_touch;
-  const double out = way.dot(s.n_S);
-  return {-out, (way - out * s.n_S).norm()};
+// How deep the tip is behind where the contact began [m].
+double depth_of(const BumperState& s, const Vec3& p_ST) noexcept {
+  return (s.p_touch - p_ST).dot(s.n_S);
 }
 
 void measure_stiffness(const Reckoning& now, const Vec3& p_ST, BumperState& s) noexcept {
   const BumperSettings& settings = now.settings;
   const double normal_force = std::max(0.0, now.in.f_E_S.dot(s.n_S));
   if (now.force > settings.contact) {
-    const double travel = std::max(0.0, way_since_touch(s, p_ST).depth);
+    const double travel = std::max(0.0, depth_of(s, p_ST));
     s.stiffness = std::max(s.stiffness, (now.force - now.margin) / (travel + kLength));
     const double rise = std::abs(normal_force - s.last_normal_force) - 2.0 * now.margin;
     if (s.last_normal_force > settings.contact && rise > 0.0) {
@@ -83,7 +76,7 @@ void measure_stiffness(const Reckoning& now, const Vec3& p_ST, BumperState& s) n
 
 // Turns the normal toward the force until it lies in the cone.
 void turn_normal(const Reckoning& now, BumperState& s) noexcept {
-  if (now.force <= now.settings.contact) return;
+  if (now.force <= now.settings.contact + now.margin) return;
   const Vec3 u = now.in.f_E_S / now.force;
   const double cone = now.cone(), along = u.dot(s.n_S);
   if (along >= std::cos(cone)) return;
@@ -92,6 +85,9 @@ void turn_normal(const Reckoning& now, BumperState& s) noexcept {
   const Vec3 w = length > 1e-9 ? Vec3(beside / length) : u.unitOrthogonal();
   s.n_S = (std::cos(cone) * u + std::sin(cone) * w).normalized();
 }
+
+// What of `v` is beyond a band around 0.
+double beyond(double v, double band) noexcept { return v - std::clamp(v, -band, band); }
 
 // Above the threshold: `d` pushed out to where it goes into no surface that the force may be of.
 Vec3 in_dual_cone(const Reckoning& now, const Vec3& d) noexcept {
@@ -124,9 +120,11 @@ bool is_left(const Reckoning& now, const BumperState& s, const Vec3& p_ST,
   if (now.force >= 0.5 * settings.contact) return false;
   const double above = (now.in.p_SU - p_SB).dot(s.n_S);  // of the command, over what is followed
   if (above > -1e-7) return true;
-  const Way way = way_since_touch(s, p_ST);
-  if (way.depth < -kLift && above > -kLift) return true;
-  return way.depth - kRoughness * way.beside > settings.threshold / s.stiffness + kUneven;
+  if (depth_of(s, p_ST) < -kLift && above > -kLift) return true;
+  // So far in from where it was felt last that a surface would be felt again.
+  const Vec3 way = p_ST - s.p_felt;
+  const double out = way.dot(s.n_S), beside = (way - out * s.n_S).norm();
+  return -out - kRoughness * beside > settings.threshold / s.stiffness + kUneven;
 }
 
 Bumped while_touching(const Reckoning& now, BumperState& s) noexcept {
@@ -137,17 +135,21 @@ Bumped while_touching(const Reckoning& now, BumperState& s) noexcept {
   if (in.fresh) {
     measure_stiffness(now, p_ST, s);
     turn_normal(now, s);
+    if (now.force > settings.contact) s.p_felt = p_ST;
   }
   const double rate = in.dt / (s.stiffness * kReserve * now.delay);  // [m/N], each cycle
   const double slowness = std::max(kSlowest, settings.alpha * in.dt / rate);
-  s.give += std::min(1.0, in.dt / slowness) *
-            (settings.alpha * std::min(now.force, settings.threshold) - s.give);
+  const double yielding = settings.alpha * std::min(now.force, settings.threshold);
+  s.give +=
+      std::min(1.0, in.dt / slowness) * beyond(yielding - s.give, settings.alpha * now.margin);
 
-  // No further in above the goal, which lies below the threshold: out again.
+  // No further in above the goal, which lies below the threshold: out again. What noise may be
+  // moves nothing.
   const double goal =
       std::max(0.5 * settings.threshold,
                settings.threshold - std::max(0.05 * settings.threshold, now.margin));
-  double least = std::min(rate * (now.force - goal), kRelief * in.dt);
+  const double band = std::min(now.margin, settings.threshold - goal);
+  double least = std::min(rate * beyond(now.force - goal, band), kRelief * in.dt);
   if (!in.fresh) least = std::max(least, 0.0);  // no news: no further in
   // From where the arm was told to go, near where it comes to rest: it may overshoot, in or out.
   // Above the goal never from further in than it rests.

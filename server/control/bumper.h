@@ -46,6 +46,7 @@ struct BumperState {
   double stiffness = 0.0;          // felt so far [N/m]
   double give = 0.0;               // how far the command yields along n_S [m]
   Vec3 p_touch = Vec3::Zero();     // the last place without contact [m]
+  Vec3 p_felt = Vec3::Zero();      // the last place where it was felt above `contact` [m]
   double apart = 1e9;              // since the last contact [s]
   int felt = 0;                    // readings in a row above `contact`
   double last_normal_force = 0.0;  // of the cycle before [N]

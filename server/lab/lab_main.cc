@@ -269,7 +269,7 @@ void add_bumper(CLI::App& app, BumperCommand& bumper) {
   sub->add_option("--form", bumper.form, "published or default; else both")
       ->check(CLI::IsMember({"published", "default"}));
   sub->add_option("--noise", bumper.noise, "of the sensor, standard deviation [N]")
-      ->check(CLI::Range(0.0, 20.0));
+      ->check(CLI::Range(0.0, 9.0));
   sub->add_option("--threads", bumper.threads, "0: one a core; results do not depend on it")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();

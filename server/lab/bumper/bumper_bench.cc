@@ -179,8 +179,7 @@ class Bench {
 }  // namespace
 
 double peak_bound(const BumperSettings& settings, const BumperCase& of) noexcept {
-  return settings.threshold + of.stiffness * of.speed * (of.delay + of.servo_lag + 2.5 * of.cycle) +
-         5.0 * of.noise;
+  return settings.threshold + of.stiffness * of.speed * (of.delay + of.servo_lag + 2.5 * of.cycle);
 }
 
 BumperRun run_bumper(const BumperSettings& settings, const BumperCase& of) {

@@ -32,7 +32,7 @@ struct BumperRun {
 
 BumperRun run_bumper(const BumperSettings& settings, const BumperCase& of);
 
-// f_th + k_e v (D + 2.5 T), and five standard deviations of noise: what a peak may come to [N].
+// f_th + k_e v (D + 2.5 T): what a peak may come to, noise or not [N].
 double peak_bound(const BumperSettings& settings, const BumperCase& of) noexcept;
 
 }  // namespace handrail

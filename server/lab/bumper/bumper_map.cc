@@ -49,11 +49,11 @@ BumperCell push_all(const BumperMapOptions& options, const BumperCase& of) {
   BumperSettings settings;
   settings.form = options.form;
   settings.noise = options.noise;
+  settings.contact = std::max(settings.contact, 5.0 * options.noise);
   settings.stiffest = std::max(settings.stiffest, of.stiffness);
   BumperCell cell;
   cell.of = of;
   cell.bound = peak_bound(settings, of);
-  cell.allowed = 2.0 + 6.0 * options.noise;
   cell.worst.released = true;
   for (int i = 0; i < kPushes; ++i) {
     BumperCase push = of;

@@ -16,7 +16,8 @@ struct BumperMapOptions {
   // With 45 ms of servo lag and 20 to 60 N/mm in series: no contact is stiffer. Else the arm is
   // where it is told, and a contact of any stiffness is felt as it is.
   bool rig = false;
-  double noise = 0.0;  // of the sensor, standard deviation, known to the bumper [N]
+  // Of the sensor, standard deviation, known to the bumper, below 10 [N]. A contact begins at five.
+  double noise = 0.0;
   int threads = 0;
   const std::atomic<bool>* cancelled = nullptr;
   std::function<void(std::size_t)> progress;
@@ -24,13 +25,12 @@ struct BumperMapOptions {
 
 // The worst of eight pushes: straight or slanted, hard or gentle, late command or late sensor.
 struct BumperCell {
-  BumperCase of;         // stiffness, speed, delay, friction, servo lag, noise
-  BumperRun worst;       // the largest of each; of `settled` the one of the largest peak
-  double bound = 0.0;    // of the peak [N]
-  double allowed = 2.0;  // swing [N]: 2 N, and six standard deviations of noise
+  BumperCase of;       // stiffness, speed, delay, friction, servo lag, noise
+  BumperRun worst;     // the largest of each; of `settled` the one of the largest peak
+  double bound = 0.0;  // of the peak [N]
 
   bool goes_in() const noexcept { return worst.inward > 1e-9; }
-  bool swings() const noexcept { return worst.swing > allowed; }
+  bool swings() const noexcept { return worst.swing > 2.0; }
   bool peaks() const noexcept { return worst.peak > bound; }
   bool good() const noexcept { return !goes_in() && !swings() && !peaks() && worst.released; }
 };

@@ -142,6 +142,55 @@ TEST(DefaultBumper, ADipBelowTheThresholdDoesNotLetTheStoredCommandIn) {
   EXPECT_LT(inward, 3.5 / 20e3 * 0.1);
 }
 
+// What the noise of 2 N may be, 8 N either way, moves nothing; above the threshold it goes out.
+TEST(DefaultBumper, NoiseMovesNothingAtRest) {
+  for (const bool held : {true, false}) {
+    Law law;
+    law.settings.noise = 2.0;
+    law.touch(0.0);
+    const double rest = held ? 42.0 : 25.0;
+    const Vec3 p_SU = law.in.p_last - (held ? 1e-2 : 0.0) * kUp;
+    for (int i = 0; i < 1000; ++i) {
+      law.step(p_SU, rest * kUp);
+      if (!held) law.in.p_last = law.out.p_SB;
+    }
+    for (const double off : {7.9, -7.9, 3.0, -3.0}) {
+      const Vec3 before = law.in.p_last;
+      law.step(p_SU, (rest + off) * kUp);
+      // What it yields comes near the edge of the band from outside, and gets no further.
+      EXPECT_NEAR((law.out.p_SB - before).dot(kUp), 0.0, held || off < 0.0 ? 1e-12 : 1.5e-6) << off;
+    }
+    if (!held) continue;
+    EXPECT_LT((law.step(p_SU, 33.0 * kUp).p_SB - law.in.p_last).dot(kUp), -1e-7);
+    EXPECT_GT((law.step(p_SU, 51.0 * kUp).p_SB - law.in.p_last).dot(kUp), 1e-7);
+  }
+}
+
+TEST(DefaultBumper, NoiseOnAWeakForceDoesNotTurnTheNormal) {
+  Law law;
+  law.settings.noise = 2.0;
+  law.touch();
+  law.step(law.in.p_last, 17.9 * kAlong);
+  EXPECT_LT(angle(law.state.n_S, kUp), kAngle);
+  law.step(law.in.p_last, 18.1 * kAlong);
+  EXPECT_GT(angle(law.state.n_S, kUp), 0.1);
+}
+
+// Felt first far below where it was still free, as fast arms feel it.
+TEST(DefaultBumper, AFewNewtonsLessAreNoLeftContactWhereItIsAsDeepAsItWasFelt) {
+  Law law;
+  law.step(Vec3::Zero(), Vec3::Zero());
+  law.in.p_last = -8e-3 * kUp;
+  law.step(-10e-3 * kUp, 60.0 * kUp);
+  ASSERT_TRUE(law.state.touching());
+  law.step(-10e-3 * kUp, 4.9 * kUp);
+  EXPECT_TRUE(law.state.touching());
+  // Deeper than any force below the threshold explains: it is the surface that went away.
+  law.in.p_last -= 8e-3 * kUp;
+  law.step(-20e-3 * kUp, 4.9 * kUp);
+  EXPECT_EQ(law.state.phase, Phase::kReturning);
+}
+
 TEST(DefaultBumper, TheNormalIsNotTiltedByFrictionAndFollowsABentSurface) {
   Law law;
   law.touch();

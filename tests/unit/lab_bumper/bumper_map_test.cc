@@ -79,6 +79,27 @@ TEST(BumperBench, TheDefaultKeepsItsPromisesWhereItIsHardest) {
   }
 }
 
+// On a surface of 1000 N/mm noise of 2 N is two thousandths of a millimetre.
+TEST(BumperBench, NoiseDoesNotSwingTheForce) {
+  for (const double n_mm : {60.0, 300.0, 1000.0}) {
+    for (const double ms : {0.0, 5.0, 50.0}) {
+      for (int i = 0; i < 4; ++i) {
+        BumperCase push = of(n_mm, 250, ms, 0.3 * (i & 1));
+        push.noise = 2.0;
+        push.slanted = true;
+        push.gentle = (i & 2) != 0;
+        push.late_sensor = true;
+        BumperSettings settings = of_form(kDefault, push.stiffness);
+        settings.noise = 2.0;
+        const BumperRun run = run_bumper(settings, push);
+        EXPECT_LT(run.swing, 2.0) << n_mm << ' ' << ms << ' ' << i;
+        EXPECT_LT(run.inward, 1e-9) << n_mm << ' ' << ms << ' ' << i;
+        EXPECT_LT(run.peak, peak_bound(settings, push)) << n_mm << ' ' << ms << ' ' << i;
+      }
+    }
+  }
+}
+
 TEST(BumperMap, ACellIsGoodWhenNothingIsWrong) {
   BumperCell cell;
   cell.bound = 100.0;
