@@ -158,10 +158,7 @@ Bumped while_touching(const Reckoning& now, BumperState& s) noexcept {
       std::clamp(s.followed.dot(s.n_S), least >= 0.0 ? rest : rest - kOvershoot, rest + kOvershoot);
   const Vec3 wanted = in.p_SU + beside_command(now, s) + s.give * s.n_S;
   const double held = from + least - wanted.dot(s.n_S);  // back, along the normal
-  Vec3 step = wanted + std::max(0.0, held) * s.n_S - in.p_last;
-  if (now.force > settings.threshold) step = in_dual_cone(now, step);
-
-  Bumped out{in.p_last + step, held > 0.0 ? Reason::kBumper : Reason::kNone};
+  Bumped out{wanted + std::max(0.0, held) * s.n_S, held > 0.0 ? Reason::kBumper : Reason::kNone};
   if (is_left(now, s, p_ST, out.p_SB)) {
     s.phase = Phase::kReturning;
     s.felt = 0;
@@ -191,11 +188,7 @@ Bumped approach(const Reckoning& now, const BumperState& s, Bumped out) noexcept
   const Vec3 ahead = strict ? Vec3(Vec3::Zero()) : Vec3(s.followed - now.in.p_last);
   const Vec3 from = now.in.p_last + std::min(1.0, kOvershoot / (ahead.norm() + 1e-12)) * ahead;
   Vec3 step = out.p_SB - from, free = Vec3::Zero();
-  if (s.touching()) {
-    // Above the threshold out is against the force, which keeps the step in the dual cone.
-    const Vec3 n = now.force > settings.threshold ? Vec3(now.in.f_E_S / now.force) : s.n_S;
-    free = std::max(0.0, step.dot(n)) * n;
-  }
+  if (s.touching()) free = std::max(0.0, step.dot(s.n_S)) * s.n_S;
   step -= free;
   const double length = step.norm();
   if (length <= most) return out;
@@ -229,8 +222,9 @@ Bumped bump_default(const Reckoning& now, BumperState& s) noexcept {
 
 double approach_speed(const BumperSettings& settings, double room, double delay,
                       double dt) noexcept {
-  // room = k (v late + v^2 / 2a), braking begins late by the delay and by the jerk limit.
-  const double late = delay + 2.5 * dt + 1.25 * kJerkTime;
+  // room = k (v late + v^2 / 2a): braking begins late by the delay, and by half the time its jerk
+  // takes.
+  const double late = delay + 2.5 * dt + 0.5 * kJerkTime;
   const double way = std::max(0.0, room) / settings.stiffest;
   return 2.0 * way / (late + std::sqrt(late * late + 2.0 * way / kBraking));
 }
@@ -243,8 +237,14 @@ Bumped bump(const BumperSettings& settings, const BumperInput& in, BumperState& 
   const Reckoning now{settings, in, in.f_E_S.norm(), in.delay + 1.5 * in.dt, 4.0 * settings.noise};
   if (state.newest < 0) state.followed = in.p_last;
   const Bumped asked = bump_default(now, state);
-  const Bumped out = approach(now, state, asked);
-  state.behind = asked.p_SB - in.p_SU;
+  Bumped out = approach(now, state, asked);
+  Vec3 unslowed = asked.p_SB;
+  // Raised by the way that is gone, not by one that the promise does not let it go.
+  if (state.touching() && now.force > settings.threshold) {
+    out.p_SB = in.p_last + in_dual_cone(now, out.p_SB - in.p_last);
+    unslowed = in.p_last + in_dual_cone(now, unslowed - in.p_last);
+  }
+  state.behind = unslowed - in.p_SU;
   state.followed = out.p_SB;
   return out;
 }

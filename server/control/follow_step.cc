@@ -230,6 +230,7 @@ void place(const FollowSettings& settings, const JointVector& q, FollowState& st
   state.motion = standing_at(settings.motion.arm, q);
   state.joints = JointMonitor();
   state.following.restart(q);
+  state.lag.restart(q);
   state.bumper = BumperState();
   state.p_measured = state.motion.X_ST.p;
   state.placed = true;
@@ -242,7 +243,7 @@ void follow_step(const FollowSettings& settings, const FollowInput& in, FollowSt
   const Pose X_measured = forward(settings.motion.arm, q_measured);
   const Reason sensor = read_force(settings, in, X_measured.q, s);
   if (s.placed) {
-    s.lag.add(s.motion.joints.q, s.motion.joints.step, q_measured, settings.motion.dt);
+    s.lag.add(s.motion.joints.q, q_measured, settings.motion.dt);
   }
   const Reason contact = judge_contact(settings, X_measured.p, s);
   FollowLedger ledger;

@@ -7,17 +7,19 @@
 
 namespace handrail {
 
-// Least squares of how far the joints are behind over how fast they are commanded, over the last
-// seconds of motion. Real-time safe.
+// Least squares of how far the joints are behind over how fast they move, over the last seconds of
+// motion. By how fast they move, not how fast they are commanded: what has just begun to move is
+// not as far behind as it will be, and would seem quick. Real-time safe.
 class LagEstimate {
  public:
-  // One cycle of `dt` [s]: what was measured while `q_command`, `step` [rad] after the one before,
-  // was the newest command.
-  void add(const JointVector& q_command, const JointVector& step, const JointVector& q_measured,
-           double dt) noexcept {
+  // The joints stand at `q` [rad]; what was found stays.
+  void restart(const JointVector& q) noexcept { last_ = q; }
+  // One cycle of `dt` [s]: what was measured while `q_command` was the newest command.
+  void add(const JointVector& q_command, const JointVector& q_measured, double dt) noexcept {
     constexpr double kSlow = 0.05;     // joints slower than this tell nothing [rad/s]
     constexpr double kMemory = 0.998;  // a cycle of motion
-    const JointVector speed = step / dt;
+    const JointVector speed = (q_measured - last_) / dt;
+    last_ = q_measured;
     if (speed.cwiseAbs().maxCoeff() < kSlow) return;
     behind_ = kMemory * behind_ + (q_command - q_measured).dot(speed);
     speed_ = kMemory * speed_ + speed.squaredNorm();
@@ -27,6 +29,7 @@ class LagEstimate {
 
  private:
   static constexpr double kFirst = 0.06, kWeight = 0.01;
+  JointVector last_ = JointVector::Zero();
   double behind_ = kFirst * kWeight;
   double speed_ = kWeight;
 };

@@ -1,8 +1,10 @@
 #include "server/lab/bumper/bumper_bench.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
+#include <utility>
 #include <vector>
 
 namespace handrail {
@@ -93,20 +95,29 @@ class Bench {
     const Mat3 axes =
         (Mat3() << kNormal.unitOrthogonal(), kNormal.cross(kNormal.unitOrthogonal()), kNormal)
             .finished();
-    const double away = std::max(1e-3, 0.1 * of.speed);
+    const double away = std::max(1e-3, 0.4 * of.speed);
     const double depth = of.gentle ? 30.0 / of.stiffness : std::max(3e-3, 150.0 / of.stiffness);
     into_ = of.slanted ? Vec3((axes.col(0) - kNormal) * std::sqrt(0.5)) : Vec3(-kNormal);
     along_ = (axes.col(0) + 2.0 * axes.col(1)).normalized();
     p_SU_ = p_SB_ = p_ST_ = away * kNormal;
     late_command_.fill(p_SB_);
-    hold_ = (away + std::min(depth, kDeepest)) / (of.speed * -into_.dot(kNormal));
-    slide_ = hold_ + kHold;
+    cycle_ago_.fill(p_ST_);
+    if (settings.promise > 0.0) {
+      allowed_ = approach_speed(settings, settings.promise - settings.threshold, delay(), of.cycle);
+    }
+    const double way = (away + std::min(depth, kDeepest)) / -into_.dot(kNormal);
+    hold_ = way / of.speed;
+    slide_ = way / std::min(of.speed, allowed_) + kHold;
     hold_again_ = slide_ + 2.0 * kSlide;
     out_ = hold_again_ + kHold;
+    // No faster than the promise lets the arm follow.
+    along_speed_ = std::min({of.speed, kFastestSlide, 0.5 * allowed_});
+    retreat_ = std::min(kOut, 0.5 * allowed_);
+    end_ = out_ + kRetreat + (retreat_ < kOut ? 2.0 * way / retreat_ : 0.0);
   }
 
   BumperRun run() {
-    const int cycles = static_cast<int>((out_ + kRetreat) / of_.cycle);
+    const int cycles = static_cast<int>(end_ / of_.cycle);
     for (int i = 0; i < cycles; ++i) cycle(i * of_.cycle);
     run_.swing = std::max(first_.swing(), second_.swing());
     run_.settled = second_.mean();
@@ -119,14 +130,16 @@ class Bench {
     return static_cast<int>(std::lround(seconds / of_.cycle * kSubsteps));
   }
 
+  // What the law takes for the delay [s].
+  double delay() const { return (of_.delay + of_.servo_lag) * (1.0 + of_.lag_error); }
+
   void command(double t) {
-    const double slide = of_.cycle * std::min(of_.speed, kFastestSlide);
     if (t < hold_) {
       p_SU_ += of_.cycle * of_.speed * into_;
     } else if (t >= slide_ && t < hold_again_) {
-      p_SU_ += (t < slide_ + kSlide ? slide : -slide) * along_;
+      p_SU_ += of_.cycle * (t < slide_ + kSlide ? along_speed_ : -along_speed_) * along_;
     } else if (t >= out_) {
-      p_SU_ += of_.cycle * kOut * kNormal;
+      p_SU_ += of_.cycle * retreat_ * kNormal;
     }
   }
 
@@ -137,7 +150,7 @@ class Bench {
     in.f_E_S = f_measured_ + of_.noise * Vec3(normal_(random_), normal_(random_), normal_(random_));
     in.p_last = p_SB_;
     in.p_ST = p_ST_;
-    in.delay = (of_.delay + of_.servo_lag) * (1.0 + of_.lag_error);
+    in.delay = delay();
     in.dt = of_.cycle;
     p_SB_ = bump(settings_, in, state_).p_SB;
     if (in.f_E_S.norm() > settings_.threshold) {
@@ -151,6 +164,11 @@ class Bench {
     const Vec3 f = surface_.force(p_ST_);
     f_measured_ = late_force_.pass(f);
     const double force = f.dot(kNormal);
+    const Vec3 moved = p_ST_ - std::exchange(cycle_ago_[newest_], p_ST_);
+    newest_ = (newest_ + 1) % cycle_ago_.size();
+    if (run_.peak == 0.0 && force > 0.0) {
+      run_.share = moved.norm() / (of_.cycle * std::min(of_.speed, allowed_));
+    }
     run_.peak = std::max(run_.peak, force);
     if (t >= slide_ - kLast && t < slide_) first_.add(force);
     if (t >= out_ - kLast && t < out_) second_.add(force);
@@ -167,7 +185,11 @@ class Bench {
   double follow_;
   Vec3 into_, along_;
   double hold_ = 0.0, slide_ = 0.0, hold_again_ = 0.0, out_ = 0.0;  // when each part begins [s]
+  double end_ = 0.0;
+  double allowed_ = 1e9, along_speed_ = 0.0, retreat_ = kOut;  // [m/s]
   Vec3 p_SU_, p_SB_, p_ST_, f_measured_ = Vec3::Zero();
+  std::array<Vec3, kSubsteps> cycle_ago_{};  // measured tip
+  std::size_t newest_ = 0;
   BumperState state_;
   std::mt19937 random_{7};
   std::normal_distribution<double> normal_;

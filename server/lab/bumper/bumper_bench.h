@@ -26,6 +26,7 @@ struct BumperRun {
   double peak = 0.0;      // largest true force along the normal [N]
   double swing = 0.0;     // peak to peak in the last second of either hold [N]
   double settled = 0.0;   // mean force of the last second [N]
+  double share = 0.0;     // speed at the first touch, of the command's or of what a promise allows
   int hops = 0;           // times the surface was left while sliding
   bool released = false;  // the way out was followed to its end
 };

@@ -18,7 +18,7 @@ struct BumperCommand {
   std::string figures;  // folder; empty: none
 };
 
-// A LabExit.
+// A LabExit; kFailed where the default form breaks a promise.
 int run_bumper_command(const BumperCommand& command, const std::atomic<bool>& cancelled);
 
 // Draws the maps side by side into FOLDER/bumper-maps.svg.

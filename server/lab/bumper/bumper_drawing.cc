@@ -64,6 +64,24 @@ void add_map(Panel& panel, const BumperMap& map, double friction) {
 
 }  // namespace
 
+// The largest peak of a stiffness where the approach is slowed for a force.
+void add_promise(Panel& panel, const BumperMap& map) {
+  for (const double friction : {0.0, 0.3}) {
+    std::map<double, double> peaks;
+    for (const BumperCell& c : map.cells) {
+      double& peak = peaks[c.of.stiffness / kNewtonPerMm];
+      if (c.of.friction == friction) peak = std::max(peak, c.worst.peak);
+    }
+    std::vector<Point> points;
+    for (const auto& [stiffness, peak] : peaks) points.push_back({stiffness, peak});
+    const figure::Style style{.colour = figure::kColours[friction > 0.0 ? 3 : 2],
+                              .marker = map.options.rig ? Marker::kTriangle : Marker::kCircle};
+    panel.points(
+        std::move(points), style,
+        fmt::format("{} arm, friction {:g}", map.options.rig ? "rig's" : "rigid", friction));
+  }
+}
+
 Status draw_bumper(const std::string& folder, const std::vector<BumperMap>& maps) {
   figure::Figure figure(
       "Bumper in contact, by stiffness and speed",
@@ -76,13 +94,25 @@ Status draw_bumper(const std::string& folder, const std::vector<BumperMap>& maps
                   Axis{.label = "speed [mm/s]", .scale = Scale::kLog});
       bool any = false;
       for (const BumperMap& map : maps) {
-        if (map.options.rig != rig) continue;
+        if (map.options.rig != rig || map.options.promise > 0.0) continue;
         add_map(panel, map, friction);
         any = true;
       }
       if (any) figure.add(std::move(panel));
     }
   }
+  std::map<double, Panel> promises;
+  for (const BumperMap& map : maps) {
+    const double force = map.options.promise;
+    if (force <= 0.0) continue;
+    Panel panel(fmt::format("approach for at most {:g} N", force),
+                Axis{.label = "stiffness [N/mm]", .scale = Scale::kLog},
+                Axis{.label = "largest force [N]"});
+    Panel& of = promises.try_emplace(force, std::move(panel)).first->second;
+    if (of.legend().empty()) of.reference(force, "promised");
+    add_promise(of, map);
+  }
+  for (auto& [force, panel] : promises) figure.add(std::move(panel));
   return figure.write_file(folder + "/bumper-maps.svg");
 }
 

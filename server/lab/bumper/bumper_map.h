@@ -16,6 +16,8 @@ struct BumperMapOptions {
   // With 45 ms of servo lag and 20 to 60 N/mm in series: no contact is stiffer. Else the arm is
   // where it is told, and a contact of any stiffness is felt as it is.
   bool rig = false;
+  double promise =
+      0.0;  // force that no approach may pass, of a bumper that knows the stiffness [N]
   // Of the sensor, standard deviation, known to the bumper, below 10 [N]. A contact begins at five.
   double noise = 0.0;
   int threads = 0;
@@ -26,8 +28,8 @@ struct BumperMapOptions {
 // The worst of eight pushes: straight or slanted, hard or gentle, late command or late sensor.
 struct BumperCell {
   BumperCase of;       // stiffness, speed, delay, friction, servo lag, noise
-  BumperRun worst;     // the largest of each; of `settled` the one of the largest peak
-  double bound = 0.0;  // of the peak [N]
+  BumperRun worst;     // the largest of each, the least share; `settled` of the largest peak
+  double bound = 0.0;  // of the peak: peak_bound, the promise if that is less [N]
 
   bool goes_in() const noexcept { return worst.inward > 1e-9; }
   bool swings() const noexcept { return worst.swing > 2.0; }
@@ -44,7 +46,10 @@ struct BumperMap {
 // to 50 ms, friction 0 and 0.3. Independent of threads. Empty when cancelled.
 BumperMap run_bumper_map(const BumperMapOptions& options);
 
-// Both with every cell of every map.
+// Whether every cell keeps every promise.
+bool keeps_all(const BumperMap& map);
+
+// With every cell of every map.
 std::string bumper_json(const std::vector<BumperMap>& maps);
 // One line for each map and friction.
 std::string bumper_table(const std::vector<BumperMap>& maps);

@@ -212,7 +212,7 @@ TEST(FollowBumper, AnApproachIsAsFastAsThePromiseAllows) {
     Floor floor(60e3, late);
     floor.rig.settings.bumper.promise = 200.0;
     floor.surface -= 0.05;
-    double most = 0.0, fastest = 0.0;
+    double most = 0.0, fastest = 0.0, touched_at = 0.0, allowed = 0.0;
     bool slowed = false;
     for (int i = 0; i < 1500; ++i) {
       const double height = floor.height();
@@ -221,13 +221,18 @@ TEST(FollowBumper, AnApproachIsAsFastAsThePromiseAllows) {
       slowed |= floor.rig.out.link.reason == Reason::kApproach &&
                 ledger.why[static_cast<std::size_t>(FollowStage::kBumper)] == Reason::kApproach;
       most = std::max(most, floor.force);
-      fastest = std::max(fastest, (height - floor.height()) / floor.rig.settings.motion.dt);
+      const double speed = (height - floor.height()) / floor.rig.settings.motion.dt;
+      fastest = std::max(fastest, speed);
+      if (floor.force > 0.0) continue;
+      const FollowSettings& settings = floor.rig.settings;
+      const double delay = floor.rig.state.lag.lag() + settings.bumper.sensor_lag;
+      allowed = approach_speed(settings.bumper, 150.0, delay, settings.motion.dt);
+      touched_at = speed;
     }
     EXPECT_TRUE(slowed);
-    const FollowSettings& settings = floor.rig.settings;
-    const double delay = floor.rig.state.lag.lag() + settings.bumper.sensor_lag;
-    EXPECT_GT(fastest, 0.6 * approach_speed(settings.bumper, 150.0, delay, settings.motion.dt));
-    EXPECT_GT(most, 40.0);
+    EXPECT_NEAR(touched_at, allowed, 0.02 * allowed) << late;
+    EXPECT_LT(fastest, 1.1 * allowed) << late;
+    EXPECT_GT(most, 80.0) << late;
     EXPECT_LT(most, 200.0) << late;
   }
 }

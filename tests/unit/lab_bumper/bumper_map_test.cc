@@ -100,6 +100,30 @@ TEST(BumperBench, NoiseDoesNotSwingTheForce) {
   }
 }
 
+// The arm goes as fast as is allowed, and no slower than it must.
+TEST(BumperBench, AnApproachThatPromisesAForceKeepsItAtTheSpeedThatItAllows) {
+  for (const double n_mm : {10.0, 60.0, 1000.0}) {
+    for (const double ms : {0.0, 50.0}) {
+      for (const double lag : {0.0, 0.045}) {
+        BumperCase push = of(n_mm, 250, ms, 0.3);
+        push.servo_lag = lag;
+        BumperSettings settings = of_form(kDefault);
+        settings.promise = 200.0;
+        settings.stiffest = push.stiffness;
+        const BumperRun run = run_bumper(settings, push);
+        EXPECT_LT(run.peak, 200.0) << n_mm << ' ' << ms << ' ' << lag;
+        EXPECT_NEAR(run.share, 1.0, 0.02) << n_mm << ' ' << ms << ' ' << lag;
+        EXPECT_LT(run.inward, 1e-9);
+        EXPECT_TRUE(run.released);
+        // Thirty times as stiff as it was told the bench sees it broken.
+        settings.stiffest = push.stiffness / 30.0;
+        if (n_mm < 1000.0) continue;
+        EXPECT_GT(run_bumper(settings, push).peak, 200.0) << ms << ' ' << lag;
+      }
+    }
+  }
+}
+
 TEST(BumperMap, ACellIsGoodWhenNothingIsWrong) {
   BumperCell cell;
   cell.bound = 100.0;
@@ -115,6 +139,28 @@ TEST(BumperMap, ACellIsGoodWhenNothingIsWrong) {
     if (wrong == 3) bad.worst.released = false;
     EXPECT_FALSE(bad.good()) << wrong;
   }
+}
+
+TEST(BumperMap, AMapKeepsAllWhenEveryCellIsGoodAndTellsHowFastItWas) {
+  BumperMap map;
+  map.options.promise = 200.0;
+  BumperCell cell;
+  cell.of = of(200, 10, 0);
+  cell.bound = 200.0;
+  cell.worst.peak = 150.0;
+  cell.worst.share = 0.75;
+  cell.worst.released = true;
+  map.cells = {cell, cell, cell};
+  map.cells[1].worst.share = 0.5;
+  EXPECT_TRUE(keeps_all(map));
+  std::string table = bumper_table({map});
+  EXPECT_NE(table.find("at most 200 N"), std::string::npos) << table;
+  EXPECT_NE(table.find("0 (150 N)"), std::string::npos) << table;
+  EXPECT_NE(table.find("50/75 %"), std::string::npos) << table;
+  map.cells[2].worst.peak = 201.0;
+  EXPECT_FALSE(keeps_all(map));
+  EXPECT_NE(bumper_table({map}).find("1 (201 N)"), std::string::npos);
+  EXPECT_NE(bumper_json({map}).find("\"least_speed_share\": 0.5"), std::string::npos);
 }
 
 TEST(BumperMap, TheTableCountsTheCellsThatFailAndNamesTheOnset) {
