@@ -2,10 +2,21 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <cmath>
+
 #include "proto/study.pb.h"
 
 namespace handrail {
 namespace {
+
+// Three digits, without an exponent.
+std::string digits(double value) {
+  return std::abs(value) < 999.5 ? fmt::format("{:.3g}", value) : fmt::format("{:.0f}", value);
+}
+
+std::string digits(const Interval& interval) {
+  return digits(interval.low) + " to " + digits(interval.high);
+}
 
 constexpr std::size_t kCohort = 7;  // people in the dissertation's studies
 
@@ -52,10 +63,10 @@ std::string measures_heading(const std::string& published) {
 std::string measure_row(const std::string& label, const char* mode, const MeasureStats& stats,
                         double published) {
   const Summary& s = stats.summary;
-  return fmt::format("{:34}{:<6}{:8.3g}{:8.3g}{:9.3g}{:8.3g}{:8.3g}{:8.3g}  {:>15}  {:>15}{:>11}\n",
-                     label, mode, s.min, s.q1, s.median, s.q3, s.max, s.mean,
-                     text_of(stats.median_95, 1.0, "{:.3g} to {:.3g}"),
-                     text_of(stats.cohort_95, 1.0, "{:.3g} to {:.3g}"),
+  return fmt::format("{:34}{:<6}{:>8}{:>8}{:>9}{:>8}{:>8}{:>8}  {:>15}  {:>15}{:>11}\n", label,
+                     mode, digits(s.min), digits(s.q1), digits(s.median), digits(s.q3),
+                     digits(s.max), digits(s.mean), digits(stats.median_95),
+                     digits(stats.cohort_95),
                      published > 0.0 ? fmt::format("{:.4g}", published) : "");
 }
 
