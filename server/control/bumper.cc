@@ -159,6 +159,11 @@ Bumped while_touching(const Reckoning& now, BumperState& s) noexcept {
   const Vec3 wanted = in.p_SU + beside_command(now, s) + s.give * s.n_S;
   const double held = from + least - wanted.dot(s.n_S);  // back, along the normal
   Bumped out{wanted + std::max(0.0, held) * s.n_S, held > 0.0 ? Reason::kBumper : Reason::kNone};
+  if (depth_of(s, p_ST) > kLength) s.doubtful = false;
+  if (s.doubtful) {
+    const double hasty = (out.p_SB - s.followed).dot(s.n_S) - return_speed(now, s) * in.dt;
+    out.p_SB -= std::max(0.0, hasty) * s.n_S;
+  }
   if (is_left(now, s, p_ST, out.p_SB)) {
     s.phase = Phase::kReturning;
     s.felt = 0;
@@ -207,6 +212,9 @@ Bumped bump_default(const Reckoning& now, BumperState& s) noexcept {
   if (s.felt >= 3 || now.force > settings.threshold) {
     s.phase = Phase::kTouching;
     s.n_S = now.in.f_E_S / now.force;
+    // A surface is met on a way into it. What is met on the way out is left slowly: the sensor may
+    // be telling the wrong way.
+    s.doubtful = depth_of(s, delayed_tip(s, now)) < -kLength;
     if (s.apart >= kForgotten) s.stiffness = std::min(kSoftest, settings.stiffest);
     s.give = 0.0;
     s.followed = now.in.p_last;

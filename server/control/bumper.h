@@ -43,6 +43,7 @@ struct BumperState {
   static constexpr int kTips = 16;  // cycles of the largest sensor lag
 
   Phase phase = Phase::kFree;
+  bool doubtful = false;           // it was first felt on a way out: is it the surface's?
   Vec3 n_S = Vec3::UnitZ();        // out of the surface, within the friction cone of the force
   double stiffness = 0.0;          // felt so far [N/m]
   double give = 0.0;               // how far the command yields along n_S [m]

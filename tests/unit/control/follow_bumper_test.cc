@@ -284,6 +284,23 @@ TEST(FollowBumper, WrongSignStopsWithin200Ms) {
   }
 }
 
+// What is told as the way out leads in: it must not be hurried along.
+TEST(FollowBumper, AWrongSignIsFoundBeforeThePromisedForceIsPassed) {
+  for (const double speed : {0.02, 0.05, 0.25}) {
+    Floor floor(57e3, 6);
+    floor.sign = -1.0;
+    floor.surface -= 0.05;
+    floor.rig.settings.bumper.promise = 200.0;
+    double most = 0.0;
+    for (int i = 0; i < 1500; ++i) {
+      floor.down(speed, 0.05);
+      most = std::max(most, floor.force);
+    }
+    EXPECT_EQ(floor.rig.out.link.fault, Reason::kSensorSign) << speed;
+    EXPECT_LT(most, 200.0) << speed;
+  }
+}
+
 TEST(FollowBumper, AForceThatBackingOffDoesNotRelieveStopsTheArm) {
   Floor floor(0.0);
   floor.rig.in.f_E_T.force = {100.0, 0.0, 0.0};
