@@ -216,7 +216,7 @@ FaultOutcome s2c(std::uint64_t seed, int index) {
   return out;
 }
 
-// The force has the wrong sign: a stop within 200 ms of a contact, that stays one.
+// The force has the wrong sign: a stop within 200 ms of a contact, that stays one, and not hard.
 FaultOutcome s3c(std::uint64_t seed, int index) {
   constexpr double kContact = 10.0;  // [N]
   Push push(seed, index % 2 == 1);
@@ -230,6 +230,7 @@ FaultOutcome s3c(std::uint64_t seed, int index) {
   const bool found = push.run.cell().slave().fault == Reason::kSensorSign;
   FaultOutcome out = push.run.outcome();
   find(out, !found, "not found");
+  find(out, push.peak > kPromise, "over the promised force");
   return out;
 }
 
