@@ -141,6 +141,18 @@ TEST(LinearTrial, ToolsHoldTheTipOnTheSegmentsAndTheOrientationStill) {
   }
 }
 
+// The line keeps the way, its stop is felt, and the point keeps the place.
+TEST(LinearTrial, WhoHasToolsNeedsNoEyeForThePlace) {
+  const StudyMachine m = machine();
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    TrialOptions options = trial(StudyMode::kTools, seed);
+    const double time = run(m, options).execution_time;
+    options.person.vision_noise_lateral *= 3.0;
+    options.person.vision_noise_depth *= 3.0;
+    EXPECT_EQ(run(m, options).execution_time, time) << seed;
+  }
+}
+
 TEST(LinearTrial, NobodyWhoCannotSeeTheTipSucceeds) {
   const StudyMachine m = machine();
   TrialOptions blind = trial(StudyMode::kFree);

@@ -80,6 +80,25 @@ TEST(ScrewTrial, ToolsKeepTheKeyOverTheScrewWhileItIsTurnedBack) {
   EXPECT_GT(strayed(ScrewMode::kNCNV), 1e-3);
 }
 
+// F-rotation holds the tilt: who goes on correcting it does not get to an end.
+TEST(ScrewTrial, AnUnsteadyHandTurnsBackQuicklyOnItsTools) {
+  double time = 0.0;
+  int turns = 0;
+  for (const std::uint64_t seed : {1, 2, 3, 4}) {
+    Screwing screwing(ScrewMode::kNCV);
+    screwing.options.person.drift_angle *= 2.0;
+    screwing.options.seed = seed;
+    const ScrewResult r = screwing.run();
+    for (std::size_t i = 1; i < r.trace.size(); ++i) {
+      if (r.trace[i].phase != ScrewPhase::kReturn) continue;
+      time += r.trace[i].time - r.trace[i - 1].time;
+      turns += r.trace[i - 1].phase == ScrewPhase::kReturn ? 0 : 1;
+    }
+  }
+  ASSERT_GT(turns, 8);
+  EXPECT_LT(time / turns, 5.5);  // 7 s for who minds the tilt
+}
+
 TEST(ScrewTrial, FiveHundredNewtonsEndATrialThatProtectionEndsWell) {
   const std::vector<std::string> hard = {"operator.press_mm=15"};
   const ScrewResult without = Screwing(ScrewMode::kNCNV, hard).run();
