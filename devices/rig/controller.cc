@@ -38,7 +38,7 @@ Controller::Controller(const ControllerOptions& options) noexcept
 
 void Controller::on_datagram(std::span<const std::uint8_t> bytes, PeerId from) noexcept {
   if (!switch_.passes()) return;
-  if (incoming_count_ == kMaxPerCycle) {
+  if (incoming_count_ == (options_.queues ? kMaxQueued : kMaxPerCycle)) {
     ++counters_.ignored;
     return;
   }
@@ -62,26 +62,30 @@ void Controller::tick(Nanos now) noexcept {
   ++counters_.cycles;
   pass(now);
   outgoing_count_ = 0;
-  serve_all();
-  incoming_count_ = 0;
+  const std::size_t count =
+      options_.queues ? std::min<std::size_t>(incoming_count_, 1) : incoming_count_;
+  serve_all(count);
+  std::move(incoming_.begin() + static_cast<std::ptrdiff_t>(count),
+            incoming_.begin() + static_cast<std::ptrdiff_t>(incoming_count_), incoming_.begin());
+  incoming_count_ -= count;
   if (session_ && options_.time_out_cycles >= 0 &&
       t_count_ >= std::max(options_.time_out_cycles, 1)) {
     raise(AlarmKind::kTimeOut, 0, t_count_);
   }
 }
 
-void Controller::serve_all() noexcept {
+void Controller::serve_all(std::size_t count) noexcept {
   std::array<bool, kMaxPerCycle> answer{};
   bool heard = false;
   next_target_.reset();
-  for (std::size_t i = 0; i < incoming_count_; ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     const std::uint64_t packets_before = counters_.packets;
     answer[i] = serve(incoming_[i]);
     heard = heard || counters_.packets > packets_before;
   }
   if (alarm_.kind != AlarmKind::kNone) return;
   if (next_target_ && !accept_target(*next_target_)) return;
-  for (std::size_t i = 0; i < incoming_count_; ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     if (answer[i]) reply(incoming_[i]);
   }
   if (!session_ || heard) {

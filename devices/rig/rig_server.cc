@@ -112,7 +112,7 @@ struct RigServer::Impl {
   }
 
   void wake_at_next() {
-    timer.expires_at(std::chrono::steady_clock::time_point(std::chrono::nanoseconds(rig->next())));
+    timer.expires_after(std::chrono::nanoseconds(rig->next() - monotonic_now()));
     timer.async_wait([this](const boost::system::error_code& error) {
       if (error) return;
       pump();

@@ -9,10 +9,10 @@ namespace {
 
 constexpr double kRounding = 1e-9;  // of a limit
 
+// A master in hold leads nobody: it hears nothing of the arm.
 bool drives(const MasterState& state) {
   return state.desired != Desired::kOff &&
-         (state.state == SessionState::kEngaged || state.state == SessionState::kClutched ||
-          state.state == SessionState::kHold);
+         (state.state == SessionState::kEngaged || state.state == SessionState::kClutched);
 }
 
 }  // namespace

@@ -23,6 +23,8 @@ const std::vector<FaultRow>& network_rows();
 const std::vector<FaultRow>& process_rows();
 // Of sensor, encoder, haptic device, stop circuit and servos: S1 to S5.
 const std::vector<FaultRow>& device_rows();
+// Of the robot's line and of time that passes unseen: R1 to R5.
+const std::vector<FaultRow>& robot_rows();
 
 // In contact: N3c, P1c, S1d, S2c, S3c to S3e.
 const std::vector<FaultRow>& contact_rows();
