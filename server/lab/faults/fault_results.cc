@@ -68,12 +68,12 @@ std::string fault_json(const std::vector<FaultResult>& results) {
 }
 
 std::string fault_table(const std::vector<FaultResult>& results) {
-  std::string out = fmt::format("  {:<5}{:<60}{:>5}{:>12}{:>11}{:>11}  {:<18}{}\n", "row", "",
+  std::string out = fmt::format("  {:<5}{:<60}{:>5}{:>12}{:>11}{:>11}  {:<20}{}\n", "row", "",
                                 "runs", "violations", "worst", "bound", "unit", "95 % upper bound");
   for (const FaultResult& r : results) {
     const std::string last =
         r.violations > 0 ? story_of(r) : fmt::format("{:.2g} of runs", rule_of_three(r.runs));
-    out += fmt::format("  {:<5}{:<60}{:>5}{:>12}{:>11.4g}{:>11.4g}  {:<18}{}\n", r.row->id,
+    out += fmt::format("  {:<5}{:<60}{:>5}{:>12}{:>11.4g}{:>11.4g}  {:<20}{}\n", r.row->id,
                        r.row->what, r.runs, r.violations, r.worst, r.bound, r.row->unit, last);
   }
   double settled = 0.0;

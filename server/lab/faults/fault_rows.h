@@ -36,7 +36,7 @@ struct FaultRow {
 };
 
 // Of the long spans, in the quick form.
-inline constexpr double kQuickShare = 1.0 / 60.0;
+inline constexpr double kQuickShare = 0.05;
 
 // What each row does. A new one is named here, written in its file, and listed in row_table.cc.
 namespace rows {

@@ -8,7 +8,7 @@ namespace {
 constexpr FaultRow kRows[] = {
     {"N1a", "10 % loss each way for 10 minutes: no trip", "ms gap", 1, 1, rows::n1a},
     {"N1b", "30 % loss each way for 10 minutes: nothing latches", "ms gap", 1, 1, rows::n1b},
-    {"N1c", "up to 10 % loss: the arm follows as well", "of the clean error", 3, 1, rows::n1c},
+    {"N1c", "up to 10 % loss: the arm follows as well", "of the clean error", 3, 3, rows::n1c},
     {"N1d", "40 % loss is not engaged over, 75 % holds", "ms engaged", 8, 2, rows::n1d},
     {"N2", "bursts of loss of 2 to 200 ms: every stop in its bound", "ms to stop", 20, 5, rows::n2},
     {"N3", "delays up to 500 ms one way: drivable, their age shown", "% off the loop age", 6, 6,

@@ -84,7 +84,7 @@ TEST_F(FaultRunnerTest, TheQuickFormHasFewerRunsAndShorterSpans) {
   EXPECT_EQ(share_seen, 1.0);
   RowRun quick;
   quick.share = kQuickShare;
-  EXPECT_EQ(quick.span(3600 * kSecond), 60 * kSecond);
+  EXPECT_EQ(quick.span(3600 * kSecond), 180 * kSecond);
 }
 
 TEST_F(FaultRunnerTest, WhatTheJournalKnowsIsNotRunAgainAndCountsTheSame) {
