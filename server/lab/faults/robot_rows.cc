@@ -4,17 +4,18 @@
 
 #include "server/lab/faults/fault_rows.h"
 
-namespace handrail {
+namespace handrail::rows {
 namespace {
 
 constexpr Nanos kPeriod = kMxtPeriod;
 
-// Every second run has a controller that queues, half of them a wrist turned briskly: joints at
-// over half their rated speed.
-FaultOptions robot_options(int index) {
+// Of the runs at all levels every second lot has a controller that queues, of four lots two a wrist
+// turned briskly: joints at over half their rated speed.
+FaultOptions robot_options(const RowRun& row, std::size_t levels) {
+  const int lot = row.index / static_cast<int>(levels);
   FaultOptions options;
-  options.queues = index % 2 == 1;
-  options.brisk = (index / 2) % 2 == 1;
+  options.queues = lot % 2 == 1;
+  options.brisk = (lot / 2) % 2 == 1;
   return options;
 }
 
@@ -31,15 +32,43 @@ FaultOutcome judge_controller(FaultRun& run) {
   return out;
 }
 
+// What happens while the controller is not heard.
+enum class Meanwhile { kNothing, kStop, kStopCircuit, kCount };
+
+// The slave stops for 5 ms to a minute, alone or with the master: the computer sleeps.
+FaultOutcome paused(const RowRun& row, bool both) {
+  constexpr std::array<int, 7> kSpans = {5, 12, 20, 60, 250, 5000, 60'000};
+  const Nanos span = row.level(kSpans) * kMillisecond;
+  FaultRun run(row.seed, robot_options(row, kSpans.size()));
+  if (!run.engage()) return not_engaged();
+  run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
+  run.let_pause();
+  run.cell().net()->stop_slave(true);
+  if (both) run.cell().net()->stop_master(true);
+  run.run(span);
+  run.cell().net()->stop_slave(false);
+  run.cell().net()->stop_master(false);
+  run.run(kSecond);
+  // Nobody engages: longer than the link may be silent, both have let go.
+  const bool went_on = span > Auditor::kLatch && run.engaged();
+  run.drive(6 * kSecond);
+  const bool engaged = run.engaged();
+  FaultOutcome out = judge_controller(run);
+  find(out, went_on, "engaged after a long pause");
+  find(out, !engaged, "not engaged again");
+  return out;
+}
+}  // namespace
+
 // Packets lost each way.
-FaultOutcome r1a(std::uint64_t seed, int index) {
+FaultOutcome r1a(const RowRun& row) {
   constexpr std::array<double, 5> kLosses = {0.001, 0.01, 0.03, 0.05, 0.1};
-  FaultRun run(seed, robot_options(index));
+  FaultRun run(row.seed, robot_options(row, kLosses.size()));
   if (!run.engage()) return not_engaged();
   LinkFaults faults;
-  faults.loss = kLosses[static_cast<std::size_t>(index / 4) % kLosses.size()];
+  faults.loss = row.level(kLosses);
   run.set_robot_line(faults, faults);
-  run.run(30 * kSecond);
+  run.run(row.span(30 * kSecond));
   const bool engaged = run.engaged();
   FaultOutcome out = judge_controller(run);
   find(out, !engaged, "not engaged at the end");
@@ -49,12 +78,13 @@ FaultOutcome r1a(std::uint64_t seed, int index) {
 // Replies late by up to a period, twice, out of order; commands late by up to half a period, or
 // twice. A controller that queues plays what comes twice for two cycles, as it does what comes
 // after its cycle: those holds are its own, and it is spared them here.
-FaultOutcome r1b(std::uint64_t seed, int index) {
-  const FaultOptions options = robot_options(index);
-  FaultRun run(seed, options);
+FaultOutcome r1b(const RowRun& row) {
+  constexpr int kLevels = 5;
+  const FaultOptions options = robot_options(row, kLevels);
+  FaultRun run(row.seed, options);
   if (!run.engage()) return not_engaged();
   LinkFaults replies, commands;
-  switch ((index / 4) % 5) {
+  switch (row.index % kLevels) {
     case 0:
       replies.delay = replies.jitter = kPeriod / 2;
       break;
@@ -75,22 +105,19 @@ FaultOutcome r1b(std::uint64_t seed, int index) {
       commands.delay = commands.jitter = kPeriod / 4;
   }
   run.set_robot_line(commands, replies);
-  run.run(30 * kSecond);
+  run.run(row.span(30 * kSecond));
   const bool engaged = run.engaged();
   FaultOutcome out = judge_controller(run);
   find(out, !engaged, "not engaged at the end");
   return out;
 }
 
-// What happens while the controller is not heard.
-enum class Meanwhile { kNothing, kStop, kStopCircuit, kCount };
-
 // The controller is silent for 30 ms to 1.4 s, or only the way to it or back is dark.
-FaultOutcome r2(std::uint64_t seed, int index) {
+FaultOutcome r2(const RowRun& row) {
   constexpr std::array<int, 5> kSpans = {10, 30, 100, 500, 1400};
-  const Nanos span = kSpans[static_cast<std::size_t>(index / 4) % kSpans.size()] * kMillisecond;
-  const auto meanwhile = static_cast<Meanwhile>(index % static_cast<int>(Meanwhile::kCount));
-  FaultRun run(seed, robot_options(index));
+  const Nanos span = row.level(kSpans) * kMillisecond;
+  const auto meanwhile = static_cast<Meanwhile>(row.index % static_cast<int>(Meanwhile::kCount));
+  FaultRun run(row.seed, robot_options(row, kSpans.size()));
   if (!run.engage()) return not_engaged();
   run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
   LinkFaults dark;
@@ -118,43 +145,19 @@ FaultOutcome r2(std::uint64_t seed, int index) {
   return out;
 }
 
-// The slave stops for 5 ms to a minute, alone or with the master: the computer sleeps.
-FaultOutcome paused(std::uint64_t seed, int index, bool both) {
-  constexpr std::array<int, 7> kSpans = {5, 12, 20, 60, 250, 5000, 60'000};
-  const auto level = static_cast<std::size_t>(index / 4) % kSpans.size();
-  const Nanos span = kSpans[level] * kMillisecond;
-  FaultRun run(seed, robot_options(index));
-  if (!run.engage()) return not_engaged();
-  run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
-  run.let_pause();
-  run.cell().net()->stop_slave(true);
-  if (both) run.cell().net()->stop_master(true);
-  run.run(span);
-  run.cell().net()->stop_slave(false);
-  run.cell().net()->stop_master(false);
-  run.run(kSecond);
-  // Nobody engages: longer than the link may be silent, both have let go.
-  const bool went_on = span > Auditor::kLatch && run.engaged();
-  run.drive(6 * kSecond);
-  const bool engaged = run.engaged();
-  FaultOutcome out = judge_controller(run);
-  find(out, went_on, "engaged after a long pause");
-  find(out, !engaged, "not engaged again");
-  return out;
-}
-FaultOutcome r3(std::uint64_t seed, int index) { return paused(seed, index, false); }
-FaultOutcome r4(std::uint64_t seed, int index) { return paused(seed, index, true); }
+FaultOutcome r3(const RowRun& row) { return paused(row, false); }
+FaultOutcome r4(const RowRun& row) { return paused(row, true); }
 
 // The encoders read zero, or beyond a joint's range, from one moment on.
-FaultOutcome r5(std::uint64_t seed, int index) {
-  FaultRun run(seed);
+FaultOutcome r5(const RowRun& row) {
+  FaultRun run(row.seed);
   if (!run.engage()) return not_engaged();
   run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
   const Nanos from = run.now() + kMillisecond;
-  const int joint = index % kJoints;
+  const int joint = row.index % kJoints;
   run.layers().reply = [&](Nanos at, RobotReply& reply) {
     if (at < from) return;
-    if (index % 2 == 0) {
+    if (row.index % 2 == 0) {
       reply.q_measured.setZero();
     } else {
       reply.q_measured[joint] = rv2a_limits().upper[joint] + 0.1;
@@ -174,18 +177,4 @@ FaultOutcome r5(std::uint64_t seed, int index) {
   return out;
 }
 
-}  // namespace
-
-const std::vector<FaultRow>& robot_rows() {
-  static const std::vector<FaultRow> rows = {
-      {"R1a", "0.1 to 10 % of the robot's packets lost each way", "of the limits", 20, r1a},
-      {"R1b", "the robot's packets late, twice, out of order", "of the limits", 20, r1b},
-      {"R2", "controller not heard for 10 ms to 1.4 s, stops meanwhile", "of the limits", 40, r2},
-      {"R3", "slave stopped for 5 ms to a minute", "of the limits", 28, r3},
-      {"R4", "both computers asleep for 5 ms to a minute", "of the limits", 28, r4},
-      {"R5", "an arm that answers zeros or beyond its ranges", "ms to stop", 12, r5},
-  };
-  return rows;
-}
-
-}  // namespace handrail
+}  // namespace handrail::rows
