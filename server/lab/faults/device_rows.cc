@@ -320,6 +320,7 @@ std::vector<FaultRow> fault_rows() {
   add(process_rows(), 'X', false);
   add(device_rows(), 'X', false);
   add(contact_rows(), 'X', false);
+  add(trust_rows(), 'X', false);
   add(guard_rows(), 'X', true);
   add(process_rows(), 'X', true);
   add(session_rows(), 'X', true);

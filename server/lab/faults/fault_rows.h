@@ -26,6 +26,8 @@ const std::vector<FaultRow>& device_rows();
 
 // In contact: N3c, P1c, S1d, S2c, S3c to S3e.
 const std::vector<FaultRow>& contact_rows();
+// In contact, of what is believed of arm and sensor: S1e, S1f, S2d, S2e, R1c.
+const std::vector<FaultRow>& trust_rows();
 // Of sessions and operators: N1d, S6, X4, X8, X9b.
 const std::vector<FaultRow>& session_rows();
 // Of the guard alone: X2a.

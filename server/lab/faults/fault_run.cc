@@ -29,8 +29,9 @@ Scene scene_of(const FaultOptions& fault) {
   PlaneSpec plane;
   plane.normal = FaultRun::normal();
   plane.at = forward(arm, ServoArmOptions::default_start()).p - FaultRun::kGap * FaultRun::normal();
-  scene.simulate = {{ServoLagSpec(), EncoderOffsetsSpec(), ArmComplianceSpec(), plane,
-                     SensorNoiseSpec(), SensorSaturationSpec()}};
+  scene.simulate = {
+      {ServoLagSpec(), EncoderOffsetsSpec(), ArmComplianceSpec(), plane, SensorSaturationSpec()}};
+  if (fault.sensor_noise) scene.simulate->effects.push_back(SensorNoiseSpec());
   scene.bumper.promise = 200.0;
   return scene;
 }
@@ -47,6 +48,8 @@ std::unique_ptr<Cell> make_cell(std::uint64_t seed, const FaultOptions& fault) {
   run_only_listed(scene, options->rig);
   options->rig.controller.arm.seed = seed;
   options->rig.sensor.seed = seed + 1;
+  options->rig.controller.drop_share = fault.robot_loss;
+  options->rig.controller.drop_seed = seed + 3;
   options->net = CellNetOptions{seed + 2, fault.master_clock, fault.slave_clock};
   return std::make_unique<Cell>(*options);
 }

@@ -36,6 +36,8 @@ struct FaultOptions {
   // A surface of 57 N/mm, with what gives way in the arm, kGap under the tip where it starts;
   // approached slowly enough for 200 N. The hand stands, but for `layers().hand`.
   bool contact = false;
+  bool sensor_noise = true;  // in contact
+  double robot_loss = 0.0;   // share of the packets to and from the controller, each way
 };
 
 // Faults of the devices: called with what the device says and when, they may change it. Empty:

@@ -1,0 +1,149 @@
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "server/lab/faults/contact_push.h"
+#include "server/lab/faults/fault_rows.h"
+
+namespace handrail {
+namespace {
+
+constexpr double kHasty = 0.1;  // of the hand, faster than the promise ever allows [m/s]
+
+// Encoders off by almost as much as is believed, for a cycle each, before a hasty contact.
+FaultOutcome s1e(std::uint64_t seed, int index) {
+  constexpr double kGlitch = 0.09;  // [rad]
+  Push push(seed, true);
+  push.speed = kHasty;
+  const Nanos patience = 5 * kSecond;
+  if (!push.roam(patience)) return not_engaged();
+  const Nanos from = push.run.now() + kMillisecond;
+  push.run.layers().reply = [&](Nanos at, RobotReply& reply) {
+    const Nanos cycle = (at - from) / Push::kCycle;
+    if (at < from || cycle >= 18 || cycle % 6 != 0) return;
+    reply.q_measured[index % kJoints] += index < kJoints ? kGlitch : -kGlitch;
+  };
+  push.pass(18 * Push::kCycle);
+  push.go_down();
+  push.pass(5 * kSecond);
+  const bool engaged = push.run.engaged();
+  FaultOutcome out = push.outcome();
+  find(out, !engaged, "not engaged after single glitches");
+  return out;
+}
+
+// An encoder that is wrong for a tenth of a second stops the arm; reset, it is led to a hasty
+// contact at once.
+FaultOutcome s1f(std::uint64_t seed, int index) {
+  constexpr std::array<double, 3> kWrong = {0.5, -0.5, std::numeric_limits<double>::quiet_NaN()};
+  Push push(seed, true);
+  push.speed = kHasty;
+  if (!push.roam(5 * kSecond)) return not_engaged();
+  const Nanos from = push.run.now() + kMillisecond;
+  push.run.layers().reply = [&](Nanos at, RobotReply& reply) {
+    if (at < from || at >= from + 100 * kMillisecond) return;
+    reply.q_measured[index % kJoints] += kWrong[static_cast<std::size_t>(index) % kWrong.size()];
+  };
+  push.pass(20 * kMillisecond);
+  push.run.auditor().must_stop(from + 3 * Push::kCycle);
+  push.pass(200 * kMillisecond);
+  const bool went_on = push.run.engaged();
+  for (int i = 0; i < 5000 && !push.run.engaged(); ++i) push.pass(kMillisecond, true);
+  push.go_down();
+  push.pass(5 * kSecond);
+  const bool engaged = push.run.engaged();
+  FaultOutcome out = push.outcome();
+  find(out, went_on, "not found");
+  find(out, !engaged, "not engaged again");
+  return out;
+}
+
+// Packets to and from the robot's controller are lost, before a hasty contact and in it.
+FaultOutcome r1c(std::uint64_t seed, int index) {
+  constexpr std::array<double, 4> kLost = {0.01, 0.02, 0.05, 0.1};  // each way
+  FaultOptions options;
+  options.robot_loss = kLost[static_cast<std::size_t>(index) % kLost.size()];
+  Push push(seed, true, options);
+  push.speed = kHasty;
+  if (!push.roam(5 * kSecond)) return not_engaged();
+  push.go_down();
+  push.pass(5 * kSecond);
+  const bool engaged = push.run.engaged();
+  const double force = push.run.true_force();
+  FaultOutcome out = push.outcome();
+  find(out, !engaged, "not engaged");
+  find(out, force < 30.0, "contact given up");
+  return out;
+}
+
+// Ten minutes of contacts that come, rest or slide, and go, with a sensor that has no noise. Every
+// other hand trembles.
+FaultOutcome s2d(std::uint64_t seed, int index) {
+  FaultOptions options;
+  options.sensor_noise = false;
+  Push push(seed, index % 4 >= 2, options);
+  const auto lead = push.run.layers().hand;
+  push.run.layers().hand = [&](Nanos at, HandReading& hand) {
+    lead(at, hand);
+    if (index % 2 == 1) hand.X_MH.p.z() += 1e-4 * std::sin(62.8 * to_seconds(at));
+  };
+  if (!push.begin()) return not_engaged();
+  Random& random = push.run.random();
+  for (const Nanos end = push.run.now() + 600 * kSecond; push.run.now() < end;) {
+    push.go_down();
+    push.pass(static_cast<Nanos>(20e9 * random.uniform()));
+    push.retreat();
+    push.pass(static_cast<Nanos>(5e9 * random.uniform()));
+  }
+  const double alarms = static_cast<double>(push.run.auditor().report().stops);
+  const bool engaged = push.run.engaged();
+  FaultOutcome out = push.outcome();
+  find(out, alarms > 0.0, "false alarms");
+  find(out, !engaged, "not engaged at the end");
+  return out;
+}
+
+// A sensor without noise repeats itself in a contact that is gone into, left, or slid along: a stop
+// within 100 ms of what its load must have changed by.
+FaultOutcome s2e(std::uint64_t seed, int index) {
+  constexpr double kChanged = 35.0;  // half a millimetre and a cycle's way, at 57 N/mm [N]
+  FaultOptions options;
+  options.sensor_noise = false;
+  Push push(seed, index % 3 == 2, options);
+  if (!push.begin()) return not_engaged();
+  if (push.pass_until(12.0 + 20.0 * push.run.random().uniform()) == kForever) return not_engaged();
+  if (index % 3 == 1) push.pass(5 * kSecond);
+  const double force = push.run.true_force();
+  Wrench last;
+  bool have = false;
+  push.falsify = [&](Nanos, Wrench& f, bool&) {
+    if (have) f = last;
+    last = f;
+    have = true;
+  };
+  if (index % 3 == 1) push.retreat();
+  for (int i = 0; i < 5000 && std::abs(push.run.true_force() - force) < kChanged; ++i) {
+    push.pass(kMillisecond);
+  }
+  push.run.auditor().must_stop(push.run.now() + 100 * kMillisecond);
+  push.pass(3 * kSecond);
+  const bool engaged = push.run.engaged();
+  FaultOutcome out = push.outcome(true);
+  find(out, engaged, "not found");
+  return out;
+}
+
+}  // namespace
+
+const std::vector<FaultRow>& trust_rows() {
+  static const std::vector<FaultRow> rows = {
+      {"S1e", "glitches of an encoder, then a contact", "N", 12, s1e},
+      {"S1f", "an encoder wrong and reset, then a contact", "N", 12, s1f},
+      {"S2d", "in contact without noise: an hour, no false alarm", "N", 6, s2d},
+      {"S2e", "in contact without noise: the sensor repeats itself", "N", 9, s2e},
+      {"R1c", "robot packets lost, then a contact", "N", 12, r1c},
+  };
+  return rows;
+}
+
+}  // namespace handrail
