@@ -46,9 +46,7 @@ Quat turn_of(const pb::PoseMm& pose) {
 
 // Why this status says nothing about the sensor; empty when it does.
 std::string why_unknown(const pb::Status& s) {
-  if (s.tip().quaternion_size() != 4 || s.slave_command().quaternion_size() != 4) {
-    return "no slave with an arm";
-  }
+  if (s.tip().quaternion_size() != 4) return "no slave with an arm";
   if (!(s.packet_age_ms() >= 0.0 && s.packet_age_ms() < kOldest_ms)) return "the slave is silent";
   if (!s.has_contact_force() || s.contact_force_n_size() != 3 || s.contact_torque_n_m_size() != 3) {
     return "no sound reading of the force sensor";
@@ -56,9 +54,9 @@ std::string why_unknown(const pb::Status& s) {
   return {};
 }
 
-// The slave turns the wrench with the commanded orientation.
+// The slave turns the wrench with the measured orientation.
 PayloadReading reading_of(const pb::Status& s) {
-  const Quat q_TS = turn_of(s.slave_command()).conjugate();
+  const Quat q_TS = turn_of(s.tip()).conjugate();
   return {s.time_s(),
           {vector_of(s.tip().position_mm()) * kMm, turn_of(s.tip())},
           {q_TS * vector_of(s.contact_force_n()), q_TS * vector_of(s.contact_torque_n_m())}};

@@ -14,7 +14,8 @@ enum class Check : std::uint8_t {
   kJerk,          //
   kFollowing,     // the arm does not follow
   kSensor,        // no or bad readings of the force sensor
-  kStuck,         // it repeats itself
+  kStuck,         // it repeats itself although it has noise
+  kUnchanged,     // it repeats itself although its load must have changed
   kEncoder,       // bad measured joints
   kWatchdog,      // nothing fresh for 20 ms: slow, hold, poor
   kLatch,         // nothing fresh for 200 ms: an operator has to engage again

@@ -92,16 +92,20 @@ double share_of_speed(Nanos age) {
   return std::clamp(1.0 - over, 0.0, 1.0);
 }
 
-// Takes over a valid reading, without the payload's part in the measured orientation `q_ST`; says
-// what is wrong with an invalid one.
-Reason read_force(const FollowSettings& settings, const FollowInput& in, const Quat& q_ST,
+// Takes over a valid reading, turned by the measured orientation and without the payload's part;
+// says what is wrong with an invalid one. The commanded orientation is ahead of the sensor.
+Reason read_force(const FollowSettings& settings, const FollowInput& in, const Pose& X_ST,
                   FollowState& s) {
-  const Reason wrong = s.wrench.judge(in.f_E_T, in.wrench_valid, settings.sensor_range);
+  const bool still = s.placed && standing(s.motion);
+  const WrenchReading reading{in.f_E_T, in.wrench_valid, X_ST, still,
+                              settings.payload.reading(X_ST.q).force};
+  const Reason wrong =
+      s.wrench.judge(settings.bumper, settings.sensor_range, settings.motion.dt, reading);
   if (wrong == Reason::kNone) {
     s.invalid_wrenches = 0;
-    const Wrench f_E_T = settings.payload.remove(in.f_E_T, q_ST);
-    s.f_E_S = s.filter.pass(s.motion.X_ST.q * f_E_T.force, settings.force_lag, settings.motion.dt);
-    s.torque_E_T = f_E_T.torque;
+    const Wrench f_E_T = settings.payload.remove(in.f_E_T, X_ST.q);
+    s.f_E_S = s.filter.pass(X_ST.q * f_E_T.force, settings.force_lag, settings.motion.dt);
+    s.torque_E_S = X_ST.q * f_E_T.torque;
     return Reason::kNone;
   }
   s.invalid_wrenches = std::min(s.invalid_wrenches + 1, kInvalidWrenches);
@@ -303,13 +307,12 @@ void follow_step(const FollowSettings& settings, const FollowInput& in, FollowSt
   const bool answered = in.answer != Answer::kNone;
   const JointVector q_measured = answered ? s.joints.judge(in.q_measured) : s.joints.newest();
   const Pose X_measured = forward(settings.motion.arm, q_measured);
-  const Reason sensor = read_force(settings, in, X_measured.q, s);
-  if (s.placed && in.answer == Answer::kOnTime && in.cycles == 1) {
-    s.lag.add(s.motion.joints.q, q_measured, settings.motion.dt);
-  }
+  const Reason sensor = read_force(settings, in, X_measured, s);
+  if (s.placed) s.lag.add(s.motion.joints.q, q_measured, settings.motion.dt);
   const Reason contact = judge_contact(settings, X_measured.p, s);
   FollowLedger ledger;
   Reason fault = judge_arm(settings, in, q_measured, s, ledger.joint);
+  if (fault != Reason::kNone) s.lag.restart(q_measured);
   if (fault == Reason::kNone && settings.sensor_required && follows(s.session)) fault = sensor;
   if (fault == Reason::kNone && follows(s.session)) fault = contact;
   advance_session(in, s, fault);
@@ -330,7 +333,7 @@ void follow_step(const FollowSettings& settings, const FollowInput& in, FollowSt
   link.X_ST = X_measured;
   link.has_pose = s.placed && in.robot_ready && is_finite(link.X_ST);
   link.q_measured = q_measured;
-  link.f_E_S = {s.f_E_S, Vec3(s.motion.X_ST.q * s.torque_E_T)};
+  link.f_E_S = {s.f_E_S, s.torque_E_S};
   link.has_wrench = s.invalid_wrenches == 0;
   if (!link.has_wrench) link.f_E_S.torque.setZero();
   link.payload_removed = !settings.payload.is_none();

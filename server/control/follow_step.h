@@ -89,7 +89,7 @@ struct FollowState {
   std::uint32_t fault_epoch = 0;
   int invalid_wrenches = 0;        // in a row
   Vec3 f_E_S = Vec3::Zero();       // of the valid readings, without the payload's, filtered [N]
-  Vec3 torque_E_T = Vec3::Zero();  // of the last valid one, tip axes [N m]
+  Vec3 torque_E_S = Vec3::Zero();  // of the last valid one, without the payload's [N m]
   ForceFilter filter;
   Nanos oldest_applied = 0;
   std::uint64_t cycles = 0;

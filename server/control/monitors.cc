@@ -9,34 +9,26 @@ namespace handrail {
 namespace {
 
 constexpr double kSpike = 100.0;  // [N]
-constexpr int kNoisyFor = 140;    // cycles: a second
-constexpr int kStuckFor = 10;     // cycles: 71 ms
 constexpr double kJump = 0.1;     // [rad] a cycle
 constexpr int kBadJoints = 3;
 
-bool equal(const Wrench& a, const Wrench& b) { return a.force == b.force && a.torque == b.torque; }
-
 }  // namespace
 
-Reason WrenchMonitor::judge(const Wrench& f, bool fresh, double range) noexcept {
+Reason WrenchMonitor::judge(const BumperSettings& bumper, double range, double dt,
+                            const WrenchReading& now) noexcept {
   if (!kept(Check::kSensor)) return Reason::kNone;
-  if (!fresh) return Reason::kSensorMissing;
-  if (!is_finite(f) || f.force.cwiseAbs().maxCoeff() > range) return Reason::kSensorInvalid;
-  const bool same = known_ && equal(f, last_);
-  const bool jump = known_ && (f.force - last_.force).norm() > kSpike;
+  if (!now.fresh) return Reason::kSensorMissing;
+  const Vec3& f = now.f_E_T.force;
+  if (!is_finite(now.f_E_T) || f.cwiseAbs().maxCoeff() > range) return Reason::kSensorInvalid;
   // A spike comes and goes; what stays is a force.
-  if (jump && !jumped_) {
+  if (known_ && !jumped_ && (f - last_).norm() > kSpike) {
     jumped_ = true;
     return Reason::kSensorInvalid;
   }
   jumped_ = false;
   last_ = f;
   known_ = true;
-  repeating_ = same ? std::min(repeating_ + 1, kStuckFor) : 0;
-  changing_ = same ? 0 : std::min(changing_ + 1, kNoisyFor);
-  if (changing_ >= kNoisyFor) noisy_ = true;
-  const bool stuck = kept(Check::kStuck) && noisy_ && repeating_ >= kStuckFor;
-  return stuck ? Reason::kSensorStuck : Reason::kNone;
+  return stuck_.judge(bumper, dt, now) ? Reason::kSensorStuck : Reason::kNone;
 }
 
 const JointVector& JointMonitor::judge(const JointVector& q) noexcept {

@@ -6,25 +6,24 @@
 #include "server/base/joints.h"
 #include "server/base/reason.h"
 #include "server/base/spatial.h"
+#include "server/control/stuck_monitor.h"
 
 namespace handrail {
 
 // Judges the force sensor, once a cycle of about 7 ms. Real-time safe.
 class WrenchMonitor {
  public:
-  // What is wrong with the newest reading: kSensorMissing (not `fresh`), kSensorInvalid (not
-  // finite, a component over `range` [N], or a jump of over 100 N that has only just come),
-  // kSensorStuck (the same bits for 70 ms from a sensor that never repeated itself for a second:
-  // one without noise cannot be checked), else kNone.
-  Reason judge(const Wrench& f, bool fresh, double range) noexcept;
+  // What is wrong with the newest reading: kSensorMissing (not fresh), kSensorInvalid (not finite,
+  // a component over `range` [N], or a jump of over 100 N that has only just come), kSensorStuck
+  // (StuckMonitor), else kNone. `dt`: cycle [s].
+  Reason judge(const BumperSettings& bumper, double range, double dt,
+               const WrenchReading& now) noexcept;
 
  private:
-  Wrench last_;  // newest reading with sound numbers
+  Vec3 last_ = Vec3::Zero();  // newest sound force [N]
   bool known_ = false;
   bool jumped_ = false;
-  int changing_ = 0;   // readings in a row that differ from the one before
-  int repeating_ = 0;  // readings in a row that do not
-  bool noisy_ = false;
+  StuckMonitor stuck_;
 };
 
 // Judges the measured joints, once a cycle. Real-time safe.

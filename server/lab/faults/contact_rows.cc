@@ -1,126 +1,14 @@
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
-#include <numbers>
 
+#include "server/lab/faults/contact_push.h"
 #include "server/lab/faults/fault_rows.h"
-#include "server/scene/scene.h"
 
 namespace handrail::rows {
 namespace {
 
-constexpr Nanos kCycle = 7'100 * kMicrosecond;
-constexpr double kThreshold = 50.0;  // f_th [N]
-constexpr double kPromise = 200.0;   // that no true force passes [N]
-constexpr double kBlind = 150.0;     // what 0.1 s of the fastest approach adds to it [N]
-
-FaultOptions in_contact() {
-  FaultOptions options;
-  options.contact = true;
-  return options;
-}
-
-// A run whose hand pushes into the surface, and whose force is watched. From begin() on the hand
-// goes down at `speed` to 10 mm below the surface and stays, and goes to and fro along it if
-// `slide`.
-class Push {
- public:
-  // `seed` also draws speed and way of the slide.
-  Push(std::uint64_t seed, bool slide) : run(seed, in_contact()) {
-    speed_ = 0.02 + 0.08 * run.random().uniform();
-    rate_ = slide ? 2.0 * std::numbers::pi * (0.2 + 0.5 * run.random().uniform()) : 0.0;
-    const double angle = 2.0 * std::numbers::pi * run.random().uniform();
-    along_ = {std::cos(angle), std::sin(angle), 0.0};
-    run.layers().hand = [this](Nanos at, HandReading& hand) { lead(at, hand); };
-    run.layers().force = [this](Nanos at, Wrench& f, bool& valid) {
-      if (falsify) falsify(at, f, valid);
-      measured_ = valid ? f.force.norm() : 0.0;
-    };
-  }
-  Push(const Push&) = delete;
-
-  // Engages, and begins to push.
-  bool begin() {
-    if (!run.engage()) return false;
-    from_ = run.now();
-    return true;
-  }
-  void retreat() { back_ = run.now(); }
-
-  // Lets `span` pass with an operator who engages again if `driven`.
-  void pass(Nanos span, bool driven = false) {
-    for (const Nanos end = run.now() + span; run.now() < end;) {
-      const double before = height();
-      const double way = run.auditor().way_to_rest(), felt = measured_;
-      driven ? run.drive(kMillisecond) : run.run(kMillisecond);
-      watch(felt, before, way);
-    }
-  }
-  // The same until the true force passes `force`, at most ten seconds: when it did, or kForever.
-  Nanos pass_until(double force) {
-    for (const Nanos end = run.now() + 10 * kSecond; run.now() < end;) {
-      pass(kMillisecond);
-      if (run.true_force() > force) return run.now();
-    }
-    return kForever;
-  }
-
-  // Everything found, with the largest true force, at most `bound` [N]. A sensor that lies about
-  // the force's size (`lies`) has no say in which steps go in.
-  FaultOutcome outcome(bool lies = false, double bound = kPromise) {
-    FaultOutcome out = run.outcome();
-    const bool stopped = out.measured && out.worst > out.bound;
-    if (!stopped) measure(out, peak, bound);
-    find(out, peak > bound, "over the promised force");
-    if (!lies) find(out, inward_, "further in above the threshold");
-    return out;
-  }
-  // Peak to peak of the true force over the next second [N].
-  double swing() {
-    double low = run.true_force(), high = low;
-    for (int i = 0; i < 1000; ++i) {
-      pass(kMillisecond);
-      low = std::min(low, run.true_force());
-      high = std::max(high, run.true_force());
-    }
-    return high - low;
-  }
-
-  FaultRun run;
-  std::function<void(Nanos, Wrench&, bool&)> falsify;
-  double peak = 0.0;  // [N]
-
- private:
-  double height() { return run.auditor().tip().dot(FaultRun::normal()); }
-
-  void lead(Nanos at, HandReading& hand) const {
-    constexpr double kDepth = 0.01, kBack = 0.1;  // [m], [m/s]
-    const Scene::Mapping mapping;
-    if (from_ == kForever) return;
-    const double t = to_seconds(at - from_);
-    double down = std::min(FaultRun::kGap + kDepth, speed_ * t);
-    if (at > back_) down -= kBack * to_seconds(at - back_);
-    const Vec3 p_S =
-        std::max(0.0, down) * -FaultRun::normal() + 0.01 * std::sin(rate_ * t) * along_;
-    hand.X_MH.p = mapping.R_SM.transpose() * p_S / mapping.scale;
-  }
-
-  // Above the threshold the place where the commands can come to rest only ever rises.
-  void watch(double felt, double before, double way) {
-    peak = std::max(peak, run.true_force());
-    if (run.cell().targets().empty()) return;
-    lowest_ = felt > kThreshold ? std::max(lowest_, before - way) : -1.0;
-    if (height() < lowest_ - 1e-6) ++inward_;
-  }
-
-  double speed_ = 0.0, rate_ = 0.0;
-  Vec3 along_;
-  Nanos from_ = kForever, back_ = kForever;
-  double measured_ = 0.0;  // newest reading [N]
-  double lowest_ = -1.0;   // [m]
-  std::uint64_t inward_ = 0;
-};
+constexpr double kBlind = 150.0;  // what 0.1 s of the fastest approach adds to the promise [N]
 
 }  // namespace
 
@@ -179,11 +67,11 @@ FaultOutcome s1d(const RowRun& row) {
   push.pass_until(1.0 + 40.0 * push.run.random().uniform());
   const Nanos from = push.run.now() + kMillisecond;
   push.falsify = [&](Nanos at, Wrench& f, bool&) {
-    if (at < from || (once && at >= from + kCycle)) return;
+    if (at < from || (once && at >= from + Push::kCycle)) return;
     f.force[(row.index / 2) % 3] = kBad[static_cast<std::size_t>(row.index / 2) % kBad.size()];
   };
   push.pass(20 * kMillisecond);
-  if (!once) push.run.auditor().must_stop(from + 3 * kCycle);
+  if (!once) push.run.auditor().must_stop(from + 3 * Push::kCycle);
   push.pass(3 * kSecond);
   const bool engaged = push.run.engaged();
   FaultOutcome out = push.outcome();
@@ -213,7 +101,7 @@ FaultOutcome s2c(const RowRun& row) {
   push.run.auditor().must_stop(from + 100 * kMillisecond);
   push.pass(3 * kSecond);
   const bool engaged = push.run.engaged();
-  FaultOutcome out = push.outcome(true, kPromise + kBlind);
+  FaultOutcome out = push.outcome(true, Push::kPromise + kBlind);
   find(out, engaged, "not found");
   return out;
 }
@@ -232,7 +120,7 @@ FaultOutcome s3c(const RowRun& row) {
   const bool found = push.run.cell().slave().fault == Reason::kSensorSign;
   FaultOutcome out = push.run.outcome();
   find(out, !found, "not found");
-  find(out, push.peak > kPromise, "over the promised force");
+  find(out, push.peak > Push::kPromise, "over the promised force");
   return out;
 }
 
@@ -253,13 +141,13 @@ FaultOutcome s3d(const RowRun& row) {
       f.force.z() += (beside == 0 ? 1.0 : -1.0) * std::min(1.5, 0.5 * to_seconds(at - from));
     } else if (level == 2) {
       f.force *= 2.0;
-    } else if (at < from + kCycle) {
+    } else if (at < from + Push::kCycle) {
       f.force[2 * beside] += 200.0;
     }
   };
   if (saturated) {
     push.pass(20 * kMillisecond);
-    push.run.auditor().must_stop(from + 3 * kCycle);
+    push.run.auditor().must_stop(from + 3 * Push::kCycle);
   }
   push.pass(5 * kSecond);
   const bool engaged = push.run.engaged();
@@ -275,7 +163,7 @@ FaultOutcome s3e(const RowRun& row) {
   Push push(row.seed, false);
   if (!push.begin()) return not_engaged();
   push.falsify = [&](Nanos, Wrench& f, bool&) { std::swap(f.force.z(), f.force[row.index % 2]); };
-  const Nanos over = push.pass_until(kThreshold + 30.0);
+  const Nanos over = push.pass_until(Push::kThreshold + 30.0);
   if (over == kForever) return not_engaged();
   push.pass(150 * kMillisecond);
   push.run.auditor().must_stop(over + 220 * kMillisecond);

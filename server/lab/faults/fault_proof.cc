@@ -26,6 +26,7 @@ constexpr std::array kProofs = {
     FaultProof{Check::kFollowing, "following", "S5", 9, "not found"},
     FaultProof{Check::kSensor, "sensor", "S1a", 8, "stopped late"},
     FaultProof{Check::kStuck, "stuck", "S2a", 2, "not found"},
+    FaultProof{Check::kUnchanged, "unchanged", "S2e", 3, "not found"},
     FaultProof{Check::kEncoder, "encoder", "S1b", 8, "stopped late"},
     FaultProof{Check::kWatchdog, "watchdog", "N10a", 10, "stopped late"},
     FaultProof{Check::kLatch, "latch", "N9", 10, "moved without being led"},

@@ -51,6 +51,8 @@ Row s1a, s1b, s1c, s2a, s2b, s3a, s3b, s4, s5;
 Row r1a, r1b, r2, r3, r4, r5;
 // contact_rows.cc
 Row n3c, p1c, s1d, s2c, s3c, s3d, s3e;
+// trust_rows.cc
+Row s1e, s1f, s2d, s2e, r1c;
 // guard_rows.cc
 Row x2a;
 // session_rows.cc

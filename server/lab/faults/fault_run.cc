@@ -29,8 +29,9 @@ Scene scene_of(const FaultOptions& fault) {
   PlaneSpec plane;
   plane.normal = FaultRun::normal();
   plane.at = forward(arm, ServoArmOptions::default_start()).p - FaultRun::kGap * FaultRun::normal();
-  scene.simulate = {{ServoLagSpec(), EncoderOffsetsSpec(), ArmComplianceSpec(), plane,
-                     SensorNoiseSpec(), SensorSaturationSpec()}};
+  scene.simulate = {
+      {ServoLagSpec(), EncoderOffsetsSpec(), ArmComplianceSpec(), plane, SensorSaturationSpec()}};
+  if (fault.sensor_noise) scene.simulate->effects.push_back(SensorNoiseSpec());
   scene.bumper.promise = 200.0;
   return scene;
 }

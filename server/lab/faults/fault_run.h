@@ -39,6 +39,7 @@ struct FaultOptions {
   bool contact = false;
   bool queues = false;  // the controller works off one packet a cycle, the rest wait
   bool brisk = false;   // the hand turns up to 0.3 rad, twice as often
+  bool sensor_noise = true;  // in contact
 };
 
 // Faults of the devices: called with what the device says and when, they may change it. Empty:

@@ -55,6 +55,25 @@ TEST(FollowPayload, GravityIsTakenFromWhereTheArmIsNotFromWhereItIsTold) {
   EXPECT_LT(rig.out.link.f_E_S.force.norm(), 1e-9);
 }
 
+// An arm that turns is turned less far than it is told.
+TEST(FollowPayload, TheForceIsTurnedByWhereTheArmIsNotByWhereItIsTold) {
+  for (const bool loaded : {false, true}) {
+    FollowRig rig;
+    if (loaded) rig.settings.payload = kHeavy;
+    const JointVector behind = home() + joints_deg(0, 0, 0, 0, -4.0, 2.0);
+    const Quat q_ST = forward(rig.settings.motion.arm, behind).q;
+    const Vec3 push(5.0, -7.0, 20.0), turn(0.5, 0.2, -0.3);
+    rig.in.q_measured = behind;
+    rig.in.f_E_T =
+        loaded ? reading(rig, behind, push) : Wrench{q_ST.conjugate() * push, Vec3::Zero()};
+    rig.in.f_E_T.torque += q_ST.conjugate() * turn;
+    rig.cycle();
+    EXPECT_LT((rig.out.link.f_E_S.force - push).norm(), 1e-9) << loaded;
+    EXPECT_LT((rig.state.f_E_S - push).norm(), 1e-9) << loaded;
+    EXPECT_LT((rig.out.link.f_E_S.torque - turn).norm(), 1e-9) << loaded;
+  }
+}
+
 TEST(FollowPayload, TheSensorsRangeIsJudgedWithTheLoadOnIt) {
   FollowRig rig;
   rig.settings.payload = kHeavy;

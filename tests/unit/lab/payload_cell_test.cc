@@ -50,7 +50,7 @@ class LoadedCell {
       see(cell_->slave());
       if (i % 20 != 0) continue;
       const SlaveState& s = cell_->slave();
-      const Quat q_TS = s.X_ST_command.q.conjugate();
+      const Quat q_TS = s.X_ST.q.conjugate();
       sampler.add(
           {to_seconds(cell_->now()), s.X_ST, {q_TS * s.f_E_S.force, q_TS * s.f_E_S.torque}});
     }
