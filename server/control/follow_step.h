@@ -24,6 +24,8 @@ struct FollowSettings {
   double force_lag = 0.0;        // of the force's low pass; 0: none. Part of bumper.sensor_lag [s]
   bool sensor_required = false;  // true: without valid readings the arm holds
   FollowingSettings following;
+  double catch_up = 0.060;  // bound on riding to a tool that is called beside the tip [m/s]
+  double catch_up_rotation = 0.262;  // the same for orientation [rad/s]
   SectionHashes hashes;  // of mapping, limits and robot
   SceneName scene{};
 };

@@ -162,12 +162,125 @@ FaultOutcome x9b(std::uint64_t seed, int) {
   return out;
 }
 
+// A master that speaks the protocol and holds another scene: it engages nothing, and what the right
+// one had engaged ends.
+FaultOutcome d3(std::uint64_t seed, int index) {
+  constexpr Nanos kHeard = 20 * kMillisecond;  // the first such datagram, and a robot cycle
+  FaultRun run(seed);
+  run.let_hold();
+  if (index % 2 == 0 && !run.engage()) return not_engaged();
+  run.run(kSecond);
+  MasterState other = run.cell().master().link;
+  const std::array<Reason, 4> reasons = {Reason::kSceneDiffers, Reason::kHashMapping,
+                                         Reason::kHashLimits, Reason::kHashRobot};
+  const auto what = static_cast<std::size_t>(index / 2) % reasons.size();
+  if (what == 0) other.scene = SceneName();
+  if (what == 1) other.hashes.mapping ^= 1;
+  if (what == 2) other.hashes.limits ^= 1;
+  if (what == 3) other.hashes.robot ^= 1;
+  other.desired = Desired::kEngaged;
+  other.has_command = true;
+  run.send_instead(&other);
+  const Nanos from = run.now();
+  std::uint64_t engaged = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const SlaveState& slave = run.cell().slave();
+    if (follows(slave.state)) {
+      other.state = SessionState::kEngaged;
+      other.X_SU.p.y() += 1e-4;
+    } else {
+      other.state = SessionState::kAligning;
+      other.X_SU = slave.X_ST_command;
+    }
+    run.tick();
+    engaged += run.engaged() && run.now() - from > kHeard;
+  }
+  const bool named = run.cell().slave().reason == reasons[what];
+  FaultOutcome out = run.outcome();
+  measure(out, static_cast<double>(engaged), 0.0);
+  find(out, engaged, "ms engaged with another scene");
+  find(out, !named, "the difference is not named");
+  return out;
+}
+
+ToolCall tool_anywhere(Random& random, const Vec3& p) {
+  const auto any = [&random](double size) {
+    Vec3 v;
+    for (int k = 0; k < 3; ++k) v[k] = size * (2.0 * random.uniform() - 1.0);
+    return v;
+  };
+  ToolCall call;
+  call.kind = std::array{ToolKind::kPoint, ToolKind::kLine, ToolKind::kPlane,
+                         ToolKind::kFRotation}[static_cast<std::size_t>(4.0 * random.uniform())];
+  call.at_present = false;
+  call.p_SA = p + any(random.uniform() < 0.5 ? 0.02 : 0.6);
+  call.direction_S = any(1.0);
+  call.normal_S = any(1.0);
+  call.has_axis = true;
+  call.axis_S = any(1.0);
+  call.has_end = random.uniform() < 0.3;
+  call.p_SE = p + any(0.6);
+  return call;
+}
+
+// Tools called anywhere while the hand stands still; in every other run they are approached, and
+// the clutch is held on the way: the arm stays when it is let go.
+FaultOutcome x2c(std::uint64_t seed, int index) {
+  constexpr double kReach = 0.020;    // of the scene [m]
+  constexpr double kRounding = 1e-5;  // of what the arm comes to rest by [m]
+  FaultRun run(seed);
+  bool still = false, clutched = false;
+  HandReading held;
+  run.layers().hand = [&](Nanos, HandReading& hand) {
+    if (!still) held = hand;
+    hand = held;
+    hand.v_MH.setZero();
+    hand.clutch_button = clutched;
+  };
+  if (!run.engage()) return not_engaged();
+  still = true;
+  run.run(kSecond);
+  const auto way_from = [&run](const Vec3& p) { return (run.auditor().tip() - p).norm(); };
+  Vec3 home = run.auditor().tip();
+  double furthest = 0.0, crept = 0.0, approached = 0.0;
+  for (int call = 0; call < 20; ++call) {
+    HapticOrder order = order_of(OrderKind::kTool);
+    order.tool = tool_anywhere(run.random(), home);
+    order.tool.approach = index % 2 == 1;
+    run.tick(order);
+    const Nanos wait = from_seconds(0.5 + run.random().uniform());
+    for (const Nanos end = run.now() + wait; run.now() < end;) {
+      run.tick();
+      if (index % 2 == 0) furthest = std::max(furthest, way_from(home));
+    }
+    approached = std::max(approached, way_from(home));
+    if (index % 2 == 1) {
+      clutched = true;
+      run.run(500 * kMillisecond);
+      home = run.auditor().tip();
+      clutched = false;
+      run.run(kSecond);
+      crept = std::max(crept, way_from(home));
+    }
+    run.tick(order_of(OrderKind::kToolOff));
+    run.run(kSecond);
+  }
+  FaultOutcome out = run.outcome();
+  measure(out, 1e3 * std::max(furthest, crept), 1e3 * (index % 2 == 0 ? kReach : 0.0));
+  find(out, furthest > kReach + kRounding, "further than a tool may be called");
+  find(out, crept > kRounding, "went on after the clutch");
+  find(out, approached < 0.01, "no tool moved anything");
+  return out;
+}
+
 }  // namespace
 
 const std::vector<FaultRow>& session_rows() {
   static const std::vector<FaultRow> rows = {
       {"N1d", "40 % loss is not engaged over, 75 % holds", "ms engaged", 8, n1d},
       {"S6", "nobody holds the device's button", "ms to stop", 10, s6},
+      {"D3", "a master with another scene, from off and engaged", "ms engaged", 16, d3},
+      {"X2c", "tools called anywhere with the hand still", "mm", 8, x2c},
       {"X4", "a stop at 30 % loss, a stop in a mad master's datagrams", "ms to stop", 20, x4},
       {"X8", "a recorded session to a slave that has just started", "cycles moved", 4, x8},
       {"X9b", "two operators at a time", "orders of another", 4, x9b},
