@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "server/control/session.h"
 #include "server/link/link_server.h"
 
 namespace handrail {

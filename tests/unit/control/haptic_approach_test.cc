@@ -74,6 +74,7 @@ TEST(HapticApproach, WhateverIsCalledAStillHandsArmGoesNoFurtherThanTheReach) {
 
 TEST(HapticApproach, AnApproachGoesThereAtTheScenesPaceAndTakesTheHandAlong) {
   HapticRig rig;
+  rig.settings.spring_stiffness = 0.0;  // only what a tool pulls
   rig.settings.guide.catch_up = 0.1;
   rig.engage();
   const Pose tip = rig.command();
@@ -158,6 +159,7 @@ TEST(HapticApproach, AnyOtherChangeOfPositionToolsEndsItWhereTheArmIs) {
   };
   for (const auto& change : changes) {
     HapticRig rig;
+    rig.settings.spring_stiffness = 0.0;
     rig.engage();
     ASSERT_EQ(rig.call(approach(floor_below(rig, kFar))), Reason::kNone);
     rig.ticks(1000);
