@@ -19,6 +19,7 @@ struct Options {
   bool watch = false;
   bool one_way = false;
   bool hold = false;
+  bool approach = false;
   std::optional<std::string> at, end, direction, normal, axis, stiffness;  // tools
   std::optional<std::string> by, rotate, seconds;                          // hand
   std::optional<std::string> out, accuracy, budget;                        // scene tools

@@ -29,7 +29,9 @@ ExitCode run_engage(const Options& options, const Console& console) {
   OperatorClient client(options.socket, options.as);
   const Result<pb::Reply> engaged = client.call(request, kPatience);
   if (exit_code(engaged) != kExitDone) return fail(console, engaged);
-  console.out << "engaged while this runs; Ctrl-C disengages\n" << std::flush;
+  console.out << "engaged while this runs; Ctrl-C disengages\n";
+  if (!engaged->reason().empty()) console.out << engaged->reason() << '\n';
+  console.out << std::flush;
   while (!interrupted()) {
     pb::Request sign;
     sign.set_hold_alive(true);

@@ -29,6 +29,8 @@ void add_tool_options(CLI::App& app, Options& o, const std::string& meant) {
       add_text(app, "--axis", o.axis, direction, "axis to keep; without it the tool's own"),
       add_text(app, "--end", o.end, "x,y,z", "no travel past this point in mm"),
       app.add_flag("--one-way", o.one_way, "forward only; without it both ways"),
+      app.add_flag("--approach", o.approach,
+                   "let the arm go to a far tool by itself; the clutch ends it"),
       add_text(app, "--stiffness", o.stiffness, "N/mm", "at the hand, 0 to 10; 0 is the scene's"),
   };
   for (CLI::Option* option : all) {

@@ -62,6 +62,9 @@ Result<pb::Tool> tool_from(pb::Tool::Kind kind, const Options& o) {
   if (const auto problem = tool_call_from(tool, call)) {
     return Status::error(flag_of(problem->path) + ": " + problem->text);
   }
+  if (o.approach && !is_position_tool(call.kind)) {
+    return Status::error("--approach: has no meaning for " + pb::Tool::Kind_Name(kind));
+  }
   return tool;
 }
 
@@ -70,6 +73,7 @@ ExitCode call_tool(pb::Tool::Kind kind, const Options& options, const Console& c
   if (!tool) return complain(console, tool.message());
   pb::Request request;
   *request.mutable_tool() = *tool;
+  if (options.approach) request.set_approach(true);
   return send_order(options, console, request, "tool called");
 }
 

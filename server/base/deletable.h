@@ -32,6 +32,8 @@ enum class Check : std::uint8_t {
   kContact,       // the bumper
   kSensorSign,    // a force that grows the way the tip goes
   kRelief,        // a force that backing off does not relieve
+  kHashes,        // the slave's own look at the master's scene
+  kToolReach,     // no tool is called further from the tip than the scene says
   kCount
 };
 

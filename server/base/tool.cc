@@ -4,6 +4,24 @@
 
 namespace handrail {
 
+const char* name_of(ToolKind kind) noexcept {
+  switch (kind) {
+    case ToolKind::kPoint:
+      return "point";
+    case ToolKind::kLine:
+      return "line";
+    case ToolKind::kPlane:
+      return "plane";
+    case ToolKind::kNRotation:
+      return "n-rotation";
+    case ToolKind::kFRotation:
+      return "f-rotation";
+    case ToolKind::kNone:
+      break;
+  }
+  return "none";
+}
+
 std::uint64_t hash_of(const ToolDefinition& tool) noexcept {
   Fnv h;
   h.byte(static_cast<std::uint8_t>(tool.kind));

@@ -16,6 +16,9 @@ inline bool is_orientation_tool(ToolKind kind) {
   return kind == ToolKind::kNRotation || kind == ToolKind::kFRotation;
 }
 
+// "line", "n-rotation", "none", as people type it. Static storage.
+const char* name_of(ToolKind kind) noexcept;
+
 // The full definition of one active tool (dissertation 3.2.2). Fields a kind does not use keep their
 // defaults, so that equal tools have equal hashes.
 struct ToolDefinition {

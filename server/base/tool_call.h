@@ -20,6 +20,7 @@ struct ToolCall {
   bool has_end = false;             // line, plane: no travel along direction_S past p_SE
   Vec3 p_SE = Vec3::Zero();         // end point [m]
   double stiffness = 0.0;           // [N/m] or [N m/rad]; 0: the scene's own
+  bool approach = false;            // position tools: the arm goes there, however far it is
 };
 
 // kNone when the call can be anchored; else why not. With at_present the end point is not compared

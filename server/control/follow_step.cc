@@ -38,7 +38,8 @@ bool released(const FollowState& s, const MasterState& master) {
   return master.fault_reset == s.fault_epoch;
 }
 
-void advance_session(const FollowInput& in, FollowState& s, Reason own_fault) {
+void advance_session(const FollowSettings& settings, const FollowInput& in, FollowState& s,
+                     Reason own_fault) {
   SlaveSessionInput session;
   session.link = rung_of(in.master_known, age_of_master(in), in.link);
   session.confirmed = in.link.confirmed;
@@ -52,6 +53,7 @@ void advance_session(const FollowInput& in, FollowState& s, Reason own_fault) {
     session.desired = in.master.desired;
     session.master = in.master.state;
     session.aligned = aligned(in.master, s.motion);
+    if (kept(Check::kHashes)) session.mismatch = first_difference(settings, in.master);
     session.stop_latched =
         kept(Check::kStopEpoch) && in.master.stop_epoch != in.master.released_epoch;
     // A reset older than this fault, meant for a slave before us, must not release it.
@@ -199,7 +201,10 @@ Reason follow(const FollowSettings& settings, const FollowInput& in, FollowState
   }
   s.oldest_applied = std::max(s.oldest_applied, age_of_master(in));
   s.applied_sequence = in.master_sequence;
-  if (s.session == SessionState::kEngaged) s.tube.close(s.motion.X_ST.p, settings.motion.dt);
+  if (s.session == SessionState::kEngaged) {
+    s.tube.close(settings.catch_up, settings.catch_up_rotation, s.motion.X_ST.p,
+                 settings.motion.dt);
+  }
   const Pose X_SN = s.tube.project(in.master.X_SU, s.motion.X_ST);
   BumperInput contact;
   contact.p_SU = X_SN.p;
@@ -315,7 +320,7 @@ void follow_step(const FollowSettings& settings, const FollowInput& in, FollowSt
   if (fault != Reason::kNone) s.lag.restart(q_measured);
   if (fault == Reason::kNone && settings.sensor_required && follows(s.session)) fault = sensor;
   if (fault == Reason::kNone && follows(s.session)) fault = contact;
-  advance_session(in, s, fault);
+  advance_session(settings, in, s, fault);
   const Reason intervention = move_commands(settings, in, s, ledger, out.send);
   out.q_target = s.placed ? s.motion.joints.q : q_measured;
 

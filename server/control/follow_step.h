@@ -27,7 +27,9 @@ struct FollowSettings {
   bool sensor_required = false;  // true: without valid readings the arm holds
   FollowingSettings following;
   JointLimits rated = rv2a_limits();  // what the arm itself has: ranges, and a cycle's step at most
-  SectionHashes hashes;               // of mapping, limits and robot
+  double catch_up = 0.060;  // bound on riding to a tool that is called beside the tip [m/s]
+  double catch_up_rotation = 0.262;  // the same for orientation [rad/s]
+  SectionHashes hashes;              // of mapping, limits and robot
   SceneName scene{};
 };
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "server/base/deletable.h"
+
 namespace handrail {
 namespace {
 
@@ -70,8 +72,8 @@ void Guide::restart(const GuideSettings& settings, const Pose& X_SC) noexcept {
   twist_offset_.absorb(-twist_from(X_SC.q, proxy_.q));
 }
 
-Reason Guide::call(const GuideSettings& settings, const ToolCall& wanted,
-                   const Pose& X_SH) noexcept {
+Reason Guide::call(const GuideSettings& settings, const ToolCall& wanted, const Pose& X_SH,
+                   double* distance) noexcept {
   ToolDefinition tool;
   if (const Reason reason = anchor(wanted, settings, command_, tool); reason != Reason::kNone) {
     return reason;
@@ -81,14 +83,21 @@ Reason Guide::call(const GuideSettings& settings, const ToolCall& wanted,
       (command_.p - tool.p_SA).dot(tool.direction_S) > tool.end + kBehind) {
     return Reason::kToolEndBehindStart;
   }
-  tool.id = next_id_++;
+  tool.id = next_id_;
   if (is_position_tool(tool.kind)) {
     tool.epoch = position_.definition().epoch + 1;
-    change_position(settings, PositionTool(tool, settings.method, settings.delta), X_SH);
+    const PositionTool position(tool, settings.method, settings.delta);
+    const double off = (PositionTool(position).start(command_.p, command_.p) - command_.p).norm();
+    if (distance != nullptr) *distance = off;
+    if (!wanted.approach && off > settings.reach && kept(Check::kToolReach)) {
+      return Reason::kToolFar;
+    }
+    change_position(settings, position, X_SH, wanted.approach);
   } else {
     tool.epoch = orientation_.definition().epoch + 1;
     change_orientation(settings, OrientationTool(tool), X_SH);
   }
+  ++next_id_;
   return Reason::kNone;
 }
 
@@ -96,7 +105,7 @@ Reason Guide::drop_position(const GuideSettings& settings, const Pose& X_SH) noe
   if (!position_.active()) return Reason::kNoSuchTool;
   ToolDefinition none;
   none.epoch = position_.definition().epoch + 1;
-  change_position(settings, PositionTool(none, settings.method, settings.delta), X_SH);
+  change_position(settings, PositionTool(none, settings.method, settings.delta), X_SH, false);
   return Reason::kNone;
 }
 
@@ -109,17 +118,20 @@ Reason Guide::drop_orientation(const GuideSettings& settings, const Pose& X_SH) 
 }
 
 void Guide::change_position(const GuideSettings& settings, const PositionTool& tool,
-                            const Pose& X_SH) noexcept {
+                            const Pose& X_SH, bool approach) noexcept {
   // The force is K_t times the pull: a change of K_t must not step it either.
   const double before = stiffness(settings);
-  const Vec3 pull = position_.active() || pull_offset_.active()
-                        ? Vec3(proxy_.p + pull_offset_.offset() - X_SH.p)
-                        : Vec3(Vec3::Zero());
+  // The proxy of an approach is where neither hand nor command have come to.
+  const bool pulled = !approaching_ && (position_.active() || pull_offset_.active());
+  const Vec3 pull = pulled ? Vec3(proxy_.p + pull_offset_.offset() - X_SH.p) : Vec3(Vec3::Zero());
+  const Vec3 from = approach ? command_.p : tool.active() && !approaching_ ? proxy_.p : X_SH.p;
   position_ = tool;
-  position_.start(tool.active() ? proxy_.p : X_SH.p, command_.p);
+  approaching_ = approach;
+  const Vec3 nearest = position_.start(from, command_.p);
+  const Vec3 p_SH = approach ? nearest : X_SH.p;
   // Where the proxy goes from there for this hand is part of the jump that is eased.
-  proxy_.p = position_.advance(X_SH.p);
-  const Vec3 now = proxy_.p - X_SH.p;
+  proxy_.p = position_.advance(p_SH);
+  const Vec3 now = proxy_.p - p_SH;
   pull_offset_.clear();
   pull_offset_.absorb(pull * (before / stiffness(settings)) - now);
   position_mean_.reset(proxy_.p, settings.smoother_length);
@@ -150,6 +162,7 @@ void Guide::rejoin_orientation(const GuideSettings& settings, const Quat& q_prox
 Guidance Guide::step(const GuideSettings& settings, const Pose& X_SH, double dt) noexcept {
   Guidance out;
   command_offset_.decay(settings.catch_up, dt);
+  approaching_ = approaching_ && command_offset_.active();
   command_turn_.decay(settings.catch_up_rotation, dt);
   pull_offset_.decay(settings.force_rate / stiffness(settings), dt);
   twist_offset_.decay(settings.catch_up_rotation, dt);

@@ -17,6 +17,7 @@ struct GuideSettings {
   double torque_stiffness = 0.5;     // K_N, K_F where a tool does not say [N m/rad]
   double catch_up = 0.060;           // bound on letting go of a position offset [m/s]
   double catch_up_rotation = 0.262;  // the same for orientation [rad/s]
+  double reach = 0.020;              // furthest from the command that a tool is called [m]
   // Bound on easing a tool's pull in after a change, at the hand, times the mapping's scale: the
   // pull is in S [N/s]. With the arbiter's step limit (0.05 N a millisecond) it leaves room for the
   // spring.
@@ -41,16 +42,24 @@ struct Guidance {
 // the command keeps an offset that shrinks by at most `catch_up`, the force one that shrinks by at
 // most `force_rate`. A tool called without an anchor is anchored at the command, whose offset is
 // then zero from the first tick on. Orientation offsets multiply on the right (in the tip's own
-// frame), so that hand rotation passes 1:1 in S while they decay. Real-time safe; no allocation.
+// frame), so that hand rotation passes 1:1 in S while they decay.
+//
+// A position tool further off than `reach` is refused, or approached: then the hand is taken to be
+// where the tool is nearest, so that nothing pulls it there, and the caller latches it there. An
+// approach ends when the command has come to the tool, and with any other change of position tools;
+// for that the hand is where the command has come to. Orientation tools hold what they find: none
+// turns the arm by itself. Real-time safe; no allocation.
 class Guide {
  public:
   // Starts afresh at `X_SC`, where hand and command both stand. Active tools stay, their proxies
   // restart there: with a still hand nothing moves, unless a tool has yet to be reached.
   void restart(const GuideSettings& settings, const Pose& X_SC) noexcept;
 
-  // Calls a tool in its slot. `X_SH`: the hand now, in S. Refuses what cannot be anchored and then
-  // changes nothing.
-  Reason call(const GuideSettings& settings, const ToolCall& call, const Pose& X_SH) noexcept;
+  // Calls a tool in its slot. `X_SH`: the hand now, in S. Refuses what cannot be anchored or is too
+  // far and then changes nothing. `distance`, if not null: of an anchored position tool from the
+  // command, with its end [m]; else left alone.
+  Reason call(const GuideSettings& settings, const ToolCall& call, const Pose& X_SH,
+              double* distance = nullptr) noexcept;
 
   // Drops a tool; kNoSuchTool when the slot is empty. `X_SH` as above.
   Reason drop_position(const GuideSettings& settings, const Pose& X_SH) noexcept;
@@ -62,13 +71,16 @@ class Guide {
   const PositionTool& position() const noexcept { return position_; }
   const OrientationTool& orientation() const noexcept { return orientation_; }
   const Pose& command() const noexcept { return command_; }
+  const Pose& proxy() const noexcept { return proxy_; }
+  // The command is on its way to a tool it was called for from afar.
+  bool approaching() const noexcept { return approaching_; }
   // Stiffness at the hand of the active position tool; the settings' one without a tool [N/m].
   double stiffness(const GuideSettings& settings) const noexcept;
   double torque_stiffness(const GuideSettings& settings) const noexcept;
 
  private:
-  void change_position(const GuideSettings& settings, const PositionTool& tool,
-                       const Pose& X_SH) noexcept;
+  void change_position(const GuideSettings& settings, const PositionTool& tool, const Pose& X_SH,
+                       bool approach) noexcept;
   void change_orientation(const GuideSettings& settings, const OrientationTool& tool,
                           const Pose& X_SH) noexcept;
   // Restarts the orientation smoother at `q_proxy`, keeping the command continuous.
@@ -85,6 +97,7 @@ class Guide {
   Blend pull_offset_;     // S [m]
   Blend twist_offset_;    // S, rotation vector [rad]
   std::uint32_t next_id_ = 1;
+  bool approaching_ = false;
 };
 
 // Anchors `call` at `X_SC` where it does not name its own place and normalises directions.

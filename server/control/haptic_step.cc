@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/base/deletable.h"
+#include "server/control/tool_orders.h"
 #include "server/control/tool_tube.h"
 
 namespace handrail {
@@ -23,14 +24,6 @@ bool plausible(const Pose& X) {
   return is_finite(X) && is_unit(X.q) && X.p.cwiseAbs().maxCoeff() <= kFarthest;
 }
 
-Reason first_mismatch(const HapticSettings& settings, const SlaveState& slave) {
-  if (settings.scene != slave.scene) return Reason::kSceneDiffers;
-  if (settings.hashes.mapping != slave.hashes.mapping) return Reason::kHashMapping;
-  if (settings.hashes.limits != slave.hashes.limits) return Reason::kHashLimits;
-  if (settings.hashes.robot != slave.hashes.robot) return Reason::kHashRobot;
-  return Reason::kNone;
-}
-
 // The slave holds another definition of a tool it says it has taken.
 bool tools_differ(const HapticState& s, const SlaveState& slave) {
   return slave.position_tool_epoch == s.guide.position().definition().epoch &&
@@ -45,12 +38,6 @@ bool may_drive(SessionState state) {
 
 bool stop_latched(const HapticState& s) { return s.stop_epoch != s.released_epoch; }
 
-// The hand where the guide works: in S while engaged; without an engagement a tool call has nothing
-// to pull, so the command's own pose stands for the hand.
-Pose hand_in_slave(const HapticState& s) {
-  return s.driving ? s.engagement.to_slave(s.X_MH) : s.X_SU;
-}
-
 Reason reset(HapticState& s, const HapticInput& in) {
   const bool peer_fault = in.slave_known && in.slave.state == SessionState::kFault;
   if (s.session != SessionState::kFault && !stop_latched(s) && !peer_fault) {
@@ -61,12 +48,6 @@ Reason reset(HapticState& s, const HapticInput& in) {
   s.want_engaged = s.want_clutched = false;
   s.off_reason = Reason::kNotEngaged;
   return Reason::kNone;
-}
-
-void drop_tools(const HapticSettings& settings, HapticState& s) {
-  const Pose X_SH = hand_in_slave(s);
-  s.guide.drop_position(settings.guide, X_SH);
-  s.guide.drop_orientation(settings.guide, X_SH);
 }
 
 // Refused is refused: a wish that waited for the obstacle to go would engage out of the blue.
@@ -82,11 +63,11 @@ Reason obstacle_to_engaging(const HapticSettings& settings, const HapticInput& i
   if (!ladder.held_good) return Reason::kLinkQuality;
   if (in.slave.state == SessionState::kFault) return Reason::kPeerFault;
   if (tools_differ(s, in.slave)) return Reason::kHashTools;
-  return first_mismatch(settings, in.slave);
+  return first_difference(settings, in.slave);
 }
 
 Reason carry_out(const HapticSettings& settings, const HapticInput& in, const LadderStep& ladder,
-                 HapticState& s) {
+                 HapticState& s, double& tool_distance) {
   switch (in.order.kind) {
     case OrderKind::kNone:
       return Reason::kNone;
@@ -124,17 +105,9 @@ Reason carry_out(const HapticSettings& settings, const HapticInput& in, const La
       if (!may_drive(s.session) && s.session != SessionState::kClutched) {
         return Reason::kNotEngaged;
       }
-      return s.guide.call(settings.guide, in.order.tool, hand_in_slave(s));
-    case OrderKind::kToolOff: {
-      Reason result = Reason::kNoSuchTool;
-      const Pose X_SH = hand_in_slave(s);
-      if (in.order.drop_position) result = s.guide.drop_position(settings.guide, X_SH);
-      if (in.order.drop_orientation) {
-        const Reason second = s.guide.drop_orientation(settings.guide, X_SH);
-        if (result != Reason::kNone) result = second;
-      }
-      return result;
-    }
+      return call_tool(settings, in.order.tool, s, tool_distance);
+    case OrderKind::kToolOff:
+      return drop_tools(settings, in.order.drop_position, in.order.drop_orientation, s);
   }
   return Reason::kNone;
 }
@@ -164,7 +137,7 @@ void advance_session(const HapticSettings& settings, const HapticInput& in,
   session.ready = in.device_ready;
   session.overdue = s.aligning_for >= kLongestAligning;
   session.peer = in.slave.state;
-  session.mismatch = first_mismatch(settings, in.slave);
+  session.mismatch = first_difference(settings, in.slave);
   session.stop_latched = stop_latched(s);
   session.reset = in.order.kind == OrderKind::kReset;
 
@@ -197,7 +170,7 @@ void advance_session(const HapticSettings& settings, const HapticInput& in,
   }
   if (s.session == SessionState::kOff || s.session == SessionState::kFault) {
     // A tool left over would pull the arm at the next engagement, with the hand still.
-    drop_tools(settings, s);
+    drop_tools(settings, true, true, s);
   }
   const bool driving = may_drive(s.session) && !clutched && s.hand_gap <= kLongestGap;
   if (driving && !s.driving) {
@@ -205,6 +178,9 @@ void advance_session(const HapticSettings& settings, const HapticInput& in,
     s.guide.restart(settings.guide, s.X_SU);
   }
   s.driving = driving;
+  // Whoever lets go of the arm, or holds the clutch, stops an approach: it does not go on by
+  // itself.
+  if (!driving && s.guide.approaching()) drop_tools(settings, true, false, s);
 }
 
 // What the session has just come to, for the hand to feel.
@@ -295,8 +271,9 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
   const LadderStep ladder =
       ladder_step(settings.ladder, in.slave_known, slave_age, in.link, dt, s.ladder);
   see_presence(settings, in, dt, s);
-  out.order_result = carry_out(settings, in, ladder, s);
-  if (in.hand.drop_button && !s.button_was_down) drop_tools(settings, s);
+  out.tool_distance = 0.0;
+  out.order_result = carry_out(settings, in, ladder, s, out.tool_distance);
+  if (in.hand.drop_button && !s.button_was_down) drop_tools(settings, true, true, s);
   s.button_was_down = in.hand.drop_button;
   const SessionState before = s.session;
   advance_session(settings, in, ladder, dt, s);
@@ -312,7 +289,9 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
   out.motion.known = false;
   if (s.driving) {
     const Pose X_SH = s.engagement.to_slave(s.X_MH);
-    const Guidance guidance = s.guide.step(settings.guide, X_SH, dt);
+    // While the arm holds nothing is eased: it would have to run after that.
+    const double easing = s.session == SessionState::kHold ? 0.0 : dt;
+    const Guidance guidance = s.guide.step(settings.guide, X_SH, easing);
     s.X_SU = guidance.X_SC;
     const Vec3 pull_M = s.engagement.to_hand(guidance.pull);
     f_tool = s.guide.stiffness(settings.guide) * pull_M;  // (3.4)

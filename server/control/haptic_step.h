@@ -83,6 +83,7 @@ struct HapticOutput {
   Wrench f_H_M;                         // for the device, within its limits, always finite
   MasterState link;                     // for the slave
   Reason order_result = Reason::kNone;  // kNone: the order was carried out (or there was none)
+  double tool_distance = 0.0;  // kTool: of a position tool from the command at its call [m]
   Reason reason = Reason::kNone;        // why the session is not what is wanted
   ReasonSet reasons;                    // every intervention of this tick
   ForceShares shares;                   // device force, where it came from

@@ -106,11 +106,13 @@ SessionStep next_slave(SessionState state, const SlaveSessionInput& in) noexcept
   switch (state) {
     case kOff:
     case kHoming: {
-      const bool asked = flowing(in.link) && confirmed(in) && !in.new_session &&
+      const bool differs = in.desired != Desired::kOff && in.mismatch != Reason::kNone;
+      const bool asked = flowing(in.link) && confirmed(in) && !in.new_session && !differs &&
                          in.desired != Desired::kOff && in.master == kAligning;
       if (!in.robot_ready) return {asked ? kHoming : kOff, Reason::kRobotNotConnected};
       if (!flowing(in.link)) return {kOff, reason_of(in.link)};
       if (!confirmed(in)) return {kOff, Reason::kNotConfirmed};
+      if (differs) return {kOff, in.mismatch};
       if (!asked) return {kOff, Reason::kNotEngaged};
       return {kAligning, Reason::kNone};
     }
@@ -120,6 +122,7 @@ SessionStep next_slave(SessionState state, const SlaveSessionInput& in) noexcept
       }
       if (!flowing(in.link)) return {kOff, reason_of(in.link)};
       if (!confirmed(in)) return {kOff, Reason::kNotConfirmed};
+      if (in.mismatch != Reason::kNone) return {kOff, in.mismatch};
       if (!in.robot_ready) return {kOff, Reason::kRobotNotConnected};
       if (!in.aligned) return {kAligning, Reason::kAlignmentMismatch};
       return {kEngaged, Reason::kNone};
@@ -133,6 +136,7 @@ SessionStep next_slave(SessionState state, const SlaveSessionInput& in) noexcept
       if (in.desired == Desired::kOff || in.master == kOff || in.master == kFault) {
         return {kOff, Reason::kNotEngaged};
       }
+      if (in.mismatch != Reason::kNone) return {kOff, in.mismatch};
       return {driving(in.desired),
               in.desired == Desired::kClutched ? Reason::kClutched : reason_of(in.link)};
     case kFault:

@@ -56,11 +56,24 @@ struct SlaveSessionInput {
   bool fault_released = false;  // the operator has reset the newest fault
   bool shutdown = false;        // this daemon is ending
   bool confirmed = true;        // the master has answered this session
+  Reason mismatch = Reason::kNone;  // first section in which the master differs
 };
 
-// Next state of the slave's session. Homing is becoming ready, never a motion: as aligning, but the
-// robot is not there yet. Real-time safe.
+// Next state of the slave's session. A master that differs is not followed, from the start or any
+// more; while it wants to lead, the reason says in what. Homing is becoming ready, never a motion:
+// as aligning, but the robot is not there yet. Real-time safe.
 SessionStep next_slave(SessionState state, const SlaveSessionInput& in) noexcept;
+
+// The first of scene, mapping, limits and robot in which two sides differ; kNone: none. Tools are
+// compared as they change. Real-time safe.
+template <typename A, typename B>
+Reason first_difference(const A& a, const B& b) noexcept {
+  if (a.scene != b.scene) return Reason::kSceneDiffers;
+  if (a.hashes.mapping != b.hashes.mapping) return Reason::kHashMapping;
+  if (a.hashes.limits != b.hashes.limits) return Reason::kHashLimits;
+  if (a.hashes.robot != b.hashes.robot) return Reason::kHashRobot;
+  return Reason::kNone;
+}
 
 // True while the slave moves toward commands.
 constexpr bool follows(SessionState state) noexcept {

@@ -9,9 +9,6 @@
 namespace handrail {
 namespace {
 
-// As the master lets go of its offsets.
-constexpr double kCatchUp = 0.060;          // [m/s]
-constexpr double kCatchUpRotation = 0.262;  // [rad/s]
 // Rounding of a command that stands on its tool.
 constexpr double kOnTool = 1e-9;  // [m], [rad]
 
@@ -64,9 +61,10 @@ Reason ToolTube::take(const MasterState& master, const Pose& X_ST) noexcept {
   return Reason::kNone;
 }
 
-void ToolTube::close(const Vec3& p_ST, double dt) noexcept {
-  radius_ = std::min(let_go(radius_, kCatchUp, dt), distance(p_ST));
-  angle_ = let_go(angle_, kCatchUpRotation, dt);
+void ToolTube::close(double catch_up, double catch_up_rotation, const Vec3& p_ST,
+                     double dt) noexcept {
+  radius_ = std::min(let_go(radius_, catch_up, dt), distance(p_ST));
+  angle_ = let_go(angle_, catch_up_rotation, dt);
 }
 
 Vec3 ToolTube::across(const Vec3& p) const noexcept {

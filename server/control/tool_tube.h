@@ -21,9 +21,10 @@ class ToolTube {
   // one held, or another one of the same epoch: that command must not be applied.
   Reason take(const MasterState& master, const Pose& X_ST) noexcept;
 
-  // Shrinks what commands may be off, for `dt` [s], and to where the tip at `p_ST` has come nearer.
-  // To be called while the hand drives.
-  void close(const Vec3& p_ST, double dt) noexcept;
+  // Shrinks what commands may be off, for `dt` [s] by at most `catch_up` [m/s] and
+  // `catch_up_rotation` [rad/s], and to where the tip at `p_ST` has come nearer. To be called while
+  // the hand drives.
+  void close(double catch_up, double catch_up_rotation, const Vec3& p_ST, double dt) noexcept;
 
   // `X_SU` on the tools as far as they must be; on a one-way tool never behind the tip, and not
   // beyond an end. A command within a nanometre passes bit for bit.

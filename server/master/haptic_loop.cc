@@ -64,7 +64,8 @@ void HapticLoop::tick(Nanos now) noexcept {
   device_.write(report_.out.f_H_M);
   publish(now);
   // After the report: whoever has the answer finds a report that shows what the order did.
-  if (ticket.id != 0) (void)boxes_.answers.push({ticket.id, report_.out.order_result});
+  if (ticket.id == 0) return;
+  (void)boxes_.answers.push({ticket.id, report_.out.order_result, report_.out.tool_distance});
 }
 
 void HapticLoop::let_go() noexcept {
@@ -123,7 +124,8 @@ OrderTicket HapticLoop::next_order() noexcept {
     if (!ticket.is_hand) return ticket;
     SteerableHand* hand = device_.hand();
     if (hand != nullptr) hand->steer(ticket.hand);
-    (void)boxes_.answers.push({ticket.id, hand != nullptr ? Reason::kNone : Reason::kNotSimulated});
+    (void)boxes_.answers.push(
+        {ticket.id, hand != nullptr ? Reason::kNone : Reason::kNotSimulated, 0.0});
   }
   return OrderTicket();
 }

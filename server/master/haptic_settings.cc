@@ -19,6 +19,7 @@ HapticSettings haptic_settings(const Scene& scene, const HapticCapabilities& dev
   out.guide.torque_stiffness = scene.guidance.torque_stiffness;
   out.guide.catch_up = scene.guidance.catch_up;
   out.guide.catch_up_rotation = scene.guidance.catch_up_rotation;
+  out.guide.reach = scene.guidance.tool_reach;
   out.guide.smoother_length = scene.smoother_samples;
   out.damping = scene.guidance.damping;
   out.spring_stiffness = scene.guidance.spring;

@@ -1,5 +1,7 @@
 #include "server/master/order_desk.h"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -69,7 +71,7 @@ void OrderDesk::obey(const pb::Request& request, ReplyTo reply) {
     case pb::Request::kReset:
       return order(plain(OrderKind::kReset), std::move(reply), Until::kSlaveReset);
     case pb::Request::kTool:
-      return tool(request.tool(), std::move(reply));
+      return tool(request.tool(), request.approach(), std::move(reply));
     case pb::Request::kToolOff: {
       HapticOrder off = plain(OrderKind::kToolOff);
       off.drop_position = request.tool_off().position();
@@ -92,15 +94,30 @@ void OrderDesk::obey(const pb::Request& request, ReplyTo reply) {
 void OrderDesk::order(HapticOrder wanted, ReplyTo reply, Until until) {
   OrderTicket ticket;
   ticket.order = wanted;
-  push(ticket, {std::move(reply), until, now_});
+  push(ticket, {std::move(reply), until, now_, wanted.tool});
 }
 
-void OrderDesk::tool(const pb::Tool& wanted, ReplyTo reply) {
+void OrderDesk::tool(const pb::Tool& wanted, bool approach, ReplyTo reply) {
   HapticOrder call = plain(OrderKind::kTool);
   if (const auto problem = tool_call_from(wanted, call.tool)) {
     return reply(refused(problem->path + ": " + problem->text));
   }
+  if (approach && !is_position_tool(call.tool.kind)) {
+    return reply(refused("approach: has no meaning for " + pb::Tool::Kind_Name(wanted.kind())));
+  }
+  call.tool.approach = approach;
   order(call, std::move(reply));
+}
+
+std::string OrderDesk::distance_text(const OrderAnswer& answer, const ToolCall& call) const {
+  const Scene::Guidance& guidance = scene_.guidance;
+  if (answer.result == Reason::kToolFar) {
+    return fmt::format("the {} is {:.1f} mm from the tip, at most {:g} mm; --approach goes there",
+                       name_of(call.kind), answer.tool_distance / kMm, guidance.tool_reach / kMm);
+  }
+  if (answer.result != Reason::kNone || !call.approach) return {};
+  return fmt::format("{:.1f} mm to go, about {:.1f} s; the clutch ends it",
+                     answer.tool_distance / kMm, answer.tool_distance / guidance.catch_up);
 }
 
 void OrderDesk::stage(const std::string& name, ReplyTo reply) {
@@ -164,10 +181,10 @@ void OrderDesk::tick(Nanos now, const SlaveState& slave, const LinkSnapshot& lin
   watch_stops();
   watch_hold();
   retry_engaging();
+  call_scene_tools();
   watch_engaging();
   watch_reset();
   watch_scene();
-  call_scene_tools();
 }
 
 // Whoever has the lease next must engage: what the last holder engaged ends with the lease.
@@ -206,7 +223,8 @@ void OrderDesk::take_answers() {
       continue;
     }
     if (answer.result != Reason::kNone) {
-      std::string text = describe(answer.result);
+      std::string text = distance_text(answer, waiting.tool);
+      if (text.empty()) text = describe(answer.result);
       if (waiting.until == Until::kEngaged && report_ && link_.peer_epoch != 0) {
         if (answer.result == Reason::kPeerFault) text += std::string(": ") + describe(slave_.fault);
         for (const std::string& difference : hash_mismatches(report_->out.link, slave_)) {
@@ -218,7 +236,7 @@ void OrderDesk::take_answers() {
     }
     switch (waiting.until) {
       case Until::kTaken:
-        waiting.reply(done());
+        waiting.reply(done(distance_text(answer, waiting.tool)));
         break;
       case Until::kEngaged:
         if (engaging_) engaging_(refused("another engage came after this one"));
@@ -242,7 +260,8 @@ void OrderDesk::watch_engaging() {
   const HapticOutput& out = report_->out;
   const SessionState state = out.link.state;
   if (state == SessionState::kEngaged || state == SessionState::kClutched) {
-    std::exchange(engaging_, nullptr)(done());
+    // Whoever engages learns which of the scene's tools do not hold the arm.
+    if (scene_tools_ == 0) std::exchange(engaging_, nullptr)(done(tools_refused_));
   } else if (now_ > engage_until_ || out.link.desired == Desired::kOff) {
     std::string why = describe(out.reason != Reason::kNone ? out.reason : slave_.reason);
     if (out.reason == Reason::kPeerFault) why += std::string(": ") + describe(slave_.fault);

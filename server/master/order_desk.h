@@ -34,7 +34,7 @@ class OrderDesk : public OperatorHandler {
   static constexpr Nanos kLinkPatience = 3 * kSecond;  // for a link good enough to engage over
   static constexpr Nanos kStopPatience = kSecond;
   static constexpr Nanos kResetPatience = kSecond;
-  static constexpr Nanos kScenePatience = 3 * kSecond;  // a slave looks again every 2 s
+  static constexpr Nanos kScenePatience = 3 * kSecond;  // a slave looks once a second
 
   // The mailboxes must outlive the desk. `scene` is the one the loop has.
   OrderDesk(MasterMailboxes& boxes, Scene scene, OrderDeskOptions options);
@@ -58,6 +58,7 @@ class OrderDesk : public OperatorHandler {
     ReplyTo reply;
     Until until = Until::kTaken;
     Nanos since = 0;
+    ToolCall tool{};  // what was called, if a tool was
   };
 
   // The request is its sender's to make.
@@ -66,7 +67,9 @@ class OrderDesk : public OperatorHandler {
   void end_engagement(Reason why);
   void order(HapticOrder order, ReplyTo reply, Until until = Until::kTaken);
   void hand(const pb::HandMove& move, ReplyTo reply);
-  void tool(const pb::Tool& wanted, ReplyTo reply);
+  void tool(const pb::Tool& wanted, bool approach, ReplyTo reply);
+  // How far the tool called is, where that matters; else empty.
+  std::string distance_text(const OrderAnswer& answer, const ToolCall& call) const;
   void stage(const std::string& name, ReplyTo reply);
   void name_stage(pb::Status& status) const;
   void load(const std::string& name, ReplyTo reply);
@@ -108,6 +111,8 @@ class OrderDesk : public OperatorHandler {
   ReplyTo engaging_;  // who waits for the session to be engaged
   Nanos engage_until_ = 0;
   bool was_engaged_ = false;
+  int scene_tools_ = 0;        // called, not answered yet
+  std::string tools_refused_;  // of the scene's own, why
 
   ReplyTo resetting_;  // who waits for the slave to leave its fault
   Nanos reset_until_ = 0;

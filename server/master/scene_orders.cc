@@ -49,15 +49,23 @@ void OrderDesk::end_scene_wait(const std::string& problem) {
                                            "; '" + scene_.name + "' stays"));
 }
 
-// A scene's own tools are called at each engagement, also one that begins with the clutch held.
+// A scene's own tools are called at each engagement, also one that begins with the clutch held. As
+// an operator's they must be near; none is approached.
 void OrderDesk::call_scene_tools() {
   const SessionState state = report_->out.link.state;
   const bool engaged = !is_idle(state) && state != SessionState::kAligning;
   if (engaged && !was_engaged_) {
+    tools_refused_.clear();
     for (const ToolCall& call : scene_.tools) {
       HapticOrder wanted = plain(OrderKind::kTool);
       wanted.tool = call;
-      order(wanted, [](pb::Reply) {});
+      ++scene_tools_;
+      order(wanted, [this](const pb::Reply& reply) {
+        --scene_tools_;
+        if (reply.done()) return;
+        tools_refused_ +=
+            (tools_refused_.empty() ? "the scene's tool was refused: " : "; ") + reply.reason();
+      });
     }
   }
   was_engaged_ = engaged;

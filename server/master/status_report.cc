@@ -22,24 +22,6 @@ void set_share(pb::ForceShare* out, const Vec3& force) {
   set_vector(out->mutable_force_n(), force, 1.0);
 }
 
-const char* name_of(ToolKind kind) {
-  switch (kind) {
-    case ToolKind::kPoint:
-      return "point";
-    case ToolKind::kLine:
-      return "line";
-    case ToolKind::kPlane:
-      return "plane";
-    case ToolKind::kNRotation:
-      return "n-rotation";
-    case ToolKind::kFRotation:
-      return "f-rotation";
-    case ToolKind::kNone:
-      break;
-  }
-  return "none";
-}
-
 void set_tool(pb::ToolStatus* out, const ToolDefinition& tool, const HapticOutput& step) {
   out->set_kind(name_of(tool.kind));
   out->set_id(tool.id);

@@ -12,6 +12,7 @@ SectionHashes section_hashes(const Scene& scene) noexcept {
   Fnv mapping;
   mapping.f64(scene.mapping.scale);
   for (int i = 0; i < 9; ++i) mapping.f64(scene.mapping.R_SM(i / 3, i % 3));
+  mapping.f64(scene.guidance.catch_up).f64(scene.guidance.catch_up_rotation);
 
   Fnv limits;
   const JointLimits& joints = scene.limits.joints;

@@ -26,7 +26,8 @@ struct Scene {
     double scale = 2.0;          // k
     Mat3 R_SM = default_R_SM();  // device axes in the robot base frame
   };
-  // Tools and force on the master's side; stiffness and damping at the hand.
+  // Tools and force on the master's side, but for the catch-up, which the slave keeps too;
+  // stiffness and damping at the hand.
   struct Guidance {
     bool published_method = false;           // Algorithm 2 in steps of delta; else the closed form
     double delta = 1e-4;                     // at the hand [m]
@@ -36,6 +37,7 @@ struct Scene {
     double spring = 200.0;                   // K_s of (3.3) [N/m]
     double catch_up = 0.060;                 // bound on letting go of a position offset [m/s]
     double catch_up_rotation = 15.0 * kDeg;  // the same for orientation [rad/s]
+    double tool_reach = 0.020;               // furthest from the tip that a tool is called [m]
   };
   struct Limits {
     JointLimits joints;                         // within Table 3.1
@@ -64,10 +66,10 @@ struct Scene {
   std::optional<Simulate> simulate;    // of the rig, and nothing else; none: as it is configured
 };
 
-// Hashes of what both sides must hold alike: mapping, limits (with the bumper, which also holds the
-// arm back) and robot, over the SI values. `tools` stays 0: it belongs to the tools active, not to
-// the scene. The task and the walls are the operator's business alone, what is simulated the
-// simulator's.
+// Hashes of what both sides must hold alike: mapping (with the catch-up), limits (with the bumper,
+// which also holds the arm back) and robot, over the SI values. `tools` stays 0: it belongs to the
+// tools active, not to the scene. The task and the walls are the operator's business alone, what is
+// simulated the simulator's.
 SectionHashes section_hashes(const Scene& scene) noexcept;
 
 // One sentence for each setting that is allowed but likely to surprise.

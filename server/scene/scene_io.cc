@@ -62,6 +62,7 @@ void guidance_from(const pb::Guidance& in, Scene::Guidance& out) {
   out.spring = in.spring_n_mm() * kNewtonPerMm;
   out.catch_up = in.catch_up_mm_s() * kMm;
   out.catch_up_rotation = in.catch_up_deg_s() * kDeg;
+  out.tool_reach = in.tool_reach_mm() * kMm;
 }
 
 Problem smoother_from(const pb::Smoother& in, int& samples) {

@@ -16,6 +16,8 @@ FollowSettings follow_settings(const Scene& scene, Nanos period, bool has_sensor
   out.force_lag = force_lag;
   out.bumper.sensor_lag += force_lag;
   out.sensor_required = has_sensor && scene.bumper.enabled;
+  out.catch_up = scene.guidance.catch_up;
+  out.catch_up_rotation = scene.guidance.catch_up_rotation;
   out.hashes = section_hashes(scene);
   out.scene = scene_name(scene.name);
   return out;

@@ -4,14 +4,17 @@
 
 #include <utility>
 
+#include "server/control/session.h"
 #include "server/link/link_server.h"
 
 namespace handrail {
 
 namespace {
 
-// How often a scene that differs from the master's is looked for again.
-constexpr Nanos kSceneRetry = 2 * kSecond;
+// Between two looks for the master's scene, whatever it asks for: names that alternate must not
+// keep this thread from the link, nor fill the log. An operator can wait so long for a second
+// scene.
+constexpr Nanos kScenePause = kSecond;
 
 }  // namespace
 
@@ -43,11 +46,9 @@ struct SlaveServer::Impl {
     const std::string wanted(text_of(master.scene));
     const SlaveState& state = report.state;
     const bool idle = state.state == SessionState::kOff || state.state == SessionState::kFault;
-    if (!differs(master) || !same_scene(master, tried)) scene_missing = false;
-    // What was not tried yet need not wait.
-    if (!same_scene(master, tried)) next_scene_try = now;
-    if (wanted.empty() || !idle || !known || !differs(master) || now < next_scene_try) return;
-    next_scene_try = now + kSceneRetry;
+    if (!differs(master) || first_difference(master, tried) != Reason::kNone) scene_missing = false;
+    if (wanted.empty() || !idle || !known || !differs(master) || now < next_look) return;
+    next_look = now + kScenePause;
     tried = master;
     const auto loaded = options.load_scene(wanted);
     scene_missing = !loaded;
@@ -63,13 +64,8 @@ struct SlaveServer::Impl {
     boxes.settings.publish(*loaded);
   }
 
-  bool differs(const MasterState& master) const { return !same_scene(master, report.state); }
-  template <typename State>
-  static bool same_scene(const MasterState& master, const State& other) {
-    const SectionHashes& a = master.hashes;
-    const SectionHashes& b = other.hashes;
-    return master.scene == other.scene && a.mapping == b.mapping && a.limits == b.limits &&
-           a.robot == b.robot;
+  bool differs(const MasterState& master) const {
+    return first_difference(master, report.state) != Reason::kNone;
   }
 
   void poll_sensor(Nanos now) {
@@ -84,7 +80,7 @@ struct SlaveServer::Impl {
   LinkServer<SlaveState, MasterState> link{"robot", "master"};
   SlaveReport report;
   bool known = false;  // the robot loop has spoken
-  Nanos next_scene_try = 0;
+  Nanos next_look = 0;         // for a scene
   MasterState tried;           // whose scene was looked for last
   std::string scene_problem;   // last one logged
   bool scene_missing = false;  // the last one tried could not be loaded

@@ -131,6 +131,9 @@ TEST_F(OperatorClients, CliSendsTheOrderItWasGiven) {
   EXPECT_EQ(out_.str(),
             "tool called (tool { kind: LINE at_mm: -1 at_mm: 2 at_mm: 3 direction: -1 direction: 0 "
             "direction: 0 })\n");
+  EXPECT_EQ(cli({"tool", "point", "--at", "-1,2,3", "--approach"}), kExitDone);
+  EXPECT_EQ(out_.str(),
+            "tool called (tool { kind: POINT at_mm: -1 at_mm: 2 at_mm: 3 } approach: true)\n");
   EXPECT_EQ(cli({"hand", "to", "--by", "-1,0,0", "--seconds", "2"}), kExitDone);
   EXPECT_EQ(out_.str(),
             "hand moves (hand { displacement_mm: -1 displacement_mm: 0 displacement_mm: 0 "

@@ -114,6 +114,8 @@ class SlaveDaemonTest : public ::testing::Test {
 
   void engage() {
     ASSERT_TRUE(play([&] { return said().has_pose && said().has_wrench; }));
+    master.scene = said().scene;
+    master.hashes = said().hashes;
     master.desired = Desired::kEngaged;
     master.state = SessionState::kAligning;
     master.has_command = true;
@@ -143,6 +145,23 @@ TEST_F(SlaveDaemonTest, EngagingMovesNothingAndFollowingReachesTheCommand) {
   master.X_SU.p.z() += 0.02;
   EXPECT_TRUE(play([&] { return (said().X_ST_command.p - master.X_SU.p).norm() < 1e-6; }));
   EXPECT_TRUE(play([&] { return (said().X_ST.p - master.X_SU.p).norm() < 1e-3; }));
+}
+
+TEST_F(SlaveDaemonTest, AProgramThatSpeaksTheProtocolWithoutOurSceneDrivesNothing) {
+  ASSERT_TRUE(play([&] { return said().has_pose && said().has_wrench; }));
+  const Pose before = said().X_ST_command;
+  master.desired = Desired::kEngaged;
+  master.has_command = true;
+  for (int i = 0; i < 200; ++i) {
+    master.state = i < 100 ? SessionState::kAligning : SessionState::kEngaged;
+    master.X_SU = said().X_ST_command;
+    if (i >= 100) master.X_SU.p.z() += 0.02;
+    const std::uint64_t heard = peer.snapshot().accepted;
+    ASSERT_TRUE(play([&] { return peer.snapshot().accepted > heard + 2; }));
+    ASSERT_EQ(said().state, SessionState::kOff);
+  }
+  EXPECT_EQ(said().reason, Reason::kSceneDiffers);
+  EXPECT_EQ((said().X_ST_command.p - before.p).norm(), 0.0);
 }
 
 TEST_F(SlaveDaemonTest, SilenceOfTheMasterLatchesUntilReset) {

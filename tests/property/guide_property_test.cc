@@ -32,6 +32,7 @@ GuideSettings any_settings() {
   settings.smoother_length = *rc::gen::element(1, 2, 105, 200);
   settings.stiffness = between(50.0, 2000.0);
   settings.catch_up = between(0.01, 0.2);
+  settings.reach = 1.0;
   return settings;
 }
 

@@ -36,6 +36,7 @@ HapticOrder any_order() {
   order.tool.direction_S = within(1.0);
   order.tool.normal_S = within(1.0);
   order.tool.one_way = *rc::gen::arbitrary<bool>();
+  order.tool.approach = one_in(4);
   order.drop_position = *rc::gen::arbitrary<bool>();
   order.drop_orientation = *rc::gen::arbitrary<bool>();
   return order;
@@ -51,7 +52,7 @@ void random_life(HapticRig& rig, int ticks) {
       if (one_in(6)) rig.in.order = any_order();
       if (one_in(10) && rig.in.order.kind == OrderKind::kTool) {
         rig.in.order.tool.at_present = false;
-        rig.in.order.tool.p_SA = rig.command().p + within(0.05);
+        rig.in.order.tool.p_SA = rig.command().p + within(0.03);
       }
       rig.in.slave_age = one_in(20) ? from_seconds(between(0.0, 0.19)) : 0;
     }

@@ -43,6 +43,8 @@ constexpr std::array kProofs = {
     FaultProof{Check::kContact, "contact", "N3c", 2, "over the promised force"},
     FaultProof{Check::kSensorSign, "sensor-sign", "S3c", 3, "not found"},
     FaultProof{Check::kRelief, "relief", "S3e", 3, "not found", bit(Check::kSensorSign)},
+    FaultProof{Check::kHashes, "hashes", "D3", 8, "ms engaged with another scene"},
+    FaultProof{Check::kToolReach, "tool-reach", "X2c", 1, "further than a tool may be called"},
 };
 static_assert(kProofs.size() == static_cast<std::size_t>(Check::kCount));
 

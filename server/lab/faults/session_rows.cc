@@ -14,6 +14,26 @@ HapticOrder order_of(OrderKind kind) {
   return order;
 }
 
+ToolCall tool_anywhere(Random& random, const Vec3& p) {
+  const auto any = [&random](double size) {
+    Vec3 v;
+    for (int k = 0; k < 3; ++k) v[k] = size * (2.0 * random.uniform() - 1.0);
+    return v;
+  };
+  ToolCall call;
+  call.kind = std::array{ToolKind::kPoint, ToolKind::kLine, ToolKind::kPlane,
+                         ToolKind::kFRotation}[static_cast<std::size_t>(4.0 * random.uniform())];
+  call.at_present = false;
+  call.p_SA = p + any(random.uniform() < 0.5 ? 0.02 : 0.6);
+  call.direction_S = any(1.0);
+  call.normal_S = any(1.0);
+  call.has_axis = true;
+  call.axis_S = any(1.0);
+  call.has_end = random.uniform() < 0.3;
+  call.p_SE = p + any(0.6);
+  return call;
+}
+
 }  // namespace
 
 // Over a link that is not GOOD nobody engages; one that turns POOR holds the arm.
@@ -168,6 +188,97 @@ FaultOutcome x9b(const RowRun& row) {
   measure(out, static_cast<double>(both), 0.0);
   find(out, both, "orders of two operators at a time");
   find(out, changes < 10, "the lease hardly changed hands");
+  return out;
+}
+
+// A master that speaks the protocol and holds another scene: it engages nothing, and what the right
+// one had engaged ends.
+FaultOutcome d3(const RowRun& row) {
+  constexpr Nanos kHeard = 20 * kMillisecond;  // the first such datagram, and a robot cycle
+  FaultRun run(row.seed);
+  run.let_hold();
+  if (row.index % 2 == 0 && !run.engage()) return not_engaged();
+  run.run(kSecond);
+  MasterState other = run.cell().master().link;
+  const std::array<Reason, 4> reasons = {Reason::kSceneDiffers, Reason::kHashMapping,
+                                         Reason::kHashLimits, Reason::kHashRobot};
+  const auto what = static_cast<std::size_t>(row.index / 2) % reasons.size();
+  if (what == 0) other.scene = SceneName();
+  if (what == 1) other.hashes.mapping ^= 1;
+  if (what == 2) other.hashes.limits ^= 1;
+  if (what == 3) other.hashes.robot ^= 1;
+  other.desired = Desired::kEngaged;
+  other.has_command = true;
+  run.send_instead(&other);
+  const Nanos from = run.now();
+  std::uint64_t engaged = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const SlaveState& slave = run.cell().slave();
+    if (follows(slave.state)) {
+      other.state = SessionState::kEngaged;
+      other.X_SU.p.y() += 1e-4;
+    } else {
+      other.state = SessionState::kAligning;
+      other.X_SU = slave.X_ST_command;
+    }
+    run.tick();
+    engaged += run.engaged() && run.now() - from > kHeard;
+  }
+  const bool named = run.cell().slave().reason == reasons[what];
+  FaultOutcome out = run.outcome();
+  measure(out, static_cast<double>(engaged), 0.0);
+  find(out, engaged, "ms engaged with another scene");
+  find(out, !named, "the difference is not named");
+  return out;
+}
+
+// Tools called anywhere while the hand stands still; in every other run they are approached, and
+// the clutch is held on the way: the arm stays when it is let go.
+FaultOutcome x2c(const RowRun& row) {
+  constexpr double kReach = 0.020;    // of the scene [m]
+  constexpr double kRounding = 1e-5;  // of what the arm comes to rest by [m]
+  FaultRun run(row.seed);
+  bool still = false, clutched = false;
+  HandReading held;
+  run.layers().hand = [&](Nanos, HandReading& hand) {
+    if (!still) held = hand;
+    hand = held;
+    hand.v_MH.setZero();
+    hand.clutch_button = clutched;
+  };
+  if (!run.engage()) return not_engaged();
+  still = true;
+  run.run(kSecond);
+  const auto way_from = [&run](const Vec3& p) { return (run.auditor().tip() - p).norm(); };
+  Vec3 home = run.auditor().tip();
+  double furthest = 0.0, crept = 0.0, approached = 0.0;
+  for (int call = 0; call < 20; ++call) {
+    HapticOrder order = order_of(OrderKind::kTool);
+    order.tool = tool_anywhere(run.random(), home);
+    order.tool.approach = row.index % 2 == 1;
+    run.tick(order);
+    const Nanos wait = from_seconds(0.5 + run.random().uniform());
+    for (const Nanos end = run.now() + wait; run.now() < end;) {
+      run.tick();
+      if (row.index % 2 == 0) furthest = std::max(furthest, way_from(home));
+    }
+    approached = std::max(approached, way_from(home));
+    if (row.index % 2 == 1) {
+      clutched = true;
+      run.run(500 * kMillisecond);
+      home = run.auditor().tip();
+      clutched = false;
+      run.run(kSecond);
+      crept = std::max(crept, way_from(home));
+    }
+    run.tick(order_of(OrderKind::kToolOff));
+    run.run(kSecond);
+  }
+  FaultOutcome out = run.outcome();
+  measure(out, 1e3 * std::max(furthest, crept), 1e3 * (row.index % 2 == 0 ? kReach : 0.0));
+  find(out, furthest > kReach + kRounding, "further than a tool may be called");
+  find(out, crept > kRounding, "went on after the clutch");
+  find(out, approached < 0.01, "no tool moved anything");
   return out;
 }
 

@@ -41,6 +41,7 @@ ToolCall any_tool(Dice& dice, const HapticRig& rig) {
           rotation_exp(dice.between(0.0, 1.57) * dice.unit()) * (rig.command().q * Vec3::UnitZ());
   }
   if (dice.between(0, 1) < 0.3) call.stiffness = dice.between(100.0, 2000.0);
+  call.approach = dice.between(0, 1) < 0.3;
   return call;
 }
 
@@ -55,6 +56,7 @@ TEST(HapticForce, ChangesByLittleEveryMillisecondAfterAnyToolChange) {
   for (int run = 0; run < 120; ++run) {
     Dice dice(static_cast<std::uint64_t>(700 + run));
     HapticRig rig;
+    rig.settings.guide.reach = 0.05 + kRounding;
     rig.settings.has_torque = run % 3 == 0;
     rig.settings.max_torque = 0.1;
     rig.spring_slack = run % 2 == 0;
@@ -95,6 +97,7 @@ TEST(HapticForce, ChangesByLittleEveryMillisecondAfterAnyToolChange) {
 
 TEST(HapticForce, AStillHandFeelsNoStepWhenATool50MillimetresOffIsCalled) {
   HapticRig rig;
+  rig.settings.guide.reach = 0.06;
   rig.engage();
   rig.call(at(call_of(ToolKind::kPoint), rig.command().p + Vec3(0.05, 0, 0)));
   EXPECT_LE(rig.out.f_H_M.force.norm(), 0.05);

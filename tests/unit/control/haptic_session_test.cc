@@ -301,7 +301,7 @@ TEST(HapticSession, AOneWayLineThatWouldHaveToGoBackToItsEndIsRefused) {
   const Vec3 tip = rig.command().p;
   ToolCall line = test::at(line_call(Vec3::UnitX(), true), tip - Vec3(0.05, 0, 0));
   line.has_end = true;
-  line.p_SE = tip - Vec3(0.02, 0, 0);
+  line.p_SE = tip - Vec3(0.01, 0, 0);
   EXPECT_EQ(rig.call(line), Reason::kToolEndBehindStart);
   line.one_way = false;
   EXPECT_EQ(rig.call(line), Reason::kNone);

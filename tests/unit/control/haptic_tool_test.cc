@@ -59,6 +59,7 @@ TEST(HapticTools, AOneWayLineNeverTakesTheCommandBack) {
   for (int run = 0; run < 30; ++run) {
     Dice dice(static_cast<std::uint64_t>(900 + run));
     HapticRig rig;
+    rig.settings.guide.reach = 1.0;
     rig.settings.guide.method = run % 2 == 0 ? GuidanceMethod::kExact : GuidanceMethod::kPublished;
     rig.engage();
     Wander wander;
@@ -102,6 +103,7 @@ TEST(HapticTools, AToolCalledElsewhereIsReachedAtABoundedSpeedAndThenKept) {
   for (int run = 0; run < 20; ++run) {
     Dice dice(static_cast<std::uint64_t>(1000 + run));
     HapticRig rig;
+    rig.settings.guide.reach = 1.0;
     rig.engage();
     const ToolCall calls[] = {call_of(ToolKind::kPoint), line_call(dice.unit()),
                               plane_call(dice.unit())};
@@ -131,6 +133,7 @@ TEST(HapticTools, CallingAndDroppingAToolDoesNotStepTheCommand) {
   for (int run = 0; run < 40; ++run) {
     Dice dice(static_cast<std::uint64_t>(1100 + run));
     HapticRig rig;
+    rig.settings.guide.reach = 1.0;
     rig.engage();
     Wander wander;
     Pose last = rig.command();
@@ -323,6 +326,7 @@ TEST(HapticTools, AToolCalledWithTheClutchHeldSinceEngagingIsAnchoredAtTheTip) {
 
 TEST(HapticTools, TheToolsInTheLinkAreAbsoluteAndInTheBaseFrame) {
   HapticRig rig;
+  rig.settings.guide.reach = 1.0;
   rig.engage();
   ToolCall line = at(line_call({0, 3, 0}, true), {0.4, 0.1, 0.5});
   line.has_end = true;

@@ -84,11 +84,11 @@ void for_every_slave_input(F&& f) {
   for (const Desired desired : kWishes) {
     for (const SessionState master : kStates) {
       for (const LinkRung link : kRungs) {
-        for (int bits = 0; bits < 256; ++bits) {
+        for (int bits = 0; bits < 512; ++bits) {
           const auto bit = [bits](int i) { return (bits >> i & 1) != 0; };
           f(SlaveSessionInput{desired, master, link, bit(0), bit(1), bit(2),
-                              bit(3) ? Reason::kRobotBadPacket : Reason::kNone, bit(4), bit(5), bit(6),
-                              bit(7)});
+                              bit(3) ? Reason::kRobotBadPacket : Reason::kNone, bit(4), bit(5),
+                              bit(6), bit(7), bit(8) ? Reason::kHashLimits : Reason::kNone});
         }
       }
     }
@@ -242,6 +242,7 @@ TEST(SlaveSession, EngagesOnlyFromAlignmentOnTheHeldPose) {
       EXPECT_EQ(from, SessionState::kAligning);
       EXPECT_TRUE(in.aligned);
       EXPECT_FALSE(in.new_session);
+      EXPECT_EQ(in.mismatch, Reason::kNone);
       EXPECT_TRUE(in.confirmed && in.robot_ready);
       EXPECT_TRUE(in.link == LinkRung::kFresh || in.link == LinkRung::kSlow);
     });
@@ -258,6 +259,40 @@ TEST(SlaveSession, FollowsOnlyAFlowingLinkAndAMasterThatWantsIt) {
       EXPECT_TRUE(in.confirmed);
       EXPECT_FALSE(in.new_session || in.shutdown);
       EXPECT_FALSE(in.master == SessionState::kOff || in.master == SessionState::kFault);
+    });
+  }
+}
+
+TEST(SlaveSession, AMasterThatDiffersIsNotAlignedWithAndNotFollowedAnyMore) {
+  SlaveSessionInput in;
+  in.desired = Desired::kEngaged;
+  in.link = LinkRung::kFresh;
+  in.robot_ready = in.aligned = true;
+  for (const SessionState from :
+       {SessionState::kOff, SessionState::kHoming, SessionState::kAligning, SessionState::kEngaged,
+        SessionState::kClutched, SessionState::kHold}) {
+    in.master = follows(from) ? SessionState::kEngaged : SessionState::kAligning;
+    in.mismatch = Reason::kNone;
+    EXPECT_NE(next_slave(from, in).state, SessionState::kOff) << name_of(from);
+    for (const Reason mismatch : {Reason::kSceneDiffers, Reason::kHashMapping}) {
+      in.mismatch = mismatch;
+      EXPECT_EQ(next_slave(from, in).state, SessionState::kOff) << name_of(from);
+      EXPECT_EQ(next_slave(from, in).reason, mismatch) << name_of(from);
+    }
+  }
+  // One that wants nothing may differ: it is about to load its scene.
+  in.desired = Desired::kOff;
+  EXPECT_EQ(next_slave(SessionState::kOff, in).reason, Reason::kNotEngaged);
+}
+
+TEST(SlaveSession, ADifferenceNeverHidesAHoldOrALostLink) {
+  for (const SessionState from :
+       {SessionState::kEngaged, SessionState::kClutched, SessionState::kHold}) {
+    for_every_slave_input([from](SlaveSessionInput in) {
+      const SessionState without = next_slave(from, in).state;
+      in.mismatch = Reason::kHashRobot;
+      const SessionState with = next_slave(from, in).state;
+      EXPECT_TRUE(with == without || (follows(without) && with == SessionState::kOff));
     });
   }
 }

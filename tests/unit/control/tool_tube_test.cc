@@ -107,7 +107,47 @@ TEST(ToolTube, AWrongMasterNeverTurnsTheTipOffItsTool) {
   }
 }
 
-TEST(ToolTube, AToolCalledAwayFromTheTipIsReachedAtTheMastersPace) {
+TEST(ToolTube, AToolCalledAwayFromTheTipIsReachedAtTheScenesPace) {
+  // From 20 mm off, while 6 mm and more are left, the pace is the scene's.
+  for (const double pace : {0.005, 0.06, 0.2}) {
+    FollowRig rig;
+    rig.settings.catch_up = pace;
+    rig.engage();
+    const Vec3 start = rig.tip.p;
+    rig.in.master.position_tool =
+        of_epoch(test::line_along(start + Vec3(0, 0, 0.06), Vec3::UnitY()), 1);
+    const Pose X = rig.tip;  // a master that never comes to its own tool
+    double fastest = 0.0;
+    const auto cycles = static_cast<int>(0.03 / pace / rig.settings.motion.dt);
+    for (int i = 0; i < cycles; ++i) {
+      const Vec3 before = rig.tip.p;
+      rig.follow(X);
+      fastest = std::max(fastest, (rig.tip.p - before).norm() / rig.settings.motion.dt);
+    }
+    // Half the way in its time, but for what the arm is late.
+    EXPECT_NEAR(rig.tip.p.z() - start.z(), 0.03, 0.05 * pace + 1e-4) << pace;
+    EXPECT_LT(fastest, 1.5 * pace) << pace;
+  }
+}
+
+TEST(ToolTube, AnOrientationToolAwayFromTheTipIsReachedAtTheScenesPace) {
+  for (const double pace : {0.02, 0.262}) {
+    FollowRig rig;
+    rig.settings.catch_up_rotation = pace;
+    rig.engage();
+    ToolDefinition tool;
+    tool.kind = ToolKind::kNRotation;
+    tool.id = tool.epoch = 1;
+    tool.q_ref = rotation_exp({0.0, 0.0, 0.2}) * rig.tip.q;
+    rig.in.master.orientation_tool = tool;
+    const Pose X = rig.tip;
+    const auto cycles = static_cast<int>(0.1 / pace / rig.settings.motion.dt);
+    for (int i = 0; i < cycles; ++i) rig.follow(X);
+    EXPECT_NEAR(angle_between(rig.tip.q, X.q), 0.1, 0.05 * pace + 1e-3) << pace;
+  }
+}
+
+TEST(ToolTube, AToolCalledAwayFromTheTipIsReached) {
   FollowRig rig;
   rig.engage();
   const Vec3 start = rig.tip.p;

@@ -18,10 +18,12 @@
 namespace handrail {
 namespace {
 
-std::unique_ptr<Cell> make_cell(Nanos transit, std::uint64_t seed = 1, Nanos tick = kMillisecond) {
+std::unique_ptr<Cell> make_cell(Nanos transit, std::uint64_t seed = 1, Nanos tick = kMillisecond,
+                                double catch_up = Scene::Guidance().catch_up) {
   Scene scene;
   scene.name = "test";
   scene.limits.joints = rv2a_limits();
+  scene.guidance.catch_up = catch_up;
   CellOptions options;
   options.haptic = haptic_settings(scene, omni_capabilities(false));
   options.follow = follow_settings(scene, options.rig.controller.period, true, 1000.0);
@@ -82,6 +84,28 @@ TEST_P(CellTransit, EngagesWithoutMotionAndBringsTheTipToTheHand) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Milliseconds, CellTransit, ::testing::Values(0, 3, 30, 400));
+
+// Master and slave ease alike: neither pulls the arm faster to a tool than the scene says.
+TEST(CellTool, BesideTheTipIsRiddenToAtTheScenesPace) {
+  for (const double pace : {0.005, 0.02}) {
+    const auto cell = make_cell(3 * kMillisecond, 1, kMillisecond, pace);
+    engage(*cell);
+    const double start = cell->slave().X_ST_command.p.z();
+    HapticOrder plane = order_of(OrderKind::kTool);
+    plane.tool.kind = ToolKind::kPlane;
+    plane.tool.normal_S = Vec3::UnitZ();
+    plane.tool.at_present = false;
+    plane.tool.p_SA.z() = start - 0.015;
+    cell->tick(hand_at(Vec3::Zero()), plane);
+    ASSERT_EQ(cell->master().order_result, Reason::kNone);
+    const Nanos half = from_seconds(0.0075 / pace);
+    for (const Nanos end = cell->now() + half; cell->now() < end;) {
+      cell->tick(hand_at(Vec3::Zero()));
+    }
+    // A tenth of a second of that way is what transit and arm may be late.
+    EXPECT_NEAR(cell->slave().X_ST_command.p.z(), start - 0.0075, 0.1 * pace) << pace;
+  }
+}
 
 class CellRate : public ::testing::TestWithParam<int> {};
 

@@ -38,6 +38,22 @@ TEST_F(HapticLoopTest, AnswersEveryOrderByItsIdAndTakesOneATick) {
   EXPECT_EQ(answer(8), Reason::kNone);
 }
 
+TEST_F(HapticLoopTest, AnAnswerToAToolCallSaysHowFarTheToolIs) {
+  engage();
+  OrderTicket far;
+  far.id = 2;
+  far.order.kind = OrderKind::kTool;
+  far.order.tool.kind = ToolKind::kPoint;
+  far.order.tool.at_present = false;
+  far.order.tool.p_SA = report.out.link.X_SU.p + Vec3(0.3, 0, 0.4);
+  ASSERT_TRUE(boxes.orders.push(far));
+  tick();
+  OrderAnswer next;
+  ASSERT_TRUE(boxes.answers.pop(next));
+  EXPECT_EQ(next.result, Reason::kToolFar);
+  EXPECT_NEAR(next.tool_distance, 0.5, 1e-9);
+}
+
 TEST_F(HapticLoopTest, OrdersForTheHandGoThereAndTheNextOrderIsNotDelayed) {
   OrderTicket wave;
   wave.is_hand = true;

@@ -175,6 +175,32 @@ TEST_F(OrderDeskTest, RefusesAToolWithTheNameOfTheBadField) {
   EXPECT_THAT(refusal("tool { kind: N_ROTATION one_way: true }"), StartsWith("refused: one_way"));
 }
 
+TEST_F(OrderDeskTest, SaysHowFarAToolIsThatIsTooFar) {
+  const std::pair<const char*, const char*> calls[] = {
+      {"tool { kind: PLANE normal: [0, 0, 1] at_mm: [0, 0, -500] }", "plane"},
+      {"tool { kind: LINE direction: [0, 0, 1] at_mm: [0, 0, -500] }", "line"},
+      {"tool { kind: POINT at_mm: [0, 0, -500] }", "point"}};
+  for (const auto& [call, name] : calls) {
+    const Answer answer = ask(call);
+    loop(Reason::kToolFar, 0.31019);
+    tick();
+    EXPECT_EQ(text(answer), "refused: the " + std::string(name) +
+                                " is 310.2 mm from the tip, at most 20 mm; --approach goes there");
+    EXPECT_FALSE(taken.back().order.tool.approach);
+  }
+}
+
+TEST_F(OrderDeskTest, AnApproachIsAnsweredWithItsWayAndItsTime) {
+  const Answer answer =
+      ask("tool { kind: PLANE normal: [0, 0, 1] at_mm: [0, 0, -500] } approach: true");
+  loop(Reason::kNone, 0.31019);
+  tick();
+  EXPECT_EQ(text(answer), "done: 310.2 mm to go, about 5.2 s; the clutch ends it");
+  EXPECT_TRUE(taken.back().order.tool.approach);
+  EXPECT_EQ(refusal("tool { kind: F_ROTATION } approach: true"),
+            "refused: approach: has no meaning for F_ROTATION");
+}
+
 TEST_F(OrderDeskTest, RefusesHandMovesThatAreNone) {
   for (const char* move :
        {"displacement_mm: [1, 2]", "rotation_deg: [1]", "displacement_mm: [nan, 0, 0]",

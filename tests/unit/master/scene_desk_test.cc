@@ -153,6 +153,38 @@ TEST_F(SceneDeskTest, CallsTheScenesOwnToolsAtEachEngagement) {
   }
 }
 
+TEST_F(SceneDeskTest, WhoEngagesLearnsWhichOfTheScenesToolsIsTooFar) {
+  ToolCall plane;
+  plane.kind = ToolKind::kPlane;
+  plane.normal_S = Vec3::UnitZ();
+  plane.at_present = false;
+  scenes["second"].tools = {plane};
+  scenes["second"].guidance.tool_reach = 0.035;
+  tick();
+  ask("scene_load: 'second'");
+  take_scene();
+  slave_follows();
+  tick();
+  for (int round = 0; round < 2; ++round) {
+    const Answer answer = ask("engage: true");
+    loop();
+    stand(SessionState::kEngaged, Desired::kEngaged);
+    tick();
+    EXPECT_FALSE(answer->has_value()) << "the scene's tools are being called";
+    if (round == 0) loop(Reason::kToolFar, 0.4);
+    if (round == 1) loop();
+    EXPECT_FALSE(taken.back().order.tool.approach) << "a scene moves no arm";
+    tick();
+    EXPECT_EQ(text(answer),
+              round == 0
+                  ? "done: the scene's tool was refused: the plane is 400.0 mm from the tip, "
+                    "at most 35 mm; --approach goes there"
+                  : "done: ");
+    stand(SessionState::kOff);
+    tick();
+  }
+}
+
 TEST_F(SceneDeskTest, AnEngagementWithTheClutchHeldGetsItsToolsOnce) {
   ToolCall point;
   point.kind = ToolKind::kPoint;

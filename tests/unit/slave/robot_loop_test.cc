@@ -76,6 +76,7 @@ class RobotLoopTest : public ::testing::Test {
   RobotLoopTest() {
     now_value = 1000 * kSecond;
     news.link.received_of_100 = news.link.peer_received_of_100 = 100;
+    news.state.scene = settings().scene;
   }
 
   // One turn with the master's state freshly received, and what the slave then says.
@@ -270,6 +271,18 @@ TEST_F(RobotLoopTest, AnotherSceneWaitsUntilTheArmIsLetGo) {
   news.state.state = SessionState::kOff;
   for (int i = 0; i < 3; ++i) turn();
   EXPECT_EQ(text_of(state.scene), "second");
+}
+
+TEST_F(RobotLoopTest, AMasterWithoutOurSceneIsNotFollowed) {
+  news.state.scene = SceneName();
+  news.link.peer_epoch = 1;
+  turn();
+  news.state.desired = Desired::kEngaged;
+  news.state.state = SessionState::kAligning;
+  news.state.X_SU = turn().X_ST_command;
+  news.state.has_command = true;
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(turn().state, SessionState::kOff);
+  EXPECT_EQ(state.reason, Reason::kSceneDiffers);
 }
 
 TEST_F(RobotLoopTest, ARestartedMasterEndsTheSession) {

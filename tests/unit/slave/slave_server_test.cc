@@ -2,11 +2,12 @@
 #include "server/slave/slave_server.h"
 
 #include <gtest/gtest.h>
-#include <spdlog/sinks/null_sink.h>
+#include <spdlog/sinks/ostream_sink.h>
 #include <spdlog/spdlog.h>
 
 #include <atomic>
 #include <csignal>
+#include <sstream>
 #include <thread>
 
 #include "server/base/clock.h"
@@ -41,7 +42,8 @@ class SlaveServerTest : public ::testing::Test {
  protected:
   void SetUp() override {
     previous_ = spdlog::default_logger();
-    spdlog::set_default_logger(spdlog::null_logger_mt("quiet"));
+    const auto sink = std::make_shared<spdlog::sinks::ostream_sink_mt>(log);
+    spdlog::set_default_logger(std::make_shared<spdlog::logger>("test", sink));
     slave_state.scene = scene_name("here");
     boxes.report.publish({slave_state});
     ASSERT_TRUE(server.open());
@@ -56,7 +58,6 @@ class SlaveServerTest : public ::testing::Test {
     done = true;
     if (thread.joinable()) thread.join();
     spdlog::set_default_logger(previous_);
-    spdlog::drop("quiet");
   }
 
   // Plays the master until `condition` or for ten seconds.
@@ -73,17 +74,33 @@ class SlaveServerTest : public ::testing::Test {
     return false;
   }
 
-  static Result<FollowSettings> load(const std::string& name) {
+  Result<FollowSettings> load(const std::string& name) {
+    ++looks;
     if (name == "missing") return Status::error("no such scene");
     FollowSettings settings;
     settings.scene = scene_name(name);
     return settings;
   }
 
+  SlaveServerOptions options() {
+    return {.address = "127.0.0.1", .port = 0, .load_scene = [this](const std::string& name) {
+              return load(name);
+            }};
+  }
+  // Lines of the log that hold `text`, once the server has ended.
+  int lines_with(const std::string& text) {
+    std::istringstream lines(log.str());
+    int count = 0;
+    for (std::string line; std::getline(lines, line);) count += line.find(text) != line.npos;
+    return count;
+  }
+
+  std::ostringstream log;
+  std::atomic<int> looks{0};
   SlaveMailboxes boxes;
   CountingSensor sensor;
   SlaveState slave_state;
-  SlaveServer server{boxes, &sensor, {.address = "127.0.0.1", .port = 0, .load_scene = load}};
+  SlaveServer server{boxes, &sensor, options()};
   boost::asio::io_context io;
   UdpTransport transport{io};
   MasterPeer peer{random_session_id()};
@@ -156,6 +173,38 @@ TEST_F(SlaveServerTest, KeepsItsSceneWhileTheArmFollows) {
   EXPECT_FALSE(boxes.settings.take(settings));
 }
 
+// Whoever asks, and however often: the thread serves the link, and the log stays readable.
+TEST_F(SlaveServerTest, ScenesThatAlternateCostALookAndALineASecond) {
+  const char* const names[] = {"there", "missing", "elsewhere", "missing-too"};
+  std::size_t asked = 0;
+  const Nanos start = monotonic_now();
+  EXPECT_TRUE(play([&] {
+    master_state.scene = scene_name(names[++asked % 4]);
+    master_state.hashes.limits = asked % 3;
+    // The robot loop takes over what it is given, as when it stands.
+    FollowSettings settings;
+    if (boxes.settings.take(settings)) {
+      slave_state.scene = settings.scene;
+      boxes.report.publish({slave_state});
+    }
+    return monotonic_now() - start > 3500 * kMillisecond;
+  }));
+  const std::uint64_t answered = peer.snapshot().accepted;
+  TearDown();
+  EXPECT_GT(asked, 1000u);
+  EXPECT_GE(looks, 3);
+  EXPECT_LE(looks, 4);
+  EXPECT_LE(lines_with("scene"), looks);
+  EXPECT_GT(answered, 1000u) << "the link was served meanwhile";
+}
+
+TEST_F(SlaveServerTest, AMissingSceneIsLoggedOnceHoweverOftenItIsLookedFor) {
+  master_state.scene = scene_name("missing");
+  EXPECT_TRUE(play([&] { return looks >= 3; }));
+  TearDown();
+  EXPECT_EQ(lines_with("no such scene"), 1);
+}
+
 TEST_F(SlaveServerTest, FallsSilentWhenTheRobotLoopStandsStill) {
   ASSERT_TRUE(play([&] { return peer.snapshot().accepted >= 1; }));
   boxes.report.publish({slave_state, monotonic_now() - 1});
@@ -174,8 +223,9 @@ TEST_F(SlaveServerTest, ATermSignalIsPassedOnAndServingGoesOn) {
 
 TEST_F(SlaveServerTest, APortInUseIsAnError) {
   SlaveMailboxes others;
-  SlaveServer second(others, nullptr,
-                     {.address = "127.0.0.1", .port = server.port(), .load_scene = load});
+  SlaveServerOptions taken = options();
+  taken.port = server.port();
+  SlaveServer second(others, nullptr, taken);
   const Status status = second.open();
   ASSERT_FALSE(status);
   EXPECT_NE(status.message().find(std::to_string(server.port())), std::string::npos);
