@@ -69,6 +69,7 @@ const char* describe(Reason reason) noexcept {
     case Reason::kApproach: return "slow approach: a contact stays below the promised force";
     case Reason::kSensorSign: return "the force sensor pulls where a surface must push: wrong sign";
     case Reason::kContactUnrelieved: return "backing off does not relieve the contact force";
+    case Reason::kOtherMaster: return "the slave is led by another master";
     case Reason::kCount: break;
   }
   return "unknown reason";

@@ -78,6 +78,8 @@ enum class Reason : std::uint8_t {
   kApproach,           // slower than commanded, so that a contact stays below the promised force
   kSensorSign,         // the force points the way the tip goes in: no surface does that
   kContactUnrelieved,  // the force stays over the bumper's threshold although the arm backs off
+  // Two masters
+  kOtherMaster,  // the slave is led by another master
   kCount
 };
 

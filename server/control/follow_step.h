@@ -36,7 +36,6 @@ struct FollowInput {
   Nanos master_age = kForever;        // since that datagram came [ns]
   std::uint64_t master_sequence = 0;  // of that datagram
   LinkView link;
-  bool new_session = false;      // the master is another one than in the last cycle
   Wrench f_E_T;                  // sensor reading as it is, axes of the tip frame
   bool wrench_valid = false;     // fresh and without a fault flag
   Reason fault = Reason::kNone;  // a fault of robot or daemon, now
@@ -55,9 +54,9 @@ struct FollowState {
   Reason fault = Reason::kNone;
   MotionState motion;
   bool placed = false;  // motion stands on a pose the controller confirmed
-  bool master_heard = false;
-  std::uint32_t stop_epoch = 0;
-  std::uint32_t fault_epoch = 0;
+  std::uint64_t stop_epoch = 0;
+  std::uint64_t fault_epoch = 0;  // the program begins it at a random number of its own
+  std::uint64_t engagement_epoch = 0;
   int invalid_wrenches = 0;   // in a row
   Vec3 f_E_S = Vec3::Zero();  // of the valid readings, without the payload's, filtered [N]
   Vec3 torque_E_T = Vec3::Zero();  // of the last valid one, tip axes [N m]
@@ -78,6 +77,9 @@ struct FollowState {
 
 // Places the commands where the controller holds the arm; until then nothing is followed.
 void place(const FollowSettings& settings, const JointVector& q, FollowState& state) noexcept;
+
+// True when the operator has reset what is latched here, having seen it, and no stop stands.
+bool released(const FollowInput& in, const FollowState& state) noexcept;
 
 // Pure and bounded: no clock, lock, log or allocation. Before `place` the target is q_measured.
 void follow_step(const FollowSettings& settings, const FollowInput& in, FollowState& state,
