@@ -56,8 +56,7 @@ void advance_session(const FollowInput& in, FollowState& s, Reason own_fault, Re
   const SessionState before = s.session;
   const SessionStep next = next_slave(before, session);
   s.session = next.state;
-  const bool asked =
-      next.state == SessionState::kAligning || next.state == SessionState::kHoming;
+  const bool asked = next.state == SessionState::kAligning || next.state == SessionState::kHoming;
   if (asked && before != SessionState::kAligning) s.engagement_epoch = in.master.engagement_epoch;
   // The first cause stays until reset. A stop that comes on top, and a cause that is still there
   // when it is reset, are new ones.

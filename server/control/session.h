@@ -26,10 +26,10 @@ struct MasterSessionInput {
   SessionState peer = SessionState::kOff;
   Reason mismatch = Reason::kNone;  // first configuration section that differs
   bool stop_latched = false;
-  bool reset = false;     // the operator has just asked for a reset
-  bool ready = true;      // the device is calibrated
-  bool confirmed = true;  // the slave has answered this session
-  bool overdue = false;   // homing and aligning have taken too long
+  bool reset = false;               // the operator has just asked for a reset
+  bool ready = true;                // the device is calibrated
+  bool confirmed = true;            // the slave has answered this session
+  bool overdue = false;             // homing and aligning have taken too long
   bool same_engagement = true;      // `peer` is of the present engagement, of no earlier one
   Reason obstacle = Reason::kNone;  // why the slave cannot be engaged now, as it says
 };
@@ -48,13 +48,13 @@ struct SlaveSessionInput {
   SessionState master = SessionState::kOff;
   LinkRung link = LinkRung::kNone;
   bool same_engagement = true;  // the master's engagement is the one we are in
-  bool aligned = false;      // its command stands on the held pose
+  bool aligned = false;         // its command stands on the held pose
   bool robot_ready = false;
   Reason fault = Reason::kNone;  // a fault of this side, now
   bool stop_latched = false;
-  bool fault_released = false;  // the operator has reset the newest fault
-  bool shutdown = false;        // this daemon is ending
-  bool confirmed = true;        // the master has answered this session
+  bool fault_released = false;      // the operator has reset the newest fault
+  bool shutdown = false;            // this daemon is ending
+  bool confirmed = true;            // the master has answered this session
   Reason obstacle = Reason::kNone;  // why this side cannot be engaged now
 };
 

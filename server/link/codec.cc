@@ -135,7 +135,6 @@ Reject Codec::decode(std::span<const std::uint8_t> bytes, DatagramHeader& header
   return decode_as(DatagramKind::kSlave, bytes, header, state, messages_->slave);
 }
 
-
 std::size_t Codec::encode(const Refusal& refusal, std::span<std::uint8_t> out) noexcept {
   if (!sound(refusal)) return 0;
   pb::RefusalDatagram& m = messages_->refusal;
@@ -149,8 +148,7 @@ Reject Codec::decode(std::span<const std::uint8_t> bytes, Refusal& refusal) noex
   pb::RefusalDatagram& m = messages_->refusal;
   const Reject unread = read(DatagramKind::kRefusal, bytes, m);
   if (unread != Reject::kNone) return unread;
-  if (!m.has_refused_session() || !m.has_retired() || !m.has_leader_port() ||
-      !m.has_led_for_ns()) {
+  if (!m.has_refused_session() || !m.has_retired() || !m.has_leader_port() || !m.has_led_for_ns()) {
     return Reject::kMissingField;
   }
   refusal = {m.refused_session(), m.retired(), m.leader_port(), m.led_for_ns()};

@@ -118,7 +118,7 @@ class PeerCore {
   Arrivals arrivals_;
   std::array<Replaced, 8> replaced_{};
   std::size_t next_replaced_ = 0;
-  Nanos replaced_at_ = -kForever;  // when one session last took another's place
+  Nanos replaced_at_ = -kForever;   // when one session last took another's place
   std::uint64_t told_session_ = 0;  // whom we last told that another leads
   Nanos told_at_ = -kForever;
   LinkSnapshot snapshot_;

@@ -26,7 +26,7 @@ const std::vector<FaultRow>& device_rows();
 
 // In contact: N3c, P1c, S1d, S2c, S3c to S3e.
 const std::vector<FaultRow>& contact_rows();
-// Of sessions and operators: N1d, S6, X4, X8, X9b.
+// Of sessions and operators: N1d, S6, X4, X8, P8, X9b.
 const std::vector<FaultRow>& session_rows();
 // Of the guard alone: X2a.
 const std::vector<FaultRow>& guard_rows();
