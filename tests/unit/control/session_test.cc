@@ -88,8 +88,8 @@ void for_every_slave_input(F&& f) {
         for (int bits = 0; bits < 512; ++bits) {
           const auto bit = [bits](int i) { return (bits >> i & 1) != 0; };
           f(SlaveSessionInput{desired, master, link, bit(0), bit(1), bit(2),
-                              bit(3) ? Reason::kRobotBadPacket : Reason::kNone, bit(4), bit(5), bit(6),
-                              bit(7), bit(8) ? Reason::kSensorMissing : Reason::kNone});
+                              bit(3) ? Reason::kRobotBadPacket : Reason::kNone, bit(4), bit(5),
+                              bit(6), bit(7), bit(8) ? Reason::kSensorMissing : Reason::kNone});
         }
       }
     }
