@@ -138,6 +138,7 @@ Reject Codec::decode(std::span<const std::uint8_t> bytes, DatagramHeader& header
 std::size_t Codec::encode(const Refusal& refusal, std::span<std::uint8_t> out) noexcept {
   if (!sound(refusal)) return 0;
   pb::RefusalDatagram& m = messages_->refusal;
+  m.Clear();
   m.set_refused_session(refusal.refused_session);
   m.set_retired(refusal.retired);
   m.set_leader_port(refusal.leader_port);

@@ -161,6 +161,7 @@ TEST_F(HapticLoopTest, TwoStartsOfAMasterHaveNoEpochInCommon) {
 
 TEST_F(HapticLoopTest, ARefusalAloneIsNoSlave) {
   slave_talks = false;
+  tick();
   news.link.peer_epoch = 0;
   news.link.refused_at = now;
   news.link.refusal.leader_port = 47001;
