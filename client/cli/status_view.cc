@@ -47,8 +47,7 @@ std::string vector_text(const Numbers& v, int decimals, int width) {
 std::string session_text(const pb::Status& s) {
   std::string out = line("session", {s.state(), labelled("reason:", s.reason())});
   out += line("", {labelled("wanted:", s.desired()), labelled("slave:", s.slave_state()),
-                   labelled("reason:", s.slave_reason()),
-                   labelled("stops:", std::to_string(s.stop_epoch()))});
+                   labelled("reason:", s.slave_reason())});
   for (const std::string& text : s.interventions()) {
     if (text != s.reason()) out += line("", {"also: " + text});
   }

@@ -7,7 +7,6 @@
 
 #include "server/base/joints.h"
 #include "server/base/reason.h"
-#include "server/base/reason.h"
 #include "server/base/spatial.h"
 #include "server/base/time.h"
 #include "server/base/tool.h"
@@ -57,6 +56,7 @@ struct LinkView {
   LinkGrade grade = LinkGrade::kExcellent;       // of what arrives here
   LinkGrade peer_grade = LinkGrade::kExcellent;  // of what arrives there, as it says
   bool confirmed = true;  // the other side has answered this session of ours, and lately
+  bool other_master = false;  // the slave says that it is led by another master
 };
 
 // Scene name, fixed capacity so that a state can be copied in a step. UTF-8, zero-terminated.
@@ -66,15 +66,18 @@ SceneName scene_name(std::string_view name) noexcept;
 // The text in `name`, up to its first zero.
 std::string_view text_of(const SceneName& name) noexcept;
 
-// Master to slave.
+// Master to slave. An epoch begins at a random number of its program's own start and rises by one,
+// so that a number names one stop, fault or engagement and never one of another start: what names
+// it has seen it.
 struct MasterState {
   Desired desired = Desired::kOff;
   SessionState state = SessionState::kOff;
   Pose X_SU;                          // commanded tip; meaningful when has_command
   bool has_command = false;
-  std::uint32_t stop_epoch = 0;       // stops requested; the stop stands while > released_epoch
-  std::uint32_t released_epoch = 0;   // stops the operator has reset
-  std::uint32_t fault_reset = 0;      // slave fault epoch the operator has reset
+  std::uint64_t stop_epoch = 0;        // the newest stop; it stands until that one is released
+  std::uint64_t released_epoch = 0;    // the stop the operator has reset last
+  std::uint64_t fault_reset = 0;       // the slave's fault the operator saw and has reset last
+  std::uint64_t engagement_epoch = 0;  // the newest engagement
   ToolDefinition position_tool;
   ToolDefinition orientation_tool;
   SectionHashes hashes;
@@ -105,8 +108,11 @@ struct SlaveState {
   Wrench f_E_S;                       // measured contact wrench on the tip
   bool has_wrench = false;
   bool payload_removed = false;       // f_E_S is without what hangs on the sensor, by configuration
-  std::uint32_t stop_epoch = 0;       // newest stop epoch taken over from the master
-  std::uint32_t fault_epoch = 0;      // faults latched so far
+  // While not engaged: why it cannot be engaged now, as long as that lasts.
+  Reason obstacle = Reason::kNone;
+  std::uint64_t stop_epoch = 0;        // newest stop of a master that was latched here
+  std::uint64_t fault_epoch = 0;       // newest fault or stop latched here; a reset names it
+  std::uint64_t engagement_epoch = 0;  // of the master's, the one that `state` is of
   std::uint32_t position_tool_epoch = 0;     // newest tool epochs seen
   std::uint32_t orientation_tool_epoch = 0;
   Nanos oldest_applied = 0;           // greatest age of a command any cycle has moved toward

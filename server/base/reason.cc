@@ -70,6 +70,7 @@ const char* describe(Reason reason) noexcept {
     case Reason::kSensorSign: return "the force sensor pulls where a surface must push: wrong sign";
     case Reason::kContactUnrelieved: return "backing off does not relieve the contact force";
     case Reason::kToolFar: return "the tool is too far from the tip";
+    case Reason::kOtherMaster: return "the slave is led by another master";
     case Reason::kCount: break;
   }
   return "unknown reason";

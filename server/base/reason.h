@@ -79,6 +79,8 @@ enum class Reason : std::uint8_t {
   kSensorSign,         // the force points the way the tip goes in: no surface does that
   kContactUnrelieved,  // the force stays over the bumper's threshold although the arm backs off
   kToolFar,            // further from the tip than a call may be
+  // Two masters
+  kOtherMaster,  // the slave is led by another master
   kCount
 };
 

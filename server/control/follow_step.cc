@@ -30,56 +30,47 @@ bool aligned(const MasterState& master, const MotionState& motion) {
          angle_between(master.X_SU.q, motion.X_ST.q) < kAlignAngle;
 }
 
-// True when the operator has reset whatever fault is latched.
-bool released(const FollowState& s, const MasterState& master) {
-  if (s.fault == Reason::kStopRequested && master.stop_epoch == s.stop_epoch) {
-    return master.released_epoch == master.stop_epoch;
-  }
-  return master.fault_reset == s.fault_epoch;
+bool stop_stands(const FollowInput& in) {
+  return in.master_known && kept(Check::kStopEpoch) &&
+         in.master.stop_epoch != in.master.released_epoch;
 }
 
+// `obstacle`: why this side cannot be engaged now.
 void advance_session(const FollowSettings& settings, const FollowInput& in, FollowState& s,
-                     Reason own_fault) {
+                     Reason own_fault, Reason obstacle) {
   SlaveSessionInput session;
   session.link = rung_of(in.master_known, age_of_master(in), in.link);
   session.confirmed = in.link.confirmed;
-  session.new_session = in.new_session;
   session.robot_ready = in.robot_ready && s.placed;
   session.fault = in.stop_input && kept(Check::kStopInput) ? Reason::kStopInput
                   : in.fault != Reason::kNone              ? in.fault
                                                            : own_fault;
   session.shutdown = in.shutdown;
+  session.obstacle = obstacle;
+  session.stop_latched = stop_stands(in);
+  session.fault_released = released(in, s);
+  session.same_engagement = in.master.engagement_epoch == s.engagement_epoch;
   if (in.master_known) {
     session.desired = in.master.desired;
     session.master = in.master.state;
     session.aligned = aligned(in.master, s.motion);
     if (kept(Check::kHashes)) session.mismatch = first_difference(settings, in.master);
-    session.stop_latched =
-        kept(Check::kStopEpoch) && in.master.stop_epoch != in.master.released_epoch;
-    // A reset older than this fault, meant for a slave before us, must not release it.
-    if ((in.new_session || !s.master_heard) && s.session == SessionState::kFault &&
-        s.fault_epoch == in.master.fault_reset) {
-      ++s.fault_epoch;
-    }
-    s.master_heard = true;
-    session.fault_released =
-        s.session == SessionState::kFault && in.link.confirmed && released(s, in.master);
-    if (session.stop_latched) s.stop_epoch = in.master.stop_epoch;
   }
   const SessionState before = s.session;
   const SessionStep next = next_slave(before, session);
   s.session = next.state;
-  const bool still_faulty = next.state == SessionState::kFault && before == SessionState::kFault;
-  // The first cause stays until reset, unless the operator's stop comes on top.
-  if (!still_faulty || (next.reason == Reason::kStopRequested && s.fault != next.reason)) {
+  const bool asked = next.state == SessionState::kAligning || next.state == SessionState::kHoming;
+  if (asked && before != SessionState::kAligning) s.engagement_epoch = in.master.engagement_epoch;
+  // The first cause stays until reset. A stop that comes on top, and a cause that is still there
+  // when it is reset, are new ones.
+  const bool new_stop = session.stop_latched && s.stop_epoch != in.master.stop_epoch;
+  const bool reset = session.fault_released && next.reason != Reason::kNone;
+  if (next.state != SessionState::kFault || before != SessionState::kFault || new_stop || reset) {
     s.session_reason = next.reason;
-    if (next.state == SessionState::kFault) {
-      s.fault = next.reason;
-      ++s.fault_epoch;
-      if (in.master_known && s.fault_epoch == in.master.fault_reset) ++s.fault_epoch;
-    }
+    s.fault = next.state == SessionState::kFault ? next.reason : Reason::kNone;
+    if (next.state == SessionState::kFault) ++s.fault_epoch;
   }
-  if (next.state != SessionState::kFault) s.fault = Reason::kNone;
+  if (session.stop_latched) s.stop_epoch = in.master.stop_epoch;
   // Nothing moves: the tools are what the master says they are.
   if (in.master_known && !follows(s.session) && s.session != SessionState::kHold) {
     s.tube.restart(in.master, s.motion.X_ST);
@@ -292,6 +283,11 @@ Reason move_commands(const FollowSettings& settings, const FollowInput& in, Foll
 
 }  // namespace
 
+bool released(const FollowInput& in, const FollowState& state) noexcept {
+  return state.session == SessionState::kFault && in.master_known && in.link.confirmed &&
+         !stop_stands(in) && in.master.fault_reset == state.fault_epoch;
+}
+
 void place(const FollowSettings& settings, const JointVector& q, FollowState& state) noexcept {
   state.motion = standing_at(settings.motion.arm, q);
   state.joints = JointMonitor();
@@ -320,7 +316,8 @@ void follow_step(const FollowSettings& settings, const FollowInput& in, FollowSt
   if (fault != Reason::kNone) s.lag.restart(q_measured);
   if (fault == Reason::kNone && settings.sensor_required && follows(s.session)) fault = sensor;
   if (fault == Reason::kNone && follows(s.session)) fault = contact;
-  advance_session(settings, in, s, fault);
+  const Reason obstacle = settings.sensor_required ? sensor : Reason::kNone;
+  advance_session(settings, in, s, fault, obstacle);
   const Reason intervention = move_commands(settings, in, s, ledger, out.send);
   out.q_target = s.placed ? s.motion.joints.q : q_measured;
 
@@ -344,6 +341,8 @@ void follow_step(const FollowSettings& settings, const FollowInput& in, FollowSt
   link.payload_removed = !settings.payload.is_none();
   link.stop_epoch = s.stop_epoch;
   link.fault_epoch = s.fault_epoch;
+  link.engagement_epoch = s.engagement_epoch;
+  link.obstacle = follows(s.session) || s.session == SessionState::kHold ? Reason::kNone : obstacle;
   link.position_tool_epoch = s.tube.position_epoch();
   link.orientation_tool_epoch = s.tube.orientation_epoch();
   link.oldest_applied = s.oldest_applied;

@@ -53,7 +53,6 @@ struct FollowInput {
   Nanos master_age = kForever;        // since that datagram came [ns]
   std::uint64_t master_sequence = 0;  // of that datagram
   LinkView link;
-  bool new_session = false;      // the master is another one than in the last cycle
   Wrench f_E_T;                  // sensor reading as it is, axes of the tip frame
   bool wrench_valid = false;     // fresh and without a fault flag
   Reason fault = Reason::kNone;  // a fault of robot or daemon, now
@@ -86,9 +85,9 @@ struct FollowState {
   int owed = 0;        // answers to what was sent before the first question
   int queued_for = 0;  // answers in a row that show the controller keeps targets for later
   std::uint64_t halts = 0;  // of an arm in motion
-  bool master_heard = false;
-  std::uint32_t stop_epoch = 0;
-  std::uint32_t fault_epoch = 0;
+  std::uint64_t stop_epoch = 0;
+  std::uint64_t fault_epoch = 0;  // the program begins it at a random number of its own
+  std::uint64_t engagement_epoch = 0;
   int invalid_wrenches = 0;        // in a row
   Vec3 f_E_S = Vec3::Zero();       // of the valid readings, without the payload's, filtered [N]
   Vec3 torque_E_S = Vec3::Zero();  // of the last valid one, without the payload's [N m]
@@ -109,6 +108,9 @@ struct FollowState {
 
 // Places the commands where the controller holds the arm; until then nothing is followed.
 void place(const FollowSettings& settings, const JointVector& q, FollowState& state) noexcept;
+
+// True when the operator has reset what is latched here, having seen it, and no stop stands.
+bool released(const FollowInput& in, const FollowState& state) noexcept;
 
 // Pure and bounded: no clock, lock, log or allocation. Before `place` the target is q_measured.
 //

@@ -19,6 +19,8 @@ constexpr double kFastest = 100.0;  // nor does a hand move like this [m/s]
 constexpr double kLongestGap = 0.020;
 // Homing and aligning take no longer [s].
 constexpr double kLongestAligning = 10.0;
+// A slave silent for longer is lost: what it said last is no fault that an operator sees.
+constexpr Nanos kInSight = 200 * kMillisecond;
 
 bool plausible(const Pose& X) {
   return is_finite(X) && is_unit(X.q) && X.p.cwiseAbs().maxCoeff() <= kFarthest;
@@ -44,7 +46,7 @@ Reason reset(HapticState& s, const HapticInput& in) {
     return Reason::kNotStopped;
   }
   s.released_epoch = s.stop_epoch;
-  if (in.slave_known) s.fault_reset = in.slave.fault_epoch;
+  if (in.slave_known && in.slave_age <= kInSight) s.fault_reset = in.slave.fault_epoch;
   s.want_engaged = s.want_clutched = false;
   s.off_reason = Reason::kNotEngaged;
   return Reason::kNone;
@@ -55,6 +57,7 @@ Reason obstacle_to_engaging(const HapticSettings& settings, const HapticInput& i
                             const LadderStep& ladder, const HapticState& s) {
   if (!s.hand_known || s.hand_gap > kLongestGap) return Reason::kDeviceInvalid;
   if (!s.present) return Reason::kPresence;
+  if (in.link.other_master) return Reason::kOtherMaster;
   if (ladder.rung == LinkRung::kHold) return Reason::kLinkQuality;
   if (ladder.rung != LinkRung::kFresh && ladder.rung != LinkRung::kSlow) {
     return reason_of(ladder.rung);
@@ -62,6 +65,7 @@ Reason obstacle_to_engaging(const HapticSettings& settings, const HapticInput& i
   if (!in.link.confirmed) return Reason::kNotConfirmed;
   if (!ladder.held_good) return Reason::kLinkQuality;
   if (in.slave.state == SessionState::kFault) return Reason::kPeerFault;
+  if (in.slave.obstacle != Reason::kNone) return in.slave.obstacle;
   if (tools_differ(s, in.slave)) return Reason::kHashTools;
   return first_difference(settings, in.slave);
 }
@@ -137,6 +141,8 @@ void advance_session(const HapticSettings& settings, const HapticInput& in,
   session.ready = in.device_ready;
   session.overdue = s.aligning_for >= kLongestAligning;
   session.peer = in.slave.state;
+  session.same_engagement = in.slave.engagement_epoch == s.engagement_epoch;
+  session.obstacle = in.slave.obstacle;
   session.mismatch = first_difference(settings, in.slave);
   session.stop_latched = stop_latched(s);
   session.reset = in.order.kind == OrderKind::kReset;
@@ -144,7 +150,11 @@ void advance_session(const HapticSettings& settings, const HapticInput& in,
   const SessionState before = s.session;
   const SessionStep next = next_master(before, session);
   s.session = next.state;
-  const bool waiting = s.session == SessionState::kHoming || s.session == SessionState::kAligning;
+  const auto waits = [](SessionState state) {
+    return state == SessionState::kHoming || state == SessionState::kAligning;
+  };
+  const bool waiting = waits(s.session);
+  if (waiting && !waits(before)) ++s.engagement_epoch;
   s.aligning_for = waiting ? s.aligning_for + dt : 0.0;
   // The first cause of a fault stays, unless the operator's stop comes on top.
   if (next.state != SessionState::kFault || before != SessionState::kFault ||
@@ -155,7 +165,7 @@ void advance_session(const HapticSettings& settings, const HapticInput& in,
     s.want_engaged = s.want_clutched = false;
   }
   if (next.state == SessionState::kOff) {
-    if (session.overdue) s.off_reason = next.reason;
+    if (session.overdue || next.reason == session.obstacle) s.off_reason = next.reason;
     if (next.reason == Reason::kNotEngaged) s.session_reason = s.off_reason;
   }
 
@@ -240,6 +250,7 @@ void fill_link(const HapticSettings& settings, const HapticState& s, MasterState
   link.stop_epoch = s.stop_epoch;
   link.released_epoch = s.released_epoch;
   link.fault_reset = s.fault_reset;
+  link.engagement_epoch = s.engagement_epoch;
   link.position_tool = s.guide.position().definition();
   link.orientation_tool = s.guide.orientation().definition();
   link.hashes = settings.hashes;
@@ -248,6 +259,10 @@ void fill_link(const HapticSettings& settings, const HapticState& s, MasterState
 }
 
 }  // namespace
+
+void begin_epochs(std::uint64_t unique, HapticState& state) noexcept {
+  state.stop_epoch = state.released_epoch = state.engagement_epoch = unique;
+}
 
 void haptic_step(const HapticSettings& settings, const HapticInput& in, double dt, HapticState& s,
                  HapticOutput& out) noexcept {

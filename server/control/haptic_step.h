@@ -102,9 +102,10 @@ struct HapticState {
   bool want_engaged = false;
   bool want_clutched = false;
   bool button_was_down = false;
-  std::uint32_t stop_epoch = 0;
-  std::uint32_t released_epoch = 0;
-  std::uint32_t fault_reset = 0;
+  std::uint64_t stop_epoch = 0;
+  std::uint64_t released_epoch = 0;
+  std::uint64_t fault_reset = 0;
+  std::uint64_t engagement_epoch = 0;
   Engagement engagement;
   Guide guide;
   Arbiter arbiter;
@@ -123,6 +124,10 @@ struct HapticState {
   double absent_for = 0.0;    // at most kAbsence [s]
   double aligning_for = 0.0;  // homing or aligning [s]
 };
+
+// For a program that starts: its epochs begin at `unique`, random and not 0, so that none of its
+// numbers is one of another start's.
+void begin_epochs(std::uint64_t unique, HapticState& state) noexcept;
 
 // Pure and bounded: no clock, lock, log or allocation. `dt` > 0 [s]. What the slave said counts as
 // at least as old as a time unseen of over 20 ms. On an invalid reading the last

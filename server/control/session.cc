@@ -66,13 +66,17 @@ SessionStep next_master(SessionState state, const MasterSessionInput& in) noexce
       if (!confirmed(in)) return {kOff, Reason::kNotConfirmed};
       if (in.peer == kFault) return {kOff, Reason::kPeerFault};
       if (in.mismatch != Reason::kNone) return {kOff, in.mismatch};
+      if (in.obstacle != Reason::kNone) return {kOff, in.obstacle};
       if (in.ready) return {kAligning, Reason::kNone};
       return {in.overdue ? kOff : kHoming, Reason::kHoming};
     case kAligning:
       if (in.desired == Desired::kOff) return {kOff, Reason::kNotEngaged};
       if (in.peer == kFault) return {kFault, Reason::kPeerFault};
       if (lost(in.link)) return {kOff, reason_of(in.link)};
-      if (flowing(in.link) && follows(in.peer)) return {driving(in.desired), Reason::kNone};
+      if (flowing(in.link) && follows(in.peer) && in.same_engagement) {
+        return {driving(in.desired), Reason::kNone};
+      }
+      if (in.obstacle != Reason::kNone) return {kOff, in.obstacle};
       if (in.overdue) {
         return {kOff, in.peer == kHoming ? Reason::kHoming : Reason::kAlignmentMismatch};
       }
@@ -83,8 +87,8 @@ SessionStep next_master(SessionState state, const MasterSessionInput& in) noexce
       if (in.desired == Desired::kOff) return {kOff, Reason::kNotEngaged};
       if (lost(in.link)) return {kFault, Reason::kLinkLost};
       if (in.peer == kFault) return {kFault, Reason::kPeerFault};
-      // The slave left the session without a fault: it restarted.
-      if (in.peer == kOff || in.peer == kAligning || in.peer == kHoming)
+      // The slave left the engagement without a fault: it restarted.
+      if (in.peer == kOff || in.peer == kAligning || in.peer == kHoming || !in.same_engagement)
         return {kFault, Reason::kSessionClosed};
       if (!flowing(in.link) || in.peer == kHold) return {kHold, Reason::kLinkHold};
       if (!confirmed(in)) return {kHold, Reason::kNotConfirmed};
@@ -107,29 +111,31 @@ SessionStep next_slave(SessionState state, const SlaveSessionInput& in) noexcept
     case kOff:
     case kHoming: {
       const bool differs = in.desired != Desired::kOff && in.mismatch != Reason::kNone;
-      const bool asked = flowing(in.link) && confirmed(in) && !in.new_session && !differs &&
+      const bool asked = flowing(in.link) && confirmed(in) && !differs &&
                          in.desired != Desired::kOff && in.master == kAligning;
       if (!in.robot_ready) return {asked ? kHoming : kOff, Reason::kRobotNotConnected};
       if (!flowing(in.link)) return {kOff, reason_of(in.link)};
       if (!confirmed(in)) return {kOff, Reason::kNotConfirmed};
       if (differs) return {kOff, in.mismatch};
+      if (in.obstacle != Reason::kNone) return {kOff, in.obstacle};
       if (!asked) return {kOff, Reason::kNotEngaged};
       return {kAligning, Reason::kNone};
     }
     case kAligning:
-      if (in.new_session || in.desired == Desired::kOff || in.master == kFault) {
+      if (!in.same_engagement || in.desired == Desired::kOff || in.master == kFault) {
         return {kOff, Reason::kNotEngaged};
       }
       if (!flowing(in.link)) return {kOff, reason_of(in.link)};
       if (!confirmed(in)) return {kOff, Reason::kNotConfirmed};
       if (in.mismatch != Reason::kNone) return {kOff, in.mismatch};
       if (!in.robot_ready) return {kOff, Reason::kRobotNotConnected};
+      if (in.obstacle != Reason::kNone) return {kOff, in.obstacle};
       if (!in.aligned) return {kAligning, Reason::kAlignmentMismatch};
       return {kEngaged, Reason::kNone};
     case kEngaged:
     case kClutched:
     case kHold:
-      if (in.new_session) return {kOff, Reason::kSessionClosed};
+      if (!in.same_engagement) return {kOff, Reason::kSessionClosed};
       if (lost(in.link)) return {kFault, Reason::kLinkLost};
       if (!flowing(in.link)) return {kHold, Reason::kLinkHold};
       if (!confirmed(in)) return {kHold, Reason::kNotConfirmed};

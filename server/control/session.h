@@ -30,16 +30,19 @@ struct MasterSessionInput {
   SessionState peer = SessionState::kOff;
   Reason mismatch = Reason::kNone;  // first configuration section that differs
   bool stop_latched = false;
-  bool reset = false;     // the operator has just asked for a reset
-  bool ready = true;      // the device is calibrated
-  bool confirmed = true;  // the slave has answered this session
-  bool overdue = false;   // homing and aligning have taken too long
+  bool reset = false;               // the operator has just asked for a reset
+  bool ready = true;                // the device is calibrated
+  bool confirmed = true;            // the slave has answered this session
+  bool overdue = false;             // homing and aligning have taken too long
+  bool same_engagement = true;      // `peer` is of the present engagement, of no earlier one
+  Reason obstacle = Reason::kNone;  // why the slave cannot be engaged now, as it says
 };
 
 // Next state of the master's session. Real-time safe.
 //   off -> homing or aligning: engage wanted, link fresh and confirmed, peer healthy,
-//     configurations equal; homing -> aligning: the device is ready; both -> off when overdue
-//   aligning -> engaged: the slave stands on the pose it will be led from
+//     configurations equal; homing -> aligning: the device is ready; both -> off when overdue or
+//     when the slave says that it cannot
+//   aligning -> engaged: the slave stands on the pose it will be led from, in this engagement
 //   engaged <-> clutched: as desired;   engaged, clutched -> hold -> back: link age, by itself
 //   any -> fault: stop, lost link, peer in fault or gone;   fault -> off: reset
 SessionStep next_master(SessionState state, const MasterSessionInput& in) noexcept;
@@ -48,14 +51,15 @@ struct SlaveSessionInput {
   Desired desired = Desired::kOff;  // the master's newest
   SessionState master = SessionState::kOff;
   LinkRung link = LinkRung::kNone;
-  bool new_session = false;  // the master restarted since the last cycle
-  bool aligned = false;      // its command stands on the held pose
+  bool same_engagement = true;  // the master's engagement is the one we are in
+  bool aligned = false;         // its command stands on the held pose
   bool robot_ready = false;
   Reason fault = Reason::kNone;  // a fault of this side, now
   bool stop_latched = false;
-  bool fault_released = false;  // the operator has reset the newest fault
-  bool shutdown = false;        // this daemon is ending
-  bool confirmed = true;        // the master has answered this session
+  bool fault_released = false;      // the operator has reset the newest fault
+  bool shutdown = false;            // this daemon is ending
+  bool confirmed = true;            // the master has answered this session
+  Reason obstacle = Reason::kNone;  // why this side cannot be engaged now
   Reason mismatch = Reason::kNone;  // first section in which the master differs
 };
 

@@ -10,15 +10,6 @@ namespace {
 constexpr PeerId kSlave = 1;
 constexpr Nanos kRepeat = kMillisecond;  // between two sends of the slave's IO, as in its daemon
 
-LinkView view_of(const LinkSnapshot& link, Nanos now) {
-  LinkView view;
-  view.loop_age = link.loop_age(now);
-  view.grade = link.quality(now);
-  view.peer_grade = grade_of(link.peer_received_of_100);
-  view.confirmed = link.confirmed(now);
-  return view;
-}
-
 }  // namespace
 
 Cell::Cell(const CellOptions& options)
@@ -30,6 +21,10 @@ Cell::Cell(const CellOptions& options)
       net_(options.net ? std::make_unique<CellNet>(*options.net) : nullptr),
       line_(options.robot_line ? std::make_unique<RobotLine>(*options.robot_line) : nullptr),
       repeat_next_(kRepeat) {
+  if (net_) {
+    begin_epochs(net_->master().session(), haptic_);
+    follow_.fault_epoch = net_->slave().session();
+  }
   to_controller(client_.start(0));
   rig_.sensor().on_datagram(encode_rdt(RdtRequest{RdtCommand::kStream, 0}), kSlave);
 }
@@ -68,10 +63,7 @@ void Cell::hear_slave() noexcept {
   haptic_in_.slave_known = link.peer_epoch != 0;
   haptic_in_.slave = net_->master().newest();
   haptic_in_.slave_age = link.age(net_->master_now(now_));
-  haptic_in_.link = view_of(link, net_->master_now(now_));
-  // Another slave counts its faults from the start: what was reset on the last one means nothing.
-  if (link.peer_epoch != slave_epoch_) haptic_.fault_reset = 0;
-  slave_epoch_ = link.peer_epoch;
+  haptic_in_.link = link.view(net_->master_now(now_));
 }
 
 void Cell::hear_master(Nanos at) noexcept {
@@ -85,9 +77,7 @@ void Cell::hear_master(Nanos at) noexcept {
   follow_in_.master = net_->slave().newest();
   follow_in_.master_age = link.age(net_->slave_now(at));
   follow_in_.master_sequence = link.sequence;
-  follow_in_.link = view_of(link, net_->slave_now(at));
-  follow_in_.new_session = master_epoch_ != 0 && link.peer_epoch != master_epoch_;
-  master_epoch_ = link.peer_epoch;
+  follow_in_.link = link.view(net_->slave_now(at));
 }
 
 void Cell::restart_master() {
@@ -96,15 +86,15 @@ void Cell::restart_master() {
   haptic_out_ = HapticOutput();
   haptic_in_ = HapticInput();
   master_at_ = now_;
-  slave_epoch_ = 0;
+  begin_epochs(net_->master().session(), haptic_);
 }
 
 void Cell::restart_slave() {
   net_->restart_slave();
   follow_ = FollowState();
+  follow_.fault_epoch = net_->slave().session();
   follow_in_ = FollowInput();
   follow_out_ = FollowOutput();
-  master_epoch_ = 0;
   reply_ = RobotReply();
   to_controller(client_.start(at_));
 }

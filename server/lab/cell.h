@@ -129,8 +129,6 @@ class Cell {
   Wire<MasterState> to_slave_;
   Wire<SlaveState> to_master_;
   std::unique_ptr<CellNet> net_;
-  std::uint32_t master_epoch_ = 0;  // sessions of the master the slave has had
-  std::uint32_t slave_epoch_ = 0;
   CellTap* tap_ = nullptr;
   const MasterState* instead_ = nullptr;
   std::unique_ptr<RobotLine> line_;

@@ -147,6 +147,8 @@ class VirtualLink {
     std::optional<Arrival> receive(std::span<std::uint8_t> buffer) noexcept override;
     void adopt_sender() noexcept override {}
     bool send(std::span<const std::uint8_t> bytes) noexcept override;
+    bool answer(std::span<const std::uint8_t>) noexcept override { return false; }
+    std::uint16_t peer_port() const noexcept override { return 0; }
 
    private:
     LinkWay& in_;

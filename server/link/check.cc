@@ -132,7 +132,7 @@ Reject check(const MasterState& state) noexcept {
 Reject check(const SlaveState& state) noexcept {
   return first_of(
       check_enum(state.state), check_enum(state.reason), check_enum(state.fault),
-      check_pose(state.X_ST_command), check_pose(state.X_ST),
+      check_enum(state.obstacle), check_pose(state.X_ST_command), check_pose(state.X_ST),
       require(state.q_measured.allFinite() && is_finite(state.f_E_S), Reject::kNotFinite),
       require(state.oldest_applied >= 0, Reject::kRange), check_ledger(state.ledger),
       check_scene(state.scene));

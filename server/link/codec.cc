@@ -43,6 +43,27 @@ DatagramHeader take_header(const Message& m) {
           m.echo_sequence(), m.echo_sent_ns(), m.echo_held_ns(), m.received_of_100()};
 }
 
+// Writes the message into a datagram; 0 when it is too long.
+template <typename Message>
+std::size_t write(DatagramKind kind, const Message& m, std::span<std::uint8_t> out) {
+  const std::size_t size = kFrameBytes + m.ByteSizeLong();
+  if (size > out.size() || size > kMaxDatagram) return 0;
+  m.SerializeWithCachedSizesToArray(out.data() + kFrameBytes);
+  seal_frame(kind, out.first(size));
+  return size;
+}
+
+// Reads the message of a datagram, whatever its fields say.
+template <typename Message>
+Reject read(DatagramKind kind, std::span<const std::uint8_t> bytes, Message& m) {
+  std::span<const std::uint8_t> payload;
+  const Reject framing = open_frame(kind, bytes, payload);
+  if (framing != Reject::kNone) return framing;
+  if (!m.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) return Reject::kProtobuf;
+  if (!m.GetReflection()->GetUnknownFields(m).empty()) return Reject::kUnknownField;
+  return Reject::kNone;
+}
+
 template <typename State, typename Message>
 std::size_t encode_as(DatagramKind kind, const DatagramHeader& header, const State& state,
                       std::span<std::uint8_t> out, Message& m, Reject& cause) {
@@ -52,24 +73,16 @@ std::size_t encode_as(DatagramKind kind, const DatagramHeader& header, const Sta
   m.Clear();
   put_header(header, m);
   put(state, m);
-  const std::size_t size = kFrameBytes + m.ByteSizeLong();
-  if (size > out.size() || size > kMaxDatagram) {
-    cause = Reject::kSize;
-    return 0;
-  }
-  m.SerializeWithCachedSizesToArray(out.data() + kFrameBytes);
-  seal_frame(kind, out.first(size));
+  const std::size_t size = write(kind, m, out);
+  if (size == 0) cause = Reject::kSize;
   return size;
 }
 
 template <typename State, typename Message>
 Reject decode_as(DatagramKind kind, std::span<const std::uint8_t> bytes, DatagramHeader& header,
                  State& state, Message& m) {
-  std::span<const std::uint8_t> payload;
-  const Reject framing = open_frame(kind, bytes, payload);
-  if (framing != Reject::kNone) return framing;
-  if (!m.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) return Reject::kProtobuf;
-  if (!m.GetReflection()->GetUnknownFields(m).empty()) return Reject::kUnknownField;
+  const Reject unread = read(kind, bytes, m);
+  if (unread != Reject::kNone) return unread;
   if (!header_present(m) || !present(m)) return Reject::kMissingField;
   header = take_header(m);
   const Reject in_header = check(header);
@@ -85,6 +98,7 @@ Reject decode_as(DatagramKind kind, std::span<const std::uint8_t> bytes, Datagra
 struct Codec::Messages {
   pb::MasterDatagram master;
   pb::SlaveDatagram slave;
+  pb::RefusalDatagram refusal;
 };
 
 Codec::Codec() : messages_(std::make_unique<Messages>()) {
@@ -119,6 +133,27 @@ Reject Codec::decode(std::span<const std::uint8_t> bytes, DatagramHeader& header
 Reject Codec::decode(std::span<const std::uint8_t> bytes, DatagramHeader& header,
                      SlaveState& state) noexcept {
   return decode_as(DatagramKind::kSlave, bytes, header, state, messages_->slave);
+}
+
+std::size_t Codec::encode(const Refusal& refusal, std::span<std::uint8_t> out) noexcept {
+  if (!sound(refusal)) return 0;
+  pb::RefusalDatagram& m = messages_->refusal;
+  m.Clear();
+  m.set_refused_session(refusal.refused_session);
+  m.set_retired(refusal.retired);
+  m.set_leader_port(refusal.leader_port);
+  m.set_led_for_ns(refusal.led_for);
+  return write(DatagramKind::kRefusal, m, out);
+}
+Reject Codec::decode(std::span<const std::uint8_t> bytes, Refusal& refusal) noexcept {
+  pb::RefusalDatagram& m = messages_->refusal;
+  const Reject unread = read(DatagramKind::kRefusal, bytes, m);
+  if (unread != Reject::kNone) return unread;
+  if (!m.has_refused_session() || !m.has_retired() || !m.has_leader_port() || !m.has_led_for_ns()) {
+    return Reject::kMissingField;
+  }
+  refusal = {m.refused_session(), m.retired(), m.leader_port(), m.led_for_ns()};
+  return sound(refusal) ? Reject::kNone : Reject::kHeader;
 }
 
 }  // namespace handrail

@@ -8,11 +8,12 @@
 
 #include "server/base/link_state.h"
 #include "server/base/time.h"
+#include "server/link/refusal.h"
 #include "server/link/reject.h"
 
 namespace handrail {
 
-inline constexpr std::uint8_t kWireVersion = 4;
+inline constexpr std::uint8_t kWireVersion = 5;
 
 // Largest datagram: fits the smallest MTU every IPv4 path carries (576) with IP and UDP headers.
 inline constexpr std::size_t kMaxDatagram = 548;
@@ -50,12 +51,16 @@ class Codec {
   std::size_t encode(const DatagramHeader& header, const SlaveState& state,
                      std::span<std::uint8_t> out, Reject& cause) noexcept;
 
+  // As above; 0 without a session or a port.
+  std::size_t encode(const Refusal& refusal, std::span<std::uint8_t> out) noexcept;
+
   // Reads one datagram; unless kNone is returned, `header` and `state` hold nothing of use.
   // Quaternions come out of unit length to rounding. Real-time safe.
   Reject decode(std::span<const std::uint8_t> bytes, DatagramHeader& header,
                 MasterState& state) noexcept;
   Reject decode(std::span<const std::uint8_t> bytes, DatagramHeader& header,
                 SlaveState& state) noexcept;
+  Reject decode(std::span<const std::uint8_t> bytes, Refusal& refusal) noexcept;
 
  private:
   struct Messages;

@@ -108,6 +108,7 @@ void put(const MasterState& s, pb::MasterDatagram& m) {
   m.set_stop_epoch(s.stop_epoch);
   m.set_released_epoch(s.released_epoch);
   m.set_fault_reset(s.fault_reset);
+  m.set_engagement_epoch(s.engagement_epoch);
   const ToolDefinition& p = s.position_tool;
   m.set_position_kind(static_cast<pb::LinkToolKind>(p.kind));
   m.set_position_id(p.id);
@@ -135,11 +136,11 @@ void put(const MasterState& s, pb::MasterDatagram& m) {
 bool present(const pb::MasterDatagram& m) {
   return m.has_desired() && m.has_state() && m.command_pose_size() == 7 && m.has_command_valid() &&
          m.has_stop_epoch() && m.has_released_epoch() && m.has_fault_reset() &&
-         m.has_position_kind() && m.has_position_id() && m.has_position_epoch() &&
-         m.position_geometry_size() == 11 && m.has_position_one_way() && m.has_position_has_end() &&
-         m.has_orientation_kind() && m.has_orientation_id() && m.has_orientation_epoch() &&
-         m.orientation_geometry_size() == 11 && m.hashes_size() == 4 && m.has_scene() &&
-         m.has_position_hash() && m.has_orientation_hash();
+         m.has_engagement_epoch() && m.has_position_kind() && m.has_position_id() &&
+         m.has_position_epoch() && m.position_geometry_size() == 11 && m.has_position_one_way() &&
+         m.has_position_has_end() && m.has_orientation_kind() && m.has_orientation_id() &&
+         m.has_orientation_epoch() && m.orientation_geometry_size() == 11 && m.hashes_size() == 4 &&
+         m.has_scene() && m.has_position_hash() && m.has_orientation_hash();
 }
 
 bool take(const pb::MasterDatagram& m, MasterState& s) {
@@ -150,6 +151,7 @@ bool take(const pb::MasterDatagram& m, MasterState& s) {
   s.stop_epoch = m.stop_epoch();
   s.released_epoch = m.released_epoch();
   s.fault_reset = m.fault_reset();
+  s.engagement_epoch = m.engagement_epoch();
   ToolDefinition& p = s.position_tool = ToolDefinition{};
   p.kind = static_cast<ToolKind>(m.position_kind());
   p.id = m.position_id();
@@ -189,6 +191,8 @@ void put(const SlaveState& s, pb::SlaveDatagram& m) {
   m.set_wrench_valid(s.has_wrench);
   m.set_stop_epoch(s.stop_epoch);
   m.set_fault_epoch(s.fault_epoch);
+  m.set_engagement_epoch(s.engagement_epoch);
+  m.set_obstacle(static_cast<std::uint32_t>(s.obstacle));
   m.set_position_tool_epoch(s.position_tool_epoch);
   m.set_orientation_tool_epoch(s.orientation_tool_epoch);
   m.set_oldest_applied_ns(s.oldest_applied);
@@ -209,7 +213,7 @@ bool present(const pb::SlaveDatagram& m) {
          m.has_oldest_applied_ns() && m.has_cycles() && m.has_silences() && m.hashes_size() == 4 &&
          m.has_scene() && m.has_applied_sequence() && m.has_payload_removed() &&
          m.stage_offsets_size() == 3 * FollowLedger::kStages && m.has_stage_reasons() &&
-         m.has_limiting_joint();
+         m.has_limiting_joint() && m.has_engagement_epoch() && m.has_obstacle();
 }
 
 bool take(const pb::SlaveDatagram& m, SlaveState& s) {
@@ -226,6 +230,8 @@ bool take(const pb::SlaveDatagram& m, SlaveState& s) {
   s.has_wrench = m.wrench_valid();
   s.stop_epoch = m.stop_epoch();
   s.fault_epoch = m.fault_epoch();
+  s.engagement_epoch = m.engagement_epoch();
+  s.obstacle = reason_of(m.obstacle());
   s.position_tool_epoch = m.position_tool_epoch();
   s.orientation_tool_epoch = m.orientation_tool_epoch();
   s.oldest_applied = m.oldest_applied_ns();

@@ -10,7 +10,7 @@
 
 namespace handrail {
 
-enum class DatagramKind : std::uint8_t { kMaster = 1, kSlave = 2 };
+enum class DatagramKind : std::uint8_t { kMaster = 1, kSlave = 2, kRefusal = 3 };
 
 inline constexpr std::size_t kFrameBytes = 12;
 

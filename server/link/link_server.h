@@ -54,6 +54,12 @@ class LinkServer {
     }
   }
 
+  // Instead of send(), for one who leads nobody: the other side hears nothing.
+  void keep_silent(Nanos now) {
+    speaking_ = true;
+    peer_.withhold(now);
+  }
+
   // Until `finished` says so.
   void run(Hooks hooks) {
     hooks_ = std::move(hooks);
@@ -81,6 +87,7 @@ class LinkServer {
       if (error) return;
       const Nanos woke = monotonic_now();
       receive(woke);
+      log_leader(woke);
       hooks_.on_tick(woke);
       if (hooks_.finished()) return io_.stop();
       wait_for_tick(woke);
@@ -94,6 +101,19 @@ class LinkServer {
       hooks_.say(false, peer_name_ + " connected, session " + std::to_string(peer_epoch_));
     }
     hooks_.on_news(now);
+  }
+
+  void log_leader(Nanos now) {
+    const LinkSnapshot& link = snapshot();
+    if (link.refused(now) == refused_) return;
+    refused_ = !refused_;
+    if (refused_) {
+      hooks_.say(true, "the " + peer_name_ + " is led by another master (" +
+                           leader_text(link.refusal, now - link.refused_at) +
+                           "): end that one; until then nothing is obeyed from here");
+    } else if (link.received_at > link.refused_at) {
+      hooks_.say(false, "the " + peer_name_ + " answers this master now");
+    }
   }
 
   void log_stall(Nanos now, Nanos good_until) {
@@ -116,6 +136,7 @@ class LinkServer {
   Hooks hooks_;
   std::uint32_t peer_epoch_ = 0;
   bool speaking_ = false;
+  bool refused_ = false;
 };
 
 }  // namespace handrail

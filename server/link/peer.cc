@@ -4,6 +4,7 @@
 #include <random>
 
 #include "server/base/deletable.h"
+#include "server/base/random.h"
 
 namespace handrail {
 
@@ -17,13 +18,18 @@ Nanos LinkSnapshot::loop_age(Nanos now) const noexcept {
 
 bool LinkSnapshot::confirmed(Nanos now) const noexcept { return loop_age(now) <= kConfirmedAge; }
 
+bool LinkSnapshot::refused(Nanos now) const noexcept {
+  return refused_at > received_at && now - refused_at <= kRefusalStands;
+}
+
 LinkQuality LinkSnapshot::quality(Nanos now) const noexcept {
   return age(now) > kPoorAge && kept(Check::kWatchdog) ? LinkQuality::kPoor
                                                        : grade_of(received_of_100);
 }
 
 LinkView LinkSnapshot::view(Nanos now) const noexcept {
-  return {loop_age(now), quality(now), grade_of(peer_received_of_100), confirmed(now)};
+  return {loop_age(now), quality(now), grade_of(peer_received_of_100), confirmed(now),
+          refused(now)};
 }
 
 Reject PeerCore::accept_session(const DatagramHeader& header, Nanos now) const noexcept {
@@ -64,6 +70,7 @@ Reject PeerCore::accept(const DatagramHeader& header, Nanos now) noexcept {
       replaced_at_ = now;
     }
     peer_session_ = header.session;
+    peer_since_ = now;
     ++snapshot_.peer_epoch;
     arrivals_.restart(header.sequence);
     snapshot_.received_of_100 = arrivals_.received();
@@ -86,6 +93,31 @@ void PeerCore::take_echo(const DatagramHeader& header, Nanos now) noexcept {
   if (header.echo_sent < snapshot_.echoed_sent) return;
   snapshot_.echoed_sent = header.echo_sent;
   snapshot_.round_trip = now - header.echo_sent - header.echo_held;
+}
+
+std::optional<Refusal> PeerCore::refuse(std::uint64_t session, Reject cause,
+                                        std::uint16_t leader_port, Nanos now) noexcept {
+  const bool led = cause == Reject::kSessionBusy || cause == Reject::kSessionRetired;
+  const Nanos rest = session == told_session_ ? 2 * kRefusalPeriod : kRefusalPeriod;
+  if (!led || leader_port == 0 || (told_at_ != -kForever && now - told_at_ < rest)) {
+    return std::nullopt;
+  }
+  told_session_ = session;
+  told_at_ = now;
+  return Refusal{session, cause == Reject::kSessionRetired, leader_port, now - peer_since_};
+}
+
+Reject PeerCore::take(const Refusal& refusal, Nanos now) noexcept {
+  if (refusal.refused_session != session_) return Reject::kStale;
+  snapshot_.refused_at = now;
+  snapshot_.refusal = refusal;
+  if (refusal.retired) {
+    session_ = session_after(session_);
+    sequence_ = 0;
+    snapshot_.echoed_sent = -kForever;
+    snapshot_.round_trip = -1;
+  }
+  return Reject::kRefused;
 }
 
 void PeerCore::count(Reject cause) noexcept {
@@ -128,6 +160,13 @@ void PeerCore::move_schedule(Nanos now) noexcept {
 
 Nanos PeerCore::wait_time(Nanos now) const noexcept {
   return sequence_ == UINT64_MAX ? kForever : std::max<Nanos>(next_due_ - now, 0);
+}
+
+std::uint64_t session_after(std::uint64_t session) noexcept {
+  Random random(session);
+  std::uint64_t next = 0;
+  while (next == 0 || next == session) next = random.bits();
+  return next;
 }
 
 std::uint64_t random_session_id() {

@@ -4,7 +4,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <type_traits>
 
 #include "server/base/link_state.h"
 #include "server/base/time.h"
@@ -20,6 +22,11 @@ inline constexpr Nanos kTakeoverSilence = 200 * kMillisecond;
 // How old our newest datagram that the peer answered may be while its session counts as confirmed:
 // the longest loop a scene may allow, and two seconds to spare.
 inline constexpr Nanos kConfirmedAge = 12 * kSecond;
+// A slave says at most this often that another master leads it, and to one session half as often:
+// two who wait are both told.
+inline constexpr Nanos kRefusalPeriod = 100 * kMillisecond;
+// How long what a refusal says is believed; five in a row may be lost.
+inline constexpr Nanos kRefusalStands = kSecond;
 // With nothing fresh for longer than this the quality is POOR.
 inline constexpr Nanos kPoorAge = 20 * kMillisecond;
 
@@ -39,10 +46,14 @@ struct LinkSnapshot {
   double loss_share = 0.0;        // of the last 100, 0 to 1
   std::uint64_t sent = 0;
   std::uint64_t unsendable = 0;  // own states check() refused: a fault of this program
-  std::uint64_t withheld = 0;    // datagrams not sent because the state was no longer true
+  std::uint64_t withheld = 0;    // datagrams not sent: nothing true to say, or nobody to lead
   std::uint64_t accepted = 0;
   std::uint64_t rejected = 0;
+  Nanos refused_at = -kForever;  // when the slave last said that another leads it
+  Refusal refusal;               // what it said
 
+  // The slave lately said that another master leads it, and nothing else since.
+  bool refused(Nanos now) const noexcept;
   // Time since the last fresh datagram; kForever when there was none in this session or any other.
   Nanos age(Nanos now) const noexcept;
   // Age of the newest own datagram the peer is known to have, however long the way there and back:
@@ -63,6 +74,13 @@ class PeerCore {
 
   // Judges a well-formed datagram from the other side; kNone: it is the newest. Real-time safe.
   Reject accept(const DatagramHeader& header, Nanos now) noexcept;
+  // What the sender of a datagram refused for another session's sake is to be told; none: nothing,
+  // or it was told lately. `leader_port`: where the present session is.
+  std::optional<Refusal> refuse(std::uint64_t session, Reject cause, std::uint16_t leader_port,
+                                Nanos now) noexcept;
+  // Takes what we are told when it is about our session. One that was replaced is over: what is
+  // sent from then on begins another.
+  Reject take(const Refusal& refusal, Nanos now) noexcept;
   void count(Reject cause) noexcept;
 
   bool due(Nanos now) const noexcept { return now >= next_due_ && sequence_ != UINT64_MAX; }
@@ -95,11 +113,14 @@ class PeerCore {
   std::uint64_t sequence_ = 0;  // of the last datagram sent
   Nanos next_due_ = -kForever;
   std::uint64_t peer_session_ = 0;
+  Nanos peer_since_ = 0;  // when that session was accepted
   Nanos peer_sent_ = 0;
   Arrivals arrivals_;
   std::array<Replaced, 8> replaced_{};
   std::size_t next_replaced_ = 0;
-  Nanos replaced_at_ = -kForever;  // when one session last took another's place
+  Nanos replaced_at_ = -kForever;   // when one session last took another's place
+  std::uint64_t told_session_ = 0;  // whom we last told that another leads
+  Nanos told_at_ = -kForever;
   LinkSnapshot snapshot_;
   RejectCounts rejects_{};
 };
@@ -108,7 +129,8 @@ class PeerCore {
 // sequence moves the state. Another session is accepted at once when there is none or the present
 // one has never answered ours (a recording does not), but then not within 200 ms of the last such
 // change; else once the present one has been silent for over 200 ms. Of the eight sessions last
-// replaced, those that had answered never come back.
+// replaced, those that had answered never come back: a master so replaced is told and begins
+// another session, which waits until the present one has been silent.
 // No allocation after construction; every method is real-time safe. One thread at a time.
 template <typename Local, typename Remote>
 class LinkPeer {
@@ -116,15 +138,27 @@ class LinkPeer {
   // `session`: random, not 0 (random_session_id()).
   explicit LinkPeer(std::uint64_t session) : core_(session) {}
 
-  // Takes one datagram. kNone: newest() and snapshot() have moved on. Otherwise it was counted and
-  // nothing else has changed.
+  // Takes one datagram. kNone: newest() and snapshot() have moved on; kRefused: snapshot() tells
+  // who leads the other side. Otherwise it was counted and nothing else has changed.
   Reject on_datagram(std::span<const std::uint8_t> bytes, Nanos now) noexcept {
-    DatagramHeader header;
-    Reject cause = codec_.decode(bytes, header, scratch_);
-    if (cause == Reject::kNone) cause = core_.accept(header, now);
+    Reject cause = codec_.decode(bytes, header_, scratch_);
+    if (cause == Reject::kNone) cause = core_.accept(header_, now);
+    if constexpr (kLeads) {
+      if (cause == Reject::kKind) cause = on_refusal(bytes, now);
+    }
     core_.count(cause);
     if (cause == Reject::kNone) newest_ = scratch_;
     return cause;
+  }
+
+  // Writes what the sender of the datagram that on_datagram() has just refused for `cause` is to be
+  // told, and returns its size, less than that datagram's; 0 = nothing. `leader_port`: where the
+  // newest accepted datagram came from.
+  std::size_t refuse(Reject cause, std::uint16_t leader_port, Nanos now,
+                     std::span<std::uint8_t> out) noexcept {
+    if constexpr (kLeads) return 0;
+    const auto refusal = core_.refuse(header_.session, cause, leader_port, now);
+    return refusal ? codec_.encode(*refusal, out) : 0;
   }
 
   // Counts a datagram that the transport dropped before it came here.
@@ -155,8 +189,17 @@ class LinkPeer {
   std::uint64_t session() const noexcept { return core_.session(); }
 
  private:
+  static constexpr bool kLeads = std::is_same_v<Local, MasterState>;
+
+  Reject on_refusal(std::span<const std::uint8_t> bytes, Nanos now) noexcept {
+    Refusal refusal;
+    const Reject cause = codec_.decode(bytes, refusal);
+    return cause == Reject::kNone ? core_.take(refusal, now) : cause;
+  }
+
   PeerCore core_;
   Codec codec_;
+  DatagramHeader header_;
   Remote scratch_;
   Remote newest_;
   Reject last_unsendable_ = Reject::kNone;
@@ -164,6 +207,10 @@ class LinkPeer {
 
 using MasterPeer = LinkPeer<MasterState, SlaveState>;
 using SlavePeer = LinkPeer<SlaveState, MasterState>;
+
+// The session id a program goes on with once `session` was replaced; as random as that. Real-time
+// safe.
+std::uint64_t session_after(std::uint64_t session) noexcept;
 
 // A session id from the kernel's random source, never 0. Not real-time safe.
 std::uint64_t random_session_id();

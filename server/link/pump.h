@@ -23,7 +23,8 @@ class LinkPump {
   LinkPump(Transport& transport, LinkPeer<Local, Remote>& peer)
       : transport_(transport), peer_(peer) {}
 
-  // Takes what waits, at most kBatch datagrams. True when the peer's newest state has changed.
+  // Takes what waits, at most kBatch datagrams. True when the peer has said something new: its
+  // newest state, or that another leads it. Who is refused for another's sake is told so.
   // After a stall of our own everything that waits is dropped and counted: the next datagram, a
   // millisecond away, tells its age truly.
   bool receive(Nanos now) noexcept {
@@ -40,9 +41,12 @@ class LinkPump {
         peer_.count_dropped(Reject::kAfterStall);
       } else if (!arrival->from_peer) {
         peer_.count_dropped(Reject::kSender);
-      } else if (peer_.on_datagram(std::span(buffer_).first(arrival->size), now) == Reject::kNone) {
-        transport_.adopt_sender();
-        changed = true;
+      } else {
+        const Reject cause = peer_.on_datagram(std::span(buffer_).first(arrival->size), now);
+        if (cause == Reject::kNone) transport_.adopt_sender();
+        changed = changed || cause == Reject::kNone || cause == Reject::kRefused;
+        const std::size_t size = peer_.refuse(cause, transport_.peer_port(), now, buffer_);
+        if (size != 0) (void)transport_.answer(std::span(buffer_).first(size));
       }
     }
     return changed;

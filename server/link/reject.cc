@@ -46,6 +46,8 @@ const char* describe(Reject cause) noexcept {
       return "another session is alive";
     case Reject::kSessionRetired:
       return "session already replaced";
+    case Reject::kRefused:
+      return "the slave is led by another master";
     case Reject::kSender:
       return "unknown sender";
     case Reject::kAfterStall:

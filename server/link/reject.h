@@ -31,6 +31,7 @@ enum class Reject : std::uint8_t {
   kStale,           // older than the newest accepted
   kSessionBusy,     // a new session while the present one has been heard within 200 ms
   kSessionRetired,  // a session that another one has replaced
+  kRefused,         // no state: the slave says that another master leads it
   // Transport
   kSender,      // from an address that is not the peer's
   kAfterStall,  // waited in our own queue while we did not run

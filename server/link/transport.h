@@ -25,6 +25,10 @@ class Transport {
   // False when the datagram was not sent, which is one lost datagram, or when no peer is known yet.
   // Real-time safe.
   virtual bool send(std::span<const std::uint8_t> bytes) noexcept = 0;
+  // To where the last received datagram came from, peer or not. Real-time safe.
+  virtual bool answer(std::span<const std::uint8_t> bytes) noexcept = 0;
+  // Of the peer; 0: not known, or it has none. Real-time safe.
+  virtual std::uint16_t peer_port() const noexcept = 0;
 };
 
 }  // namespace handrail

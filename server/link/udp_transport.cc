@@ -97,9 +97,16 @@ void UdpTransport::adopt_sender() noexcept {
 }
 
 bool UdpTransport::send(std::span<const std::uint8_t> bytes) noexcept {
-  if (!peer_known_) return false;
+  return peer_known_ && send_to(bytes, peer_);
+}
+
+bool UdpTransport::answer(std::span<const std::uint8_t> bytes) noexcept {
+  return sender_.address().is_loopback() && send_to(bytes, sender_);
+}
+
+bool UdpTransport::send_to(std::span<const std::uint8_t> bytes, const Endpoint& to) noexcept {
   error_code error;
-  socket_.send_to(asio::buffer(bytes.data(), bytes.size()), peer_, 0, error);
+  socket_.send_to(asio::buffer(bytes.data(), bytes.size()), to, 0, error);
   return !error;
 }
 

@@ -39,11 +39,14 @@ class UdpTransport : public Transport {
   std::optional<Arrival> receive(std::span<std::uint8_t> buffer) noexcept override;
   void adopt_sender() noexcept override;
   bool send(std::span<const std::uint8_t> bytes) noexcept override;
+  bool answer(std::span<const std::uint8_t> bytes) noexcept override;
+  std::uint16_t peer_port() const noexcept override { return peer_known_ ? peer_.port() : 0; }
 
  private:
   using Endpoint = boost::asio::ip::udp::endpoint;
 
   void wait_readable();
+  bool send_to(std::span<const std::uint8_t> bytes, const Endpoint& to) noexcept;
 
   boost::asio::ip::udp::socket socket_;
   std::function<void()> readable_;

@@ -31,6 +31,7 @@ HapticLoop::HapticLoop(HapticDevice& device, const HapticSettings& settings, Mas
       pacer_(kPeriod, start),
       last_tick_(start) {
   if (settings_.walls != nullptr) device_.simulate(settings_.walls->settings.device);
+  begin_epochs(random_session_id(), state_);
 }
 
 void HapticLoop::tick(Nanos now) noexcept {
@@ -90,15 +91,12 @@ void HapticLoop::take_settings() noexcept {
 void HapticLoop::take_slave(Nanos now) noexcept {
   if (boxes_.slave.take(news_)) {
     input_.slave = news_.state;
-    input_.slave_known = true;
+    input_.slave_known = news_.link.peer_epoch != 0;
   }
   input_.slave_age = news_.link.age(now);
   input_.link = news_.link.view(now);
   const Nanos heard = boxes_.hold_heard.load(std::memory_order_relaxed);
   input_.hold_heard = heard == -kForever ? kForever : now - heard;
-  // Another slave counts its faults from the start: what was reset on the last one means nothing.
-  if (news_.link.peer_epoch != peer_epoch_) state_.fault_reset = 0;
-  peer_epoch_ = news_.link.peer_epoch;
 }
 
 void HapticLoop::feel_walls(double dt) noexcept {

@@ -51,7 +51,6 @@ class HapticLoop {
   WallOutput wall_out_;
   SlaveNews news_;
   HapticSettings next_settings_;
-  std::uint32_t peer_epoch_ = 0;
   Nanos last_tick_;
   Nanos stop_since_ = -1;
   std::atomic<bool> stop_requested_{false};

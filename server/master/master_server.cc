@@ -17,6 +17,8 @@ struct MasterServer::Impl {
     if (!desk.report()) return;
     const HapticReport& report = *desk.report();
     log_change(report.out.link.state, report.out.reason);
+    // Where no robot takes part, a slave is left to another master.
+    if (report.walls.present) return link.keep_silent(now);
     link.send(now, report.out.link, report.good_until);
   }
 

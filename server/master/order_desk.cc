@@ -8,6 +8,7 @@
 
 #include "server/base/units.h"
 #include "server/master/replies.h"
+#include "server/master/why_report.h"
 #include "server/scene/tool_io.h"
 
 namespace handrail {
@@ -225,6 +226,7 @@ void OrderDesk::take_answers() {
     if (answer.result != Reason::kNone) {
       std::string text = distance_text(answer, waiting.tool);
       if (text.empty()) text = describe(answer.result);
+      if (answer.result == Reason::kOtherMaster && link_.refused(now_)) text = unheard();
       if (waiting.until == Until::kEngaged && report_ && link_.peer_epoch != 0) {
         if (answer.result == Reason::kPeerFault) text += std::string(": ") + describe(slave_.fault);
         for (const std::string& difference : hash_mismatches(report_->out.link, slave_)) {
@@ -323,6 +325,14 @@ void OrderDesk::watch_hold() {
   end_engagement(Reason::kPresence);
 }
 
+std::string OrderDesk::unheard() const {
+  if (link_.refused(now_)) {
+    return other_master_text(link_, now_) + ": " +
+           way_out_of(Reason::kOtherMaster, -1, JointVector::Zero());
+  }
+  return report_->walls.present ? describe(Reason::kNoArmInScene) : "no slave is connected";
+}
+
 // The stop stands and is repeated whatever comes of it; the answer says whether the slave has it.
 void OrderDesk::watch_stops() {
   if (now_ > report_->good_until) {
@@ -336,8 +346,10 @@ void OrderDesk::watch_stops() {
   }
   std::erase_if(stopping_, [this](const Waiting& stop) {
     const Nanos took = now_ - stop.since;
-    if (link_.peer_epoch == 0) {
-      stop.reply(done("no slave is connected"));
+    if (link_.refused(now_)) {
+      stop.reply(refused("the stop stands here and stops nobody: " + unheard()));
+    } else if (link_.peer_epoch == 0 || report_->walls.present) {
+      stop.reply(done(unheard()));
     } else if (slave_.stop_epoch == report_->out.link.stop_epoch) {
       stop.reply(done("the slave has it after " + std::to_string(took / kMillisecond) + " ms"));
     } else if (took > kStopPatience) {
@@ -352,11 +364,12 @@ void OrderDesk::watch_stops() {
 
 void OrderDesk::watch_reset() {
   if (!resetting_) return;
-  if (link_.age(now_) > 200 * kMillisecond) {
-    std::exchange(resetting_, nullptr)(done("no slave is connected"));
+  if (link_.age(now_) > 200 * kMillisecond || report_->walls.present) {
+    std::exchange(resetting_, nullptr)(done(unheard()));
   } else if (slave_.state != SessionState::kFault) {
     std::exchange(resetting_, nullptr)(done());
-  } else if (now_ > reset_until_) {
+  } else if (slave_.fault_epoch != report_->out.link.fault_reset || now_ > reset_until_) {
+    // A later fault, or the same cause anew: what was reset is still there.
     std::exchange(resetting_, nullptr)(
         refused(std::string("the slave stays in fault: ") + describe(slave_.fault)));
   }

@@ -83,6 +83,8 @@ class OrderDesk : public OperatorHandler {
   void retry_engaging();
   // Whoever still waits for a better link to engage over waits no longer.
   void give_up_engaging();
+  // That no slave hears this master, and why.
+  std::string unheard() const;
   void watch_engaging();
   void watch_reset();
   void watch_scene();

@@ -26,6 +26,7 @@ void OrderDesk::watch_scene() {
   if (!loading_ || report_->settings_pending || report_->scene_epoch == load_epoch_) return;
   if (text_of(report_->out.link.scene) != scene_.name) return;
   load_shown_ = std::min(load_shown_, now_);
+  if (report_->walls.present) return std::exchange(loading_, nullptr)(done());
   if (link_.age(now_) > 200 * kMillisecond) {
     std::exchange(loading_, nullptr)(done("no slave is connected: it loads the scene when it is"));
     return;

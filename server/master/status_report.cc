@@ -36,12 +36,19 @@ double milliseconds(Nanos t) { return t < 0 || t >= kForever ? -1.0 : to_seconds
 
 // The robot is where the slave says it is held; the master's own reason comes first where it has
 // one.
-Reason robot_reason(const HapticReport& report, const SlaveState& slave, bool known) {
-  if (report.out.reason != Reason::kNone) return report.out.reason;
-  return known ? slave.reason : Reason::kNoPeer;
+std::string robot_reason(const HapticReport& report, const SlaveState& slave,
+                         const LinkSnapshot& link, bool known, Nanos now) {
+  if (link.refused(now)) return other_master_text(link, now);
+  if (report.out.reason != Reason::kNone) return describe(report.out.reason);
+  return describe(known ? slave.reason : Reason::kNoPeer);
 }
 
 }  // namespace
+
+std::string other_master_text(const LinkSnapshot& link, Nanos now) {
+  return fmt::format("{} ({})", describe(Reason::kOtherMaster),
+                     leader_text(link.refusal, now - link.refused_at));
+}
 
 std::vector<std::string> hash_mismatches(const MasterState& master, const SlaveState& slave) {
   std::vector<std::string> out;
@@ -67,10 +74,10 @@ pb::Status status_report(const MasterIdentity& identity, const HapticReport& rep
                          const SlaveState& slave, const LinkSnapshot& link, Nanos now) {
   pb::Status s;
   const HapticOutput& out = report.out;
-  const bool known = link.peer_epoch != 0;
+  const bool known = link.peer_epoch != 0 && !report.walls.present;
   s.set_desired(name_of(out.link.desired));
   s.set_state(name_of(out.link.state));
-  s.set_reason(describe(robot_reason(report, slave, known)));
+  s.set_reason(robot_reason(report, slave, link, known, now));
   s.set_slave_state(known ? name_of(slave.state) : "none");
   s.set_slave_reason(known ? describe(slave.reason) : describe(Reason::kNoPeer));
   s.set_scene(std::string(text_of(out.link.scene)));
@@ -110,7 +117,6 @@ pb::Status status_report(const MasterIdentity& identity, const HapticReport& rep
   }
   set_pose(s.mutable_hand(), report.X_MH);
   s.set_hand_moving(report.hand_moving);
-  s.set_stop_epoch(out.link.stop_epoch);
   if (known) {
     for (const std::string& text : hash_mismatches(out.link, slave)) s.add_hash_mismatch(text);
   }

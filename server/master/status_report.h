@@ -20,6 +20,10 @@ struct MasterIdentity {
 pb::Status status_report(const MasterIdentity& identity, const HapticReport& report,
                          const SlaveState& slave, const LinkSnapshot& link, Nanos now);
 
+// "the slave is led by another master (port 47001 on this computer, for 12 s)". Only of a link that
+// is refused at `now`.
+std::string other_master_text(const LinkSnapshot& link, Nanos now);
+
 // Each section both sides must agree on and do not: "mapping: master 3f2a..., slave 91bc...".
 std::vector<std::string> hash_mismatches(const MasterState& master, const SlaveState& slave);
 

@@ -8,6 +8,7 @@
 
 #include "server/base/units.h"
 #include "server/kinematics/rv2a.h"
+#include "server/master/status_report.h"
 
 namespace handrail {
 namespace {
@@ -84,6 +85,7 @@ Reason holding(const HapticReport& report, const SlaveState& slave, const LinkSn
   if (now > report.good_until) return Reason::kThreadStalled;
   if (report.walls.present) return Reason::kNoArmInScene;
   const HapticOutput& out = report.out;
+  if (link.refused(now)) return Reason::kOtherMaster;
   if (out.link.state == SessionState::kEngaged && slave.state == SessionState::kEngaged) {
     return out.motion.known ? Reason::kNone : out.reason;
   }
@@ -124,7 +126,9 @@ void set_sentence(pb::Ledger* out, const HapticReport& report, const SlaveState&
     out->set_way_out(way_out_of(why, ledger.joint, slave.q_measured));
   };
   if (const Reason why = holding(report, slave, link, now); why != Reason::kNone) {
-    out->set_sentence(fmt::format("the arm holds: {}", describe(why)));
+    out->set_sentence(fmt::format("the arm holds: {}", why == Reason::kOtherMaster
+                                                           ? other_master_text(link, now)
+                                                           : describe(why)));
     return set_way_out(why);
   }
   if (!ledger.known) {
@@ -162,10 +166,18 @@ std::string way_out_of(Reason reason, int joint, const JointVector& q) {
       return "engage";
     case Reason::kStopRequested:
     case Reason::kLinkLost:
-    case Reason::kRobotLost:
     case Reason::kFollowingError:
-    case Reason::kEncoderInvalid:
       return "reset, then engage";
+    case Reason::kRobotLost:
+    case Reason::kRobotNotConnected:
+      return "at the controller: clear its alarm, if there is one, and start its program in "
+             "AUTOMATIC; then reset, if the slave is in fault, and engage";
+    case Reason::kRobotSilent:
+      return "wait, or move slower";
+    case Reason::kEncoderInvalid:
+      return joint >= 0 ? fmt::format("look at J{}, which reads {:.1f} deg; then reset and engage",
+                                      joint + 1, q[joint] / kDeg)
+                        : "look at the encoders; then reset and engage";
     case Reason::kSensorStuck:
     case Reason::kSensorInvalid:
     case Reason::kSensorMissing:
@@ -182,6 +194,8 @@ std::string way_out_of(Reason reason, int joint, const JointVector& q) {
       return "wait for the link, or move slower";
     case Reason::kLoopAge:
       return "move slower: what you see is old";
+    case Reason::kOtherMaster:
+      return "end that master: then the slave takes this one, without a restart";
     case Reason::kClutched:
       return "let the clutch go";
     case Reason::kPresence:

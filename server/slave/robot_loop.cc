@@ -42,7 +42,9 @@ Status check_first(const FollowSettings& settings, const RobotReply& first) {
 
 RobotLoop::RobotLoop(Robot& robot, const FollowSettings& settings, SlaveMailboxes& boxes,
                      Nanos (*clock)() noexcept)
-    : robot_(robot), settings_(settings), boxes_(boxes), clock_(clock) {}
+    : robot_(robot), settings_(settings), boxes_(boxes), clock_(clock) {
+  state_.fault_epoch = random_session_id();
+}
 
 Nanos RobotLoop::turn() {
   if (!connected_) return turn_unconnected();
@@ -83,12 +85,12 @@ Nanos RobotLoop::turn_unconnected() {
   }
   step(now, Reason::kNone);
   publish();
-  if (lost_ && reset_by_operator()) {
-    lost_ = false;
-    next_attempt_ = now;
-  }
-  if (lost_ || now < next_attempt_) return now + kIdlePeriod;
+  // A reset calls a lost controller once. One that does not answer is lost anew.
+  const bool again = lost_ && released(input_, state_);
+  if (!again && (lost_ || now < next_attempt_)) return now + kIdlePeriod;
   connect();
+  lost_ = again && !connected_;
+  if (lost_) step(clock_(), Reason::kRobotLost);
   return connected_ ? 0 : clock_() + kIdlePeriod;
 }
 
@@ -148,8 +150,6 @@ void RobotLoop::take_news(Nanos now) {
   input_.master_age = news_.link.age(now);
   input_.master_sequence = news_.link.sequence;
   input_.link = news_.link.view(now);
-  input_.new_session = peer_epoch_ != 0 && news_.link.peer_epoch != peer_epoch_;
-  peer_epoch_ = news_.link.peer_epoch;
   (void)boxes_.force.take(force_);
   input_.f_E_T = force_.f_E_T;
   input_.wrench_valid = force_.healthy && now - force_.received_at <= kForceFresh;
@@ -171,12 +171,6 @@ void RobotLoop::publish(Nanos busy_for) {
   report_.state = output_.link;
   report_.good_until = clock_() + kStateStands + busy_for;
   boxes_.report.publish(report_);
-}
-
-bool RobotLoop::reset_by_operator() const noexcept {
-  const MasterState& master = input_.master;
-  if (!input_.master_known || master.stop_epoch != master.released_epoch) return false;
-  return master.fault_reset == state_.fault_epoch || state_.fault == Reason::kStopRequested;
 }
 
 void RobotLoop::finish_when_standing(Nanos now) {

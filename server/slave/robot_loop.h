@@ -48,7 +48,6 @@ class RobotLoop {
   void take_settings();
   // `busy_for`: until the loop speaks again, beyond its usual round.
   void publish(Nanos busy_for = 0);
-  bool reset_by_operator() const noexcept;
   void finish_when_standing(Nanos now);
   void finish();
 
@@ -65,7 +64,6 @@ class RobotLoop {
   ForceReading force_;
   FollowSettings next_settings_;
   bool settings_wait_ = false;
-  std::uint32_t peer_epoch_ = 0;
   bool connected_ = false;
   bool lost_ = false;  // and not yet reset by the operator
   std::uint64_t cycles_ = 0;

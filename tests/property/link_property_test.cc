@@ -87,9 +87,10 @@ MasterState any_master() {
   s.state = any_of<SessionState>();
   s.X_SU = pose();
   s.has_command = coin();
-  s.stop_epoch = u32();
-  s.released_epoch = u32();
-  s.fault_reset = u32();
+  s.stop_epoch = u64();
+  s.released_epoch = u64();
+  s.fault_reset = u64();
+  s.engagement_epoch = u64();
   s.position_tool = any_position_tool();
   s.orientation_tool = any_orientation_tool();
   s.hashes = any_hashes();
@@ -109,8 +110,10 @@ SlaveState any_slave() {
   s.f_E_S = {1e3 * point(), 1e3 * point()};
   s.has_wrench = coin();
   s.payload_removed = coin();
-  s.stop_epoch = u32();
-  s.fault_epoch = u32();
+  s.stop_epoch = u64();
+  s.fault_epoch = u64();
+  s.engagement_epoch = u64();
+  s.obstacle = any_of<Reason>();
   s.position_tool_epoch = u32();
   s.orientation_tool_epoch = u32();
   s.oldest_applied = *rc::gen::inRange<Nanos>(0, INT64_MAX);

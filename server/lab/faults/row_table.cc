@@ -27,6 +27,7 @@ constexpr FaultRow kRows[] = {
     {"P1", "master stopped for 5 ms to 10 s or killed, a late burst", "ms to stop", 36, 6,
      rows::p1},
     {"P5", "haptic thread stalled for 50 ms or for good", "ms to stop", 20, 2, rows::p5},
+    {"P8", "a minute of stops, resets, faults and restarts", "ms to stop", 12, 2, rows::p8},
     {"C2", "clocks 5000 s apart: the same bits", "ms to stop", 4, 2, rows::c2},
     {"S1a", "NaN, Inf, 1e308 or a denormal from the force sensor", "ms to stop", 16, 8, rows::s1a},
     {"S1b", "NaN, Inf, 1e308 or a denormal from an encoder", "ms to stop", 24, 8, rows::s1b},

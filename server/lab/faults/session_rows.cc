@@ -232,6 +232,63 @@ FaultOutcome d3(const RowRun& row) {
   return out;
 }
 
+// A minute of orders, faults and restarts as they come, over a link that is late: no reset but one
+// given after a fault releases it, and no stop is echoed before the slave can have it.
+FaultOutcome p8(const RowRun& row) {
+  FaultRun run(row.seed);
+  run.let_hold();
+  if (!run.engage()) return not_engaged();
+  LinkFaults late;
+  late.delay = 10 * kMillisecond;
+  late.jitter = 8 * kMillisecond;
+  late.loss = 0.05;
+  run.set_network(late);
+  Random& random = run.random();
+  SlaveState before = run.cell().slave();
+  Nanos latched = -1, reset = -1;
+  std::uint64_t unseen = 0, early = 0, releases = 0;
+  for (int i = 0; i < 60'000; ++i) {
+    OrderKind order = OrderKind::kNone;
+    const double what = 1e4 * random.uniform();
+    if (what < 5.0) order = OrderKind::kStop;
+    if (what >= 5.0 && what < 20.0) order = OrderKind::kReset;
+    if (what >= 20.0 && what < 50.0) order = OrderKind::kEngage;
+    if (what >= 50.0 && what < 52.0) order = OrderKind::kDisengage;
+    if (what >= 52.0 && what < 54.0) run.restart_master();
+    // A slave that is killed in motion leaves its arm to the controller: that is P2's.
+    if (what >= 54.0 && what < 59.0 && !run.auditor().moving()) {
+      run.cell().restart_slave();
+      before = run.cell().slave();
+    }
+    if (what >= 59.0 && what < 61.0) {
+      run.auditor().must_stop(run.now());
+      run.cell().open_stop_circuit(true);
+    }
+    run.tick(order_of(order));
+    run.cell().open_stop_circuit(false);
+    const HapticOutput& master = run.cell().master();
+    const SlaveState& seen = run.cell().net()->master().newest();
+    early += order == OrderKind::kStop && seen.stop_epoch == master.link.stop_epoch;
+    if (order == OrderKind::kReset && master.order_result == Reason::kNone) reset = run.now();
+    const SlaveState& after = run.cell().slave();
+    if (after.fault_epoch != before.fault_epoch) latched = run.now();
+    if (before.state == SessionState::kFault && after.state != SessionState::kFault) {
+      ++releases;
+      unseen += reset <= latched;
+    }
+    before = after;
+  }
+  run.set_network({});
+  run.drive(8 * kSecond);
+  const bool engaged = run.engaged();
+  FaultOutcome out = run.outcome();
+  find(out, unseen, "released without a reset that saw it");
+  find(out, early, "stops confirmed before they can have arrived");
+  find(out, !engaged, "not engaged again");
+  find(out, releases < 3, "hardly anything was released");
+  return out;
+}
+
 // Tools called anywhere while the hand stands still; in every other run they are approached, and
 // the clutch is held on the way: the arm stays when it is let go.
 FaultOutcome x2c(const RowRun& row) {

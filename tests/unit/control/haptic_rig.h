@@ -88,6 +88,7 @@ class HapticRig {
  private:
   void slave() {
     const MasterState& link = out.link;
+    in.slave.engagement_epoch = link.engagement_epoch;
     if (in.slave.state == SessionState::kFault) return;
     if (link.desired == Desired::kOff || link.state == SessionState::kOff ||
         link.state == SessionState::kFault) {

@@ -64,6 +64,7 @@ TEST(HapticSession, AligningCopiesThePoseTheSlaveStandsOnEvenWhileTheHandMoves) 
     EXPECT_TRUE(same_pose(rig.command(), tip));
   }
   rig.in.slave.state = SessionState::kEngaged;
+  rig.in.slave.engagement_epoch = rig.out.link.engagement_epoch;
   rig.tick();
   EXPECT_EQ(rig.session(), SessionState::kEngaged);
   EXPECT_TRUE(same_pose(rig.command(), tip));

@@ -216,7 +216,7 @@ TEST(FollowMonitors, AStuckSensorIsAFaultWhereTheSensorIsRequired) {
   }
 }
 
-TEST(FollowMonitors, AnOpenStopCircuitIsAFaultThatAResetReleasesOnlyOnceItIsClosed) {
+TEST(FollowMonitors, AResetOfAnOpenStopCircuitLatchesItAnewAndIsNotKeptForWhenItCloses) {
   FollowRig rig;
   rig.engage();
   rig.in.stop_input = true;
@@ -227,9 +227,27 @@ TEST(FollowMonitors, AnOpenStopCircuitIsAFaultThatAResetReleasesOnlyOnceItIsClos
   rig.in.master.fault_reset = rig.out.link.fault_epoch;
   rig.cycle();
   EXPECT_EQ(rig.out.link.state, SessionState::kFault);
+  EXPECT_NE(rig.out.link.fault_epoch, rig.in.master.fault_reset);
   rig.in.stop_input = false;
+  for (int i = 0; i < 10; ++i) rig.cycle();
+  EXPECT_EQ(rig.out.link.state, SessionState::kFault);
+  rig.in.master.fault_reset = rig.out.link.fault_epoch;
   rig.cycle();
   EXPECT_EQ(rig.out.link.state, SessionState::kOff);
+}
+
+TEST(FollowMonitors, AResetOfAnotherFaultNamesTheStopCircuitThatIsOpen) {
+  FollowRig rig;
+  rig.engage();
+  rig.in.fault = Reason::kRobotBadPacket;
+  rig.cycle();
+  rig.in.fault = Reason::kNone;
+  rig.in.stop_input = true;
+  rig.cycle();
+  EXPECT_EQ(rig.out.link.fault, Reason::kRobotBadPacket);
+  rig.in.master.fault_reset = rig.out.link.fault_epoch;
+  rig.cycle();
+  EXPECT_EQ(rig.out.link.fault, Reason::kStopInput);
 }
 
 }  // namespace

@@ -67,9 +67,10 @@ void for_every_master_input(F&& f) {
         for (const Reason mismatch : {Reason::kNone, Reason::kHashRobot}) {
           for (const bool stop : {false, true}) {
             for (const bool reset : {false, true}) {
-              for (int bits = 0; bits < 8; ++bits) {
+              for (int bits = 0; bits < 32; ++bits) {
                 f(MasterSessionInput{desired, link, peer, mismatch, stop, reset, (bits & 1) != 0,
-                                     (bits & 2) != 0, (bits & 4) != 0});
+                                     (bits & 2) != 0, (bits & 4) != 0, (bits & 8) != 0,
+                                     (bits & 16) != 0 ? Reason::kSensorMissing : Reason::kNone});
               }
             }
           }
@@ -84,11 +85,12 @@ void for_every_slave_input(F&& f) {
   for (const Desired desired : kWishes) {
     for (const SessionState master : kStates) {
       for (const LinkRung link : kRungs) {
-        for (int bits = 0; bits < 512; ++bits) {
+        for (int bits = 0; bits < 1024; ++bits) {
           const auto bit = [bits](int i) { return (bits >> i & 1) != 0; };
           f(SlaveSessionInput{desired, master, link, bit(0), bit(1), bit(2),
                               bit(3) ? Reason::kRobotBadPacket : Reason::kNone, bit(4), bit(5),
-                              bit(6), bit(7), bit(8) ? Reason::kHashLimits : Reason::kNone});
+                              bit(6), bit(7), bit(8) ? Reason::kSensorMissing : Reason::kNone,
+                              bit(9) ? Reason::kHashLimits : Reason::kNone});
         }
       }
     }
@@ -133,7 +135,7 @@ TEST(MasterSession, AlignsOnlyWithAFlowingConfirmedLinkAHealthyPeerAndEqualConfi
     const bool may = in.desired != Desired::kOff && !in.stop_latched &&
                      (in.link == LinkRung::kFresh || in.link == LinkRung::kSlow) &&
                      in.peer != SessionState::kFault && in.mismatch == Reason::kNone &&
-                     in.confirmed;
+                     in.confirmed && in.obstacle == Reason::kNone;
     for (const SessionState from : {SessionState::kOff, SessionState::kHoming}) {
       const SessionState next = next_master(from, in).state;
       EXPECT_EQ(next == SessionState::kAligning, may && in.ready);
@@ -155,11 +157,11 @@ TEST(MasterSession, SaysWhyItStaysOff) {
   EXPECT_EQ(next_master(SessionState::kOff, in).reason, Reason::kHashLimits);
 }
 
-TEST(MasterSession, EngagesOnlyWhenTheSlaveFollows) {
+TEST(MasterSession, EngagesOnlyWhenTheSlaveFollowsInThisEngagement) {
   for_every_master_input([](const MasterSessionInput& in) {
     const SessionState next = next_master(SessionState::kAligning, in).state;
     if (next == SessionState::kEngaged || next == SessionState::kClutched) {
-      EXPECT_TRUE(follows(in.peer));
+      EXPECT_TRUE(follows(in.peer) && in.same_engagement);
       EXPECT_EQ(next == SessionState::kClutched, in.desired == Desired::kClutched);
     }
   });
@@ -173,6 +175,7 @@ TEST(MasterSession, DrivesOnlyWhileTheLinkFlowsAndThePeerFollows) {
       const bool flowing = in.link == LinkRung::kFresh || in.link == LinkRung::kSlow;
       if (follows(next)) {
         EXPECT_TRUE(flowing && in.confirmed && follows(in.peer) && in.desired != Desired::kOff);
+        EXPECT_TRUE(in.same_engagement);
       }
       if (in.desired == Desired::kOff && !in.stop_latched) {
         EXPECT_EQ(next, SessionState::kOff);
@@ -241,7 +244,8 @@ TEST(SlaveSession, EngagesOnlyFromAlignmentOnTheHeldPose) {
       }
       EXPECT_EQ(from, SessionState::kAligning);
       EXPECT_TRUE(in.aligned);
-      EXPECT_FALSE(in.new_session);
+      EXPECT_TRUE(in.same_engagement);
+      EXPECT_EQ(in.obstacle, Reason::kNone);
       EXPECT_EQ(in.mismatch, Reason::kNone);
       EXPECT_TRUE(in.confirmed && in.robot_ready);
       EXPECT_TRUE(in.link == LinkRung::kFresh || in.link == LinkRung::kSlow);
@@ -257,7 +261,8 @@ TEST(SlaveSession, FollowsOnlyAFlowingLinkAndAMasterThatWantsIt) {
       EXPECT_TRUE(in.link == LinkRung::kFresh || in.link == LinkRung::kSlow);
       EXPECT_NE(in.desired, Desired::kOff);
       EXPECT_TRUE(in.confirmed);
-      EXPECT_FALSE(in.new_session || in.shutdown);
+      EXPECT_TRUE(in.same_engagement);
+      EXPECT_FALSE(in.shutdown);
       EXPECT_FALSE(in.master == SessionState::kOff || in.master == SessionState::kFault);
     });
   }
@@ -305,9 +310,9 @@ TEST(SlaveSession, ARestartedMasterHasToEngageAgain) {
     in.master = SessionState::kEngaged;
     in.link = LinkRung::kFresh;
     in.robot_ready = in.aligned = true;
-    in.new_session = true;
+    in.same_engagement = false;
     EXPECT_EQ(next_slave(from, in).state, SessionState::kOff);
-    in.new_session = false;
+    in.same_engagement = true;
     // From off, a master that claims to be engaged already is not followed.
     EXPECT_EQ(next_slave(SessionState::kOff, in).state, SessionState::kOff);
   }
@@ -362,6 +367,22 @@ TEST(SlaveSession, HomesOnlyWhileTheRobotIsNotReadyAndSomebodyConfirmedAsks) {
   EXPECT_EQ(next_slave(SessionState::kHoming, in).state, SessionState::kHoming);
   in.robot_ready = true;
   EXPECT_EQ(next_slave(SessionState::kHoming, in).state, SessionState::kAligning);
+}
+
+TEST(SlaveSession, NeitherAlignsNorEngagesWithAnObstacleAndNamesIt) {
+  SlaveSessionInput in;
+  in.desired = Desired::kEngaged;
+  in.master = SessionState::kAligning;
+  in.link = LinkRung::kFresh;
+  in.robot_ready = in.aligned = true;
+  for (const SessionState from :
+       {SessionState::kOff, SessionState::kHoming, SessionState::kAligning}) {
+    in.obstacle = Reason::kSensorMissing;
+    EXPECT_EQ(next_slave(from, in).state, SessionState::kOff);
+    EXPECT_EQ(next_slave(from, in).reason, Reason::kSensorMissing);
+    in.obstacle = Reason::kNone;
+    EXPECT_NE(next_slave(from, in).state, SessionState::kOff);
+  }
 }
 
 TEST(SlaveSession, AFaultIsNotReleasedWhileTheRobotIsNotReady) {

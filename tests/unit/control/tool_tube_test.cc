@@ -216,7 +216,7 @@ TEST(ToolTube, AnotherToolOfTheSameEpochAndAnOlderOneAreNotObeyed) {
     EXPECT_EQ(rig.out.link.position_tool_epoch, 2u);
   }
   // A restarted master begins its epochs anew.
-  rig.in.new_session = true;
+  ++rig.in.master.engagement_epoch;
   rig.in.master.desired = Desired::kOff;
   rig.in.master.position_tool = ToolDefinition();
   rig.cycle();

@@ -48,7 +48,7 @@ TEST(FaultRowsTest, EveryRowHasANameOfItsOwnAndRuns) {
   }
   for (const char* id : {"N2",  "N3",  "N4",  "N5",  "N6",  "N9",  "N11", "N13", "P1",  "P5",
                          "C2",  "S4",  "S5",  "X2a", "X2b", "X9a", "X9b", "N3c", "P1c", "S1d",
-                         "S2c", "S3c", "S3d", "S3e", "S1e", "S1f", "S2d", "S2e", "R1c"}) {
+                         "S2c", "S3c", "S3d", "S3e", "S1e", "S1f", "S2d", "S2e", "R1c", "P8",  "R1a"}) {
     EXPECT_EQ(names.count(id), 1u) << id;
   }
 }

@@ -47,7 +47,7 @@ const DatagramHeader kSlaveHeader = {.session = 0xfedcba9876543210,
 
 TEST(Golden, MasterBytesDecodeToTheDocumentedValues) {
   const auto bytes = golden("### Master");
-  ASSERT_EQ(bytes.size(), 451u);
+  ASSERT_EQ(bytes.size(), 473u);
   Codec codec;
   DatagramHeader header;
   MasterState state;
@@ -58,13 +58,41 @@ TEST(Golden, MasterBytesDecodeToTheDocumentedValues) {
 
 TEST(Golden, SlaveBytesDecodeToTheDocumentedValues) {
   const auto bytes = golden("### Slave");
-  ASSERT_EQ(bytes.size(), 491u);
+  ASSERT_EQ(bytes.size(), 512u);
   Codec codec;
   DatagramHeader header;
   SlaveState state;
   ASSERT_EQ(codec.decode(bytes, header, state), Reject::kNone);
   EXPECT_EQ(header, kSlaveHeader);
   EXPECT_TRUE(same(state, sample_slave()));
+}
+
+TEST(Golden, RefusalBytesAreTheDocumentedValues) {
+  const Refusal refusal{0x0123456789abcdef, true, 47001, 12'500'000'000};
+  const auto bytes = golden("### Refusal");
+  ASSERT_EQ(bytes.size(), 37u);
+  Codec codec;
+  Refusal decoded;
+  ASSERT_EQ(codec.decode(bytes, decoded), Reject::kNone);
+  EXPECT_EQ(decoded, refusal);
+  std::vector<std::uint8_t> out(kMaxDatagram);
+  out.resize(codec.encode(refusal, out));
+  EXPECT_EQ(out, bytes);
+  EXPECT_EQ(leader_text(refusal, kSecond), "port 47001 on this computer, for 13 s");
+  for (auto flipped = bytes; std::size_t bit : {0u, 40u, 100u, 200u, 295u}) {
+    flipped[bit / 8] ^= static_cast<std::uint8_t>(1u << (bit % 8));
+    EXPECT_NE(codec.decode(flipped, decoded), Reject::kNone) << bit;
+    flipped = bytes;
+  }
+}
+
+TEST(Golden, ARefusalOutOfRangeIsNeitherSentNorTaken) {
+  Codec codec;
+  std::vector<std::uint8_t> out(kMaxDatagram);
+  for (const Refusal& bad : {Refusal{0, false, 47001, 0}, Refusal{1, false, 0, 0},
+                             Refusal{1, false, 65536, 0}, Refusal{1, false, 47001, -1}}) {
+    EXPECT_EQ(codec.encode(bad, out), 0u);
+  }
 }
 
 TEST(Golden, EncodingTheDocumentedValuesGivesTheSameBytes) {

@@ -49,9 +49,10 @@ inline MasterState sample_master() {
   s.state = SessionState::kEngaged;
   s.X_SU = {{0.5, -0.25, 0.375}, Quat(0.5, -0.5, 0.5, 0.5)};
   s.has_command = true;
-  s.stop_epoch = 3;
-  s.released_epoch = 3;
-  s.fault_reset = 2;
+  s.stop_epoch = 0x8000000000000003;
+  s.released_epoch = 0x8000000000000003;
+  s.fault_reset = 0x9000000000000002;
+  s.engagement_epoch = 0xa000000000000004;
   s.position_tool = sample_plane();
   s.orientation_tool = sample_f_rotation();
   s.hashes = sample_hashes();
@@ -70,8 +71,10 @@ inline SlaveState sample_slave() {
   s.f_E_S = {{1, -2, 4}, {0.125, 0, -0.0}};
   s.has_wrench = true;
   s.payload_removed = true;
-  s.stop_epoch = 3;
-  s.fault_epoch = 2;
+  s.obstacle = Reason::kSensorMissing;
+  s.stop_epoch = 0x8000000000000003;
+  s.fault_epoch = 0x9000000000000002;
+  s.engagement_epoch = 0xa000000000000004;
   s.position_tool_epoch = 4;
   s.orientation_tool_epoch = 2;
   s.oldest_applied = 19'500'000;
@@ -136,8 +139,9 @@ inline bool same(const MasterState& a, const MasterState& b) {
   return a.desired == b.desired && a.state == b.state && same(a.X_SU, b.X_SU) &&
          a.has_command == b.has_command && a.stop_epoch == b.stop_epoch &&
          a.released_epoch == b.released_epoch && a.fault_reset == b.fault_reset &&
-         same(a.position_tool, b.position_tool) && same(a.orientation_tool, b.orientation_tool) &&
-         same(a.hashes, b.hashes) && a.scene == b.scene;
+         a.engagement_epoch == b.engagement_epoch && same(a.position_tool, b.position_tool) &&
+         same(a.orientation_tool, b.orientation_tool) && same(a.hashes, b.hashes) &&
+         a.scene == b.scene;
 }
 inline bool same(const SlaveState& a, const SlaveState& b) {
   return a.state == b.state && a.reason == b.reason && a.fault == b.fault &&
@@ -145,7 +149,8 @@ inline bool same(const SlaveState& a, const SlaveState& b) {
          same(a.q_measured, b.q_measured) && same(a.f_E_S.force, b.f_E_S.force) &&
          same(a.f_E_S.torque, b.f_E_S.torque) && a.has_wrench == b.has_wrench &&
          a.payload_removed == b.payload_removed && a.stop_epoch == b.stop_epoch &&
-         a.fault_epoch == b.fault_epoch && a.position_tool_epoch == b.position_tool_epoch &&
+         a.fault_epoch == b.fault_epoch && a.engagement_epoch == b.engagement_epoch &&
+         a.obstacle == b.obstacle && a.position_tool_epoch == b.position_tool_epoch &&
          a.orientation_tool_epoch == b.orientation_tool_epoch &&
          a.oldest_applied == b.oldest_applied && a.cycles == b.cycles && a.silences == b.silences &&
          a.applied_sequence == b.applied_sequence && same(a.ledger, b.ledger) &&

@@ -35,6 +35,12 @@ class ScriptedTransport : public Transport {
     sent.push_back(bytes.size());
     return true;
   }
+  bool answer(std::span<const std::uint8_t> bytes) noexcept override {
+    answered.emplace_back(bytes.begin(), bytes.end());
+    return true;
+  }
+  std::uint16_t peer_port() const noexcept override { return 47001; }
+  std::vector<std::vector<std::uint8_t>> answered;
 };
 
 class PumpTest : public ::testing::Test {
@@ -65,6 +71,32 @@ TEST_F(PumpTest, OnlyAcceptedDatagramsTellWhereThePeerIs) {
   net.waiting.push_back({{1, 2, 3}});
   (void)pump.receive(kStart);
   EXPECT_EQ(net.adopted, 1);
+}
+
+TEST_F(PumpTest, WhoIsRefusedForAnotherIsToldNotOftenAndInFewerBytes) {
+  // The master that leads has answered us.
+  pump.send(kStart, sample_slave());
+  DatagramHeader header = sample_header(7, 1);
+  header.echo_session = 1;
+  header.echo_sequence = 1;
+  header.echo_sent = kStart;
+  net.waiting.push_back({datagram(header, sample_master())});
+  ASSERT_TRUE(pump.receive(kStart));
+  int adopted = net.adopted;
+  for (std::uint64_t n = 1; n <= 1000; ++n) {
+    const Nanos now = kStart + static_cast<Nanos>(n) * kMillisecond;
+    arrive(n + 1);
+    net.waiting.push_back({datagram(sample_header(8, n), sample_master())});
+    (void)pump.receive(now);
+    ++adopted;
+  }
+  EXPECT_EQ(net.adopted, adopted);
+  ASSERT_EQ(net.answered.size(), 5u) << "one in 200 ms";
+  Codec codec;
+  Refusal refusal;
+  ASSERT_EQ(codec.decode(net.answered.back(), refusal), Reject::kNone);
+  EXPECT_EQ(refusal, (Refusal{8, false, 47001, 801 * kMillisecond}));
+  EXPECT_LT(net.answered.back().size(), datagram(sample_header(8, 1), sample_master()).size());
 }
 
 TEST_F(PumpTest, StrangersAreCountedAndNotRead) {
@@ -116,7 +148,7 @@ TEST_F(PumpTest, SendsWhatIsDueAndNoMore) {
   for (Nanos t = 0; t < 10 * kMillisecond; t += kMillisecond / 4) {
     pump.send(kStart + t, sample_slave());
   }
-  EXPECT_EQ(net.sent, std::vector<std::size_t>(10, 491));
+  EXPECT_EQ(net.sent, std::vector<std::size_t>(10, 512));
 }
 
 TEST_F(PumpTest, AStateThatIsNoLongerTrueIsNotSentAndDoesNotHurryTheSchedule) {

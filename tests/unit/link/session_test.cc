@@ -239,6 +239,113 @@ TEST_F(SessionTest, AnAnswerProvesASessionForTwelveSecondsAndAnotherSessionStart
   EXPECT_FALSE(slave.snapshot().confirmed(kStart + kSecond));
 }
 
+// Two masters at one slave. Datagrams arrive at once; the slave answers to whom it took last, and a
+// refusal goes back to who is refused.
+class TwoMastersTest : public ::testing::Test {
+ protected:
+  void run(Nanos span, bool first_runs, bool second_runs) {
+    for (const Nanos end = now + span; now < end; now += kMillisecond) {
+      if (first_runs) speak(first);
+      if (second_runs) speak(second);
+      std::vector<std::uint8_t> state(kMaxDatagram);
+      state.resize(slave.poll(now, sample_slave(), state));
+      if (leader == &first ? first_runs : second_runs) (void)leader->on_datagram(state, now);
+    }
+  }
+  void speak(MasterPeer& master) {
+    std::vector<std::uint8_t> bytes(kMaxDatagram), back(kMaxDatagram);
+    bytes.resize(master.poll(now, sample_master(), bytes));
+    const Reject cause = slave.on_datagram(bytes, now);
+    if (cause == Reject::kNone) leader = &master;
+    back.resize(slave.refuse(cause, leader == &first ? 47001 : 47003, now, back));
+    if (!back.empty()) (void)master.on_datagram(back, now);
+  }
+  bool leads(const MasterPeer& master) const {
+    return master.snapshot().confirmed(now) && master.snapshot().age(now) < 5 * kMillisecond;
+  }
+
+  SlavePeer slave{kOwn};
+  MasterPeer first{0x1111}, second{0x2222};
+  MasterPeer* leader = &first;
+  Nanos now = kStart;
+};
+
+TEST_F(TwoMastersTest, TheRefusedOneIsToldWhoLeadsAndSinceWhen) {
+  run(kSecond, true, false);
+  run(3 * kSecond, true, true);
+  EXPECT_TRUE(leads(first));
+  EXPECT_FALSE(first.snapshot().refused(now));
+  ASSERT_TRUE(second.snapshot().refused(now));
+  EXPECT_TRUE(second.snapshot().view(now).other_master);
+  EXPECT_EQ(second.snapshot().peer_epoch, 0u);
+  const Refusal& said = second.snapshot().refusal;
+  EXPECT_EQ(said.leader_port, 47001u);
+  EXPECT_FALSE(said.retired);
+  const Nanos led = said.led_for + now - second.snapshot().refused_at;
+  EXPECT_NEAR(static_cast<double>(led), 4e9, 5e6);
+  // It is told no more, and believes it for a second.
+  run(700 * kMillisecond, true, false);
+  EXPECT_TRUE(second.snapshot().refused(now));
+  run(400 * kMillisecond, true, false);
+  EXPECT_FALSE(second.snapshot().refused(now));
+}
+
+// The first pauses for 0.4 s while the second waits.
+TEST_F(TwoMastersTest, APausedMasterIsReplacedIsToldAndLeadsAgainWhenTheOtherHasEnded) {
+  run(kSecond, true, false);
+  run(kSecond, true, true);
+  const std::uint64_t session = first.session();
+  run(400 * kMillisecond, false, true);
+  EXPECT_TRUE(leads(second));
+  run(kSecond, true, true);
+  EXPECT_TRUE(leads(second)) << "the first does not take it away again";
+  ASSERT_TRUE(first.snapshot().refused(now));
+  EXPECT_EQ(first.snapshot().refusal.leader_port, 47003u);
+  EXPECT_NE(first.session(), session);
+  EXPECT_FALSE(first.snapshot().confirmed(now));
+  run(300 * kMillisecond, true, false);
+  EXPECT_TRUE(leads(first));
+  EXPECT_FALSE(first.snapshot().refused(now));
+  EXPECT_EQ(slave.snapshot().peer_epoch, 3u);
+}
+
+TEST_F(TwoMastersTest, EachOfTwoThatWaitIsTold) {
+  MasterPeer third{0x3333};
+  run(kSecond, true, false);
+  for (int i = 0; i < 1000; ++i) {
+    run(kMillisecond, true, true);
+    speak(third);
+  }
+  EXPECT_TRUE(second.snapshot().refused(now));
+  EXPECT_TRUE(third.snapshot().refused(now));
+}
+
+TEST_F(TwoMastersTest, ARefusalOfAnotherSessionOrOfALeadingMasterChangesNothing) {
+  run(kSecond, true, false);
+  Codec codec;
+  std::vector<std::uint8_t> bytes(kMaxDatagram);
+  bytes.resize(codec.encode(Refusal{0x9999, true, 47003, 0}, bytes));
+  const std::uint64_t session = first.session();
+  EXPECT_EQ(first.on_datagram(bytes, now), Reject::kStale);
+  EXPECT_EQ(first.session(), session);
+  EXPECT_FALSE(first.snapshot().refused(now));
+  EXPECT_EQ(slave.on_datagram(bytes, now), Reject::kKind) << "a slave takes none";
+  // One that was under way when the slave took this master after all.
+  bytes.resize(kMaxDatagram);
+  bytes.resize(codec.encode(Refusal{session, false, 47003, 0}, bytes));
+  EXPECT_EQ(first.on_datagram(bytes, now), Reject::kRefused);
+  run(2 * kMillisecond, true, false);
+  EXPECT_FALSE(first.snapshot().refused(now));
+  EXPECT_TRUE(leads(first));
+}
+
+TEST(SessionAfter, IsAnotherAndTheSameForTheSame) {
+  EXPECT_NE(session_after(5), 5u);
+  EXPECT_NE(session_after(5), 0u);
+  EXPECT_EQ(session_after(5), session_after(5));
+  EXPECT_NE(session_after(5), session_after(6));
+}
+
 TEST(RandomSessionId, DiffersFromStartToStartAndIsNeverZero) {
   const std::uint64_t a = random_session_id();
   EXPECT_NE(a, 0u);

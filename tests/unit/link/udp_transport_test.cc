@@ -91,6 +91,33 @@ TEST_F(UdpTransportTest, TheMasterHearsItsConfiguredPeerOnly) {
   EXPECT_EQ(arrival->size, 2u);
 }
 
+TEST_F(UdpTransportTest, AnAnswerGoesToTheSenderAndLeavesThePeer) {
+  UdpTransport stranger(io);
+  ASSERT_TRUE(slave.open({}));
+  EXPECT_EQ(slave.peer_port(), 0);
+  ASSERT_TRUE(master.open({.peer_address = "127.0.0.1", .peer_port = slave.port()}));
+  ASSERT_TRUE(stranger.open({.peer_address = "127.0.0.1", .peer_port = slave.port()}));
+  std::array<std::uint8_t, 16> buffer{};
+  std::optional<Transport::Arrival> arrival;
+  const auto wait_at = [&](UdpTransport& end) {
+    arrival.reset();
+    return run_until([&] { return arrival || (arrival = end.receive(buffer)); });
+  };
+  ASSERT_TRUE(master.send(std::vector<std::uint8_t>{1}));
+  ASSERT_TRUE(wait_at(slave));
+  slave.adopt_sender();
+  ASSERT_TRUE(stranger.send(std::vector<std::uint8_t>{1}));
+  ASSERT_TRUE(wait_at(slave));
+  ASSERT_TRUE(slave.answer(std::vector<std::uint8_t>{1, 2}));
+  ASSERT_TRUE(wait_at(stranger));
+  EXPECT_EQ(arrival->size, 2u);
+  EXPECT_TRUE(arrival->from_peer);
+  EXPECT_EQ(slave.peer_port(), master.port());
+  ASSERT_TRUE(slave.send(std::vector<std::uint8_t>{1, 2, 3}));
+  ASSERT_TRUE(wait_at(master));
+  EXPECT_EQ(arrival->size, 3u);
+}
+
 TEST_F(UdpTransportTest, TwoPeersTalkOverLoopback) {
   ASSERT_TRUE(slave.open({}));
   ASSERT_TRUE(master.open({.peer_address = "127.0.0.1", .peer_port = slave.port()}));

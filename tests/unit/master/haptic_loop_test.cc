@@ -162,20 +162,33 @@ TEST_F(HapticLoopTest, ATickThatComesTwiceAtATimeStillMovesOn) {
   EXPECT_TRUE(is_finite(report.out.f_H_M));
 }
 
-TEST_F(HapticLoopTest, AResetOfOneSlaveMeansNothingToTheNext) {
-  ticks(2);
-  news.state.state = SessionState::kFault;
-  news.state.fault_epoch = 3;
+TEST_F(HapticLoopTest, TwoStartsOfAMasterHaveNoEpochInCommon) {
   tick();
-  push(2, OrderKind::kReset);
+  const MasterState first = report.out.link;
+  loop.emplace(device, settings, boxes, now);
   tick();
-  EXPECT_EQ(answer(2), Reason::kNone);
-  EXPECT_EQ(report.out.link.fault_reset, 3u);
-  ticks(5);
-  EXPECT_EQ(report.out.link.fault_reset, 3u);
-  news.link.peer_epoch = 2;
+  const MasterState second = report.out.link;
+  constexpr std::uint64_t kLifetime = 1ULL << 40;  // stops of one start
+  EXPECT_GT(second.stop_epoch - first.stop_epoch, kLifetime);
+  EXPECT_GT(first.stop_epoch - second.stop_epoch, kLifetime);
+  EXPECT_EQ(second.released_epoch, second.stop_epoch);
+  EXPECT_NE(second.engagement_epoch, first.engagement_epoch);
+}
+
+TEST_F(HapticLoopTest, ARefusalAloneIsNoSlave) {
+  slave_talks = false;
   tick();
-  EXPECT_EQ(report.out.link.fault_reset, 0u);
+  news.link.peer_epoch = 0;
+  news.link.refused_at = now;
+  news.link.refusal.leader_port = 47001;
+  boxes.slave.publish(news);
+  push(1, OrderKind::kEngage);
+  tick();
+  EXPECT_EQ(answer(1), Reason::kOtherMaster);
+  now += 2 * kSecond;
+  push(2, OrderKind::kEngage);
+  tick();
+  EXPECT_EQ(answer(2), Reason::kNoPeer);
 }
 
 TEST_F(HapticLoopTest, TellsHowLateItsTicksCame) {

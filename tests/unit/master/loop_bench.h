@@ -91,6 +91,7 @@ class LoopBench : public ::testing::Test {
   void play_slave() {
     const MasterState& master = report.out.link;
     SlaveState& slave = news.state;
+    slave.engagement_epoch = master.engagement_epoch;
     if (slave.state == SessionState::kFault) return;
     if (master.desired == Desired::kOff) {
       slave.state = SessionState::kOff;

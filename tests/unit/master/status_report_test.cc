@@ -59,7 +59,6 @@ TEST_F(StatusReportTest, SaysWhatTheSessionIs) {
   MasterState& own = report.out.link;
   own.desired = Desired::kClutched;
   own.state = SessionState::kHold;
-  own.stop_epoch = 4;
   report.out.reason = Reason::kLinkHold;
   slave.state = SessionState::kEngaged;
   slave.reason = Reason::kBumper;
@@ -75,8 +74,24 @@ TEST_F(StatusReportTest, SaysWhatTheSessionIs) {
   EXPECT_EQ(s.device(), "scripted device");
   EXPECT_TRUE(s.device_simulated());
   EXPECT_EQ(s.realtime(), "SCHED_FIFO 85");
-  EXPECT_EQ(s.stop_epoch(), 4u);
   EXPECT_EQ(s.time_s(), 50.0);
+}
+
+TEST_F(StatusReportTest, NamesTheMasterThatLeadsTheSlave) {
+  report.out.reason = Reason::kLinkLost;
+  link.refused_at = now - kSecond;
+  link.refusal = {1, false, 47001, 11 * kSecond};
+  EXPECT_EQ(status().reason(),
+            "the slave is led by another master (port 47001 on this computer, for 12 s)");
+  link.received_at = now;
+  EXPECT_EQ(status().reason(), describe(Reason::kLinkLost));
+}
+
+TEST_F(StatusReportTest, ASceneOfWallsHasNoSlave) {
+  slave.scene = scene_name("other");
+  report.walls.present = true;
+  EXPECT_EQ(status().slave_state(), "none");
+  EXPECT_EQ(status().hash_mismatch_size(), 0);
 }
 
 TEST_F(StatusReportTest, TheSlavesReasonStandsWhereTheMasterHasNone) {

@@ -93,6 +93,18 @@ TEST_F(WhyReportTest, AnArmThatHoldsSaysWhyBeforeAnyNumber) {
   EXPECT_EQ(why().sentence(), std::string("the arm holds: ") + describe(Reason::kThreadStalled));
 }
 
+TEST_F(WhyReportTest, NamesTheMasterThatLeadsTheSlaveAndTheWayOut) {
+  report.out.link.state = SessionState::kFault;
+  report.out.reason = Reason::kLinkLost;
+  link.received_at = now - 5 * kSecond;
+  link.refused_at = now;
+  link.refusal = {1, false, 47001, 3 * kSecond};
+  EXPECT_EQ(why().sentence(),
+            "the arm holds: the slave is led by another master (port 47001 on this computer, "
+            "for 3 s)");
+  EXPECT_EQ(why().way_out(), "end that master: then the slave takes this one, without a restart");
+}
+
 TEST_F(WhyReportTest, SmoothingIsNoToolChange) {
   off(MotionStage::kSmoother, Vec3(0, 0, 4.7), Reason::kNone);
   EXPECT_EQ(why().sentence(), "the arm is 4.7 mm from the hand: 4.7 mm smoothing");

@@ -209,6 +209,17 @@ TEST_F(RobotLoopTest, ALostRobotLatchesAFaultAndIsCalledAgainOnlyAfterReset) {
   EXPECT_TRUE(state.has_pose);
 }
 
+TEST_F(RobotLoopTest, TwoStartsOfASlaveHaveNoFaultInCommon) {
+  turn();
+  const std::uint64_t first = state.fault_epoch;
+  RobotLoop second(robot, settings(), boxes, manual_now);
+  (void)second.turn();
+  ASSERT_TRUE(boxes.report.take(report));
+  constexpr std::uint64_t kLifetime = 1ULL << 40;
+  EXPECT_GT(report.state.fault_epoch - first, kLifetime);
+  EXPECT_GT(first - report.state.fault_epoch, kLifetime);
+}
+
 TEST_F(RobotLoopTest, AStandingStopKeepsALostRobotAway) {
   engage();
   robot.script = {RobotEvent::kLost};
@@ -288,6 +299,10 @@ TEST_F(RobotLoopTest, AMasterWithoutOurSceneIsNotFollowed) {
 TEST_F(RobotLoopTest, ARestartedMasterEndsTheSession) {
   engage();
   news.link.peer_epoch = 2;
+  news.state = MasterState();
+  news.state.desired = Desired::kEngaged;
+  news.state.state = SessionState::kEngaged;
+  news.state.engagement_epoch = 99;
   turn();
   EXPECT_EQ(state.state, SessionState::kOff);
   EXPECT_EQ(state.reason, Reason::kSessionClosed);

@@ -1,0 +1,71 @@
+// What operators are answered when the slave does not do what was asked, or none hears them.
+#include "tests/unit/master/desk_bench.h"
+
+namespace handrail {
+namespace {
+
+class UnheardDeskTest : public DeskBench {};
+
+TEST_F(UnheardDeskTest, WithASlaveThatAnotherMasterLeadsEveryAnswerNamesIt) {
+  tick();
+  connected = false;
+  link.refusal = {1, true, 47003, 5 * kSecond};
+  const auto later = [&] {
+    tick(250 * kMillisecond);
+    link.refused_at = now;
+  };
+  later();
+  const std::string who =
+      "the slave is led by another master (port 47003 on this computer, for 5 s): end that master: "
+      "then the slave takes this one, without a restart";
+  Answer answer = ask("engage: true");
+  loop(Reason::kOtherMaster);
+  tick();
+  EXPECT_EQ(text(answer), "refused: " + who);
+  later();
+  answer = ask("stop: true");
+  loop();
+  tick();
+  EXPECT_EQ(text(answer), "refused: the stop stands here and stops nobody: " + who);
+  later();
+  answer = ask("reset: true");
+  loop();
+  tick();
+  EXPECT_EQ(text(answer), "done: " + who);
+}
+
+TEST_F(UnheardDeskTest, WithoutAnArmInTheSceneNobodyIsWaitedFor) {
+  report.walls.present = true;
+  tick();
+  Answer answer = ask("stop: true");
+  loop();
+  report.out.link.stop_epoch = 7;
+  tick();
+  EXPECT_EQ(text(answer), std::string("done: ") + describe(Reason::kNoArmInScene));
+  slave.state = SessionState::kFault;
+  answer = ask("reset: true");
+  loop();
+  tick();
+  EXPECT_EQ(text(answer), std::string("done: ") + describe(Reason::kNoArmInScene));
+}
+
+// The stop circuit is open: what was reset is latched anew.
+TEST_F(UnheardDeskTest, AResetThatMeetsTheSameCauseAgainIsRefusedAtOnceWithIt) {
+  slave.state = SessionState::kFault;
+  slave.fault = Reason::kLinkLost;
+  slave.fault_epoch = 41;
+  tick();
+  const Answer answer = ask("reset: true");
+  loop();
+  report.out.link.fault_reset = 41;
+  for (int i = 0; i < 5; ++i) tick();
+  ASSERT_FALSE(answer->has_value());
+  slave.fault = Reason::kStopInput;
+  slave.fault_epoch = 42;
+  tick();
+  EXPECT_EQ(text(answer),
+            std::string("refused: the slave stays in fault: ") + describe(Reason::kStopInput));
+}
+
+}  // namespace
+}  // namespace handrail
