@@ -62,6 +62,7 @@ void Controller::tick(Nanos now) noexcept {
   ++counters_.cycles;
   pass(now);
   outgoing_count_ = 0;
+  accepted_ = false;
   serve_all();
   incoming_count_ = 0;
   if (session_ && options_.time_out_cycles >= 0 &&
@@ -137,6 +138,7 @@ bool Controller::accept_target(const JointVector& q) noexcept {
     if (alarm_.kind != AlarmKind::kNone) return false;
   }
   arm_.command(q);
+  accepted_ = true;
   return true;
 }
 

@@ -83,6 +83,8 @@ class Controller {
   const Alarm& alarm() const noexcept { return alarm_; }
   // What the operator's reset button does: the arm holds, a NULL may open a session again.
   void reset_alarm() noexcept { alarm_ = Alarm{}; }
+  // The last cycle took over a target.
+  bool accepted() const noexcept { return accepted_; }
   // The peer under whose control the arm is.
   std::optional<PeerId> session() const noexcept { return session_; }
   // Cycles in a row without a packet from the session's peer.
@@ -113,6 +115,7 @@ class Controller {
   Alarm alarm_;
   std::optional<PeerId> session_;
   std::optional<JointVector> next_target_;
+  bool accepted_ = false;
   std::uint16_t t_count_ = 0;
   std::optional<Nanos> arm_at_;  // until when the arm has moved
   std::array<Incoming, kMaxPerCycle> incoming_{};

@@ -10,6 +10,7 @@
 #include <spdlog/spdlog.h>
 #include <boost/asio.hpp>
 
+#include "devices/rig/tap.h"
 #include "server/base/clock.h"
 #include "server/base/units.h"
 
@@ -72,13 +73,16 @@ struct RigServer::Impl {
           // Any other error is a datagram of ours that found nobody.
           if (!error) {
             pump();
-            on_datagram(std::span<const std::uint8_t>(port.buffer.data(), size), id_of(port.from));
+            if (!cable_out)
+              on_datagram(std::span<const std::uint8_t>(port.buffer.data(), size),
+                          id_of(port.from));
           }
           receive(port, on_datagram);
         });
   }
 
   void send(Port& port, PeerId to, std::span<const std::uint8_t> bytes) {
+    if (cable_out) return;
     boost::system::error_code ignored;  // a datagram the system refuses is a lost one
     port.socket.send_to(asio::buffer(bytes.data(), bytes.size()), endpoint_of(to), 0, ignored);
   }
@@ -89,6 +93,7 @@ struct RigServer::Impl {
       const RigEvent event = rig->step(monotonic_now());
       if (event == RigEvent::kNone) break;
       if (event == RigEvent::kControl) {
+        if (tap.is_open()) tap.add(rig->controller(), rig->controlled_at(), cable_out);
         for (const auto& reply : rig->controller().replies()) send(robot, reply.to, reply.bytes());
         log_changes();
       } else if (const auto& record = rig->sensor().record()) {
@@ -123,8 +128,17 @@ struct RigServer::Impl {
   void wait_for_signal() {
     signals.async_wait([this](const boost::system::error_code& error, int signal) {
       if (error) return;
-      if (signal != SIGUSR1) return io.stop();
-      rig->controller().reset_alarm();
+      switch (signal) {
+        case SIGUSR1:
+          rig->controller().reset_alarm();
+          break;
+        case SIGUSR2:
+          cable_out = !cable_out;
+          spdlog::info("cables {}", cable_out ? "out" : "in again");
+          break;
+        default:
+          return io.stop();
+      }
       wait_for_signal();
     });
   }
@@ -138,6 +152,8 @@ struct RigServer::Impl {
   std::optional<Rig> rig;
   AlarmKind alarm = AlarmKind::kNone;
   std::optional<PeerId> session;
+  bool cable_out = false;
+  Tap tap;
 };
 
 RigServer::RigServer(const RigOptions& options) : impl_(std::make_unique<Impl>(options)) {}
@@ -154,13 +170,17 @@ Status RigServer::open(const std::string& address, std::uint16_t robot_port,
   return impl_->bind(impl_->sensor, "sensor", {ip, sensor_port});
 }
 
+Status RigServer::open_tap(const std::string& path) {
+  return impl_->tap.open(path, impl_->options.controller.period);
+}
+
 std::uint16_t RigServer::robot_port() const { return impl_->robot.socket.local_endpoint().port(); }
 std::uint16_t RigServer::sensor_port() const {
   return impl_->sensor.socket.local_endpoint().port();
 }
 
 void RigServer::handle_signals() {
-  for (const int signal : {SIGINT, SIGTERM, SIGUSR1}) impl_->signals.add(signal);
+  for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGUSR2}) impl_->signals.add(signal);
   impl_->wait_for_signal();
 }
 
