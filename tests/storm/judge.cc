@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kStandingStep = 1e-6;  // float32 tells no smaller one [rad]
 constexpr Nanos kOneCause = 200 * kMillisecond;
+constexpr Nanos kLatest = 200 * kMillisecond;  // that a rig on a busy machine is behind
 
 JointVector vector(const std::array<double, kJoints>& q) {
   return Eigen::Map<const JointVector>(q.data());
@@ -119,7 +120,7 @@ bool measured_at(const TapFile& tap, Nanos at, JointVector& q) {
   for (const TapRecord& r : tap.records) {
     if (r.at > at) break;
     q = vector(r.measured);
-    found = at - r.at < 2 * tap.period;
+    found = at - r.at < kLatest;
   }
   return found;
 }

@@ -90,7 +90,7 @@ void Run::violated(const std::string& what) {
 
 Outcome Run::go() {
   outcome_.start = monotonic_now();
-  if (!storm() && !interrupted_()) ended_ = true;
+  storm();
   outcome_.complete = !interrupted_();
   for (const Who who : {Who::kMaster, Who::kSlave, Who::kRig}) {
     if (!cell_.running(who)) continue;
@@ -108,33 +108,33 @@ Outcome Run::go() {
   return outcome_;
 }
 
-bool Run::storm() {
+void Run::storm() {
   forbid("nobody had engaged");
   for (const Who who : {Who::kRig, Who::kSlave, Who::kMaster}) {
-    if (!start(who)) return false;
+    if (!start(who)) return;
   }
-  if (!recover()) return false;
+  if (!recover()) return;
   driving_ = true;
   live(monotonic_now() + 300 * kMillisecond);
   for (const Act& act : sequence_.acts) {
     live(monotonic_now() + act.after);
-    if (over()) return false;
+    if (over()) return;
     apply(act);
     if (!act.recover) continue;
-    if (!recover()) return false;
+    if (!recover()) return;
     driving_ = true;
   }
   live(monotonic_now() + 300 * kMillisecond);
   for (int attempt = 0; attempt < 4 && !over(); ++attempt) {
     bool engaged = false;
-    if (!recover()) return false;
+    if (!recover()) return;
     driving_ = true;
     live(monotonic_now() + 300 * kMillisecond);
-    if (follow(engaged)) return true;
-    if (engaged) return false;
+    if (follow(engaged)) return;
+    if (engaged) return;
   }
   if (!over()) violated("engaged four times, and each time it ended by itself");
-  return false;
+  return;
 }
 
 bool Run::start(Who who) {

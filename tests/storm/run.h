@@ -31,7 +31,7 @@ class Run {
   const Cell& cell() const { return cell_; }
 
  private:
-  bool storm();
+  void storm();
   bool start(Who who);
   void apply(const Act& act);
   void restart(const Act& act);
