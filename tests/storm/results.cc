@@ -69,7 +69,7 @@ Result<Line> from_line(const std::string& line) {
                         read(column[7], f.jerk) && read(column[8], f.held) &&
                         read(column[9], f.halts) && read(column[10], f.hardest_halt);
   if (!read_all || (!r.ok && column[1] != "VIOLATED")) {
-    return Status::error("'" + line.substr(0, 40) + "...', expected a line of results");
+    return Status::error(fmt::format("'{}...', expected a line of results", line.substr(0, 40)));
   }
   return r;
 }

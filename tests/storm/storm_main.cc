@@ -100,7 +100,7 @@ void keep(const std::string& folder, const Sequence& sequence, const Outcome& ou
     story << fmt::format("\n{:.3f} s: {}\n", to_seconds(v.at - outcome.start), v.what);
     for (const std::string& path : run.cell().taps()) {
       const auto tap = read_tap(path);
-      if (tap) story << trace(*tap, v.at, 8, 8);
+      if (tap) story << storm::trace(*tap, v.at, 8, 8);
     }
   }
   if (error || !story) {
