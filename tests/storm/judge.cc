@@ -36,7 +36,7 @@ class Recorder {
 std::string breach_text(const TargetVerdict& v, Nanos gap, Nanos period) {
   return fmt::format(
       "J{} beyond its limits: {:.2f} of a step, {:.2f} of speed, {:.2f} of acceleration, {:.2f} of "
-      "jerk, {} {} cycles after the last target",
+      "jerk, {} {} cycles after the last step",
       v.joint + 1, v.step, v.speed, v.acceleration, v.jerk,
       v.from_rest ? "as a start from rest" : "as a motion that goes on",
       (gap + period / 2) / period);
@@ -73,7 +73,7 @@ Figures judge_tap(const TapFile& tap, const std::vector<Forbidden>& forbidden,
     if (r.has(kTapAccepted)) {
       const TargetVerdict verdict = audit.accepted(r.at, q);
       if (!verdict.fine()) limits.add(r.at, breach_text(verdict, r.at - last_target, tap.period));
-      last_target = r.at;
+      if (q != held) last_target = r.at;
     }
     const double moved = (q - held).cwiseAbs().maxCoeff();
     held = q;

@@ -23,12 +23,13 @@ constexpr Nanos kRecoverPatience = 10 * kSecond;  // a lost robot takes 1.4 s, a
 // the slowest joint, and 70 ms for a machine that schedules nobody in time.
 constexpr Nanos kStopTime = 300 * kMillisecond;
 // Where the hand leads the tip: to any side of where it stands at first, free of any limit [m].
-const Vec3 kBox(0.070, 0.090, 0.070);
-const Vec3 kHandRange(0.070, 0.050, 0.030);  // of the device, 5 mm inside [m]
-constexpr double kScale = 3.0;               // of the scene
-constexpr double kTurn = 0.5;                // of the tip to any side [rad]
-constexpr double kCheckWay = 0.030;          // that the arm is led to see that it follows [m]
-constexpr double kFollowed = 0.003;          // from the command, at rest [m]
+const Vec3 kBox(0.040, 0.060, 0.040);
+const Vec3 kHandRange(0.070, 0.050, 0.030);   // of the device, 5 mm inside [m]
+constexpr double kScale = 3.0;                // of the scene
+constexpr double kTurn = 0.3;                 // of the tip to any side [rad]
+constexpr double kCheckWay = 0.030;           // that the arm is led to see that it follows [m]
+constexpr double kFollowed = 0.001;           // from the command, at rest [m]
+constexpr Nanos kRestPatience = 3 * kSecond;  // for the arm to be there
 
 MappingSettings mapping() {
   MappingSettings out;
@@ -126,12 +127,11 @@ void Run::storm() {
   }
   live(monotonic_now() + 300 * kMillisecond);
   for (int attempt = 0; attempt < 4 && !over(); ++attempt) {
-    bool engaged = false;
     if (!recover()) return;
     driving_ = true;
     live(monotonic_now() + 300 * kMillisecond);
-    if (follow(engaged)) return;
-    if (engaged) return;
+    const std::size_t before = outcome_.violations.size();
+    if (follow() || outcome_.violations.size() > before) return;
   }
   if (!over()) violated("engaged four times, and each time it ended by itself");
   return;
@@ -211,7 +211,7 @@ bool Run::recover() {
       return false;
     }
     follow_way_out(way);
-    live(monotonic_now() + 50 * kMillisecond);
+    live(monotonic_now() + 100 * kMillisecond);
   }
   return false;
 }
@@ -224,7 +224,11 @@ void Run::follow_way_out(const std::string& way) {
     cell_.send(Who::kRig, SIGUSR1);
     live(monotonic_now() + 50 * kMillisecond);
   }
-  if (says("reset") && order("reset: true", said)) stopped_ = false;
+  if (says("reset")) {
+    // One that the slave has not followed in time still counts: it acts when the slave can.
+    (void)order("reset: true", said);
+    stopped_ = false;
+  }
   if (says("engage") && !says("engage --hold")) {
     if (!stopped_) allow();
     if (order("engage: true", said)) {
@@ -235,52 +239,65 @@ void Run::follow_way_out(const std::string& way) {
   }
 }
 
-bool Run::follow(bool& engaged) {
-  driving_ = false;
-  live(monotonic_now() + 700 * kMillisecond);  // hand, smoother and servos come to rest
-  const auto before = status();
-  if (over() || !before || !led(*before)) return false;
-  const Nanos from = monotonic_now();
-  // Toward the middle of what hand and arm can do.
-  const Pose U = pose(before->command());
+// Until the hand rests and the arm is where it is led, by its own encoders; nothing when it is not
+// led any more.
+std::optional<Run::Rest> Run::at_rest() {
+  const Nanos give_up = monotonic_now() + kRestPatience;
+  live(monotonic_now() + 500 * kMillisecond);
+  while (!over()) {
+    const auto now = status();
+    const Result<TapFile> tap = read_tap(cell_.taps().back());
+    JointVector q;
+    if (!now || !led(*now) || !tap || !measured_at(*tap, monotonic_now(), q)) return std::nullopt;
+    const Rest rest{*now, forward(ArmGeometry(), q).p};
+    const double off = (rest.tip - pose(now->command()).p).norm();
+    if (!now->hand_moving() && off < kFollowed) return rest;
+    if (monotonic_now() > give_up) {
+      violated(fmt::format("engaged, but does not follow: {:.1f} mm from its command: {}",
+                           off / kMm, now->ledger().sentence()));
+      return std::nullopt;
+    }
+    live(monotonic_now() + 100 * kMillisecond);
+  }
+  return std::nullopt;
+}
+
+// Toward the middle of what hand and arm can do.
+Vec3 Run::way_to_check(const pb::Status& s) const {
   Vec3 way = Vec3::Zero();
-  double furthest = 1e9;
+  double least = 1e9;
   for (int i = 0; i < 6; ++i) {
     const Vec3 d = (i < 3 ? kCheckWay : -kCheckWay) * Vec3::Unit(i % 3);
-    const Vec3 hand = pose(before->hand()).p + Engagement(mapping(), Pose(), Pose()).to_hand(d);
-    const double off =
-        std::max((U.p + d - start_of_tip().p).cwiseQuotient(kBox).cwiseAbs().maxCoeff(),
-                 hand.cwiseQuotient(kHandRange).cwiseAbs().maxCoeff());
-    if (off < furthest) way = d;
-    furthest = std::min(furthest, off);
+    const Vec3 hand = pose(s.hand()).p + Engagement(mapping(), Pose(), Pose()).to_hand(d);
+    const Vec3 tip = pose(s.command()).p + d - start_of_tip().p;
+    const double off = std::max(tip.cwiseQuotient(kBox).cwiseAbs().maxCoeff(),
+                                hand.cwiseQuotient(kHandRange).cwiseAbs().maxCoeff());
+    if (off < least) way = d;
+    least = std::min(least, off);
   }
+  return way;
+}
+
+bool Run::follow() {
+  driving_ = false;
+  const auto before = at_rest();
+  if (!before) return false;
   std::string said;
-  if (!order(hand_order(hand_way(*before, way), Vec3::Zero(), 0.4), said)) return false;
-  live(from + 1200 * kMillisecond);
-  const auto after = status();
-  const Nanos to = monotonic_now();
-  if (over() || !after || !led(*after)) return false;
-  engaged = true;
-  const Result<TapFile> tap = read_tap(cell_.taps().back());
-  JointVector q_from, q_to;
-  if (!tap || !measured_at(*tap, from, q_from) || !measured_at(*tap, to, q_to)) {
-    violated("the rig's tap has nothing of the last second");
+  const Vec3 way_M = hand_way(before->status, way_to_check(before->status));
+  if (!order(hand_order(way_M, Vec3::Zero(), 0.4), said)) return false;
+  const auto after = at_rest();
+  if (!after) return false;
+  const Vec3 asked = pose(after->status.command()).p - pose(before->status.command()).p;
+  const Vec3 moved = after->tip - before->tip;
+  const std::string what = fmt::format("the command went {:.1f} mm, the arm {:.1f} mm",
+                                       asked.norm() / kMm, moved.norm() / kMm);
+  // The device's friction keeps some of what the hand means to do.
+  if (asked.norm() < 0.5 * kCheckWay || moved.norm() < 0.5 * kCheckWay) {
+    violated(fmt::format("engaged, but does not follow: of {:.0f} mm {}: {}", kCheckWay / kMm, what,
+                         after->status.ledger().sentence()));
     return false;
   }
-  const Vec3 asked = pose(after->command()).p - U.p;
-  const Vec3 tip = forward(ArmGeometry(), q_to).p;
-  const Vec3 moved = tip - forward(ArmGeometry(), q_from).p;
-  const double off = (tip - pose(after->command()).p).norm();
-  if (asked.norm() < 0.5 * kCheckWay || (moved - asked).norm() > kFollowed || off > kFollowed) {
-    violated(fmt::format(
-        "engaged, but does not follow: the hand was moved for {:.1f} mm, the command went {:.1f} "
-        "mm, the arm {:.1f} mm, and is {:.1f} mm from it: {}",
-        kCheckWay / kMm, asked.norm() / kMm, moved.norm() / kMm, off / kMm,
-        after->ledger().sentence()));
-    return false;
-  }
-  tell(fmt::format("follows: {:.1f} mm asked, {:.1f} mm gone", asked.norm() / kMm,
-                   moved.norm() / kMm));
+  tell("follows: " + what);
   return true;
 }
 
@@ -327,7 +344,7 @@ void Run::steer(const pb::Status& s) {
   const Vec3 turn_S = rotation_vector(goal * U.q.conjugate());
   const Vec3 turn_M = Engagement(mapping(), Pose(), Pose()).turn_to_hand(turn_S);
   std::string said;
-  (void)order(hand_order(way, turn_M, 0.25 + 0.3 * random_.uniform()), said);
+  (void)order(hand_order(way, turn_M, 0.15 + 0.25 * random_.uniform()), said);
 }
 
 std::optional<pb::Status> Run::status() {
@@ -346,7 +363,9 @@ bool Run::order(const std::string& text, std::string& said) {
   const Result<pb::Reply> reply = client_.call(request, kOrderPatience);
   said = reply ? reply->reason() : reply.message();
   const bool done = reply && reply->done();
-  if (!request.has_hand()) tell(text + (done ? " done " : " refused: ") + said);
+  const std::string told = text + (done ? " done " : " refused: ") + said;
+  if (!request.has_hand() && told != told_) tell(told);
+  told_ = told;
   return done;
 }
 

@@ -37,7 +37,14 @@ class Run {
   void restart(const Act& act);
   void stop();
   bool recover();
-  bool follow(bool& engaged);
+  // The arm by its encoders, at rest where it is led.
+  struct Rest {
+    pb::Status status;
+    Vec3 tip = Vec3::Zero();
+  };
+  std::optional<Rest> at_rest();
+  Vec3 way_to_check(const pb::Status& status) const;
+  bool follow();
 
   // Drives, watches and looks at the status until then.
   void live(Nanos until);
@@ -63,6 +70,7 @@ class Run {
   Outcome outcome_;
   std::vector<Forbidden> forbidden_;
   std::optional<Forbidden> forbidden_now_;
+  std::string told_;         // of the last order
   bool stopped_ = false;     // a stop was ordered and not reset
   bool led_ = false;         // seen engaged on both sides
   bool driving_ = false;     // the hand moves
