@@ -246,15 +246,19 @@ std::optional<Run::Rest> Run::at_rest() {
   live(monotonic_now() + 500 * kMillisecond);
   while (!over()) {
     const auto now = status();
+    if (now && (left(now->state()) || left(now->slave_state()))) return std::nullopt;
     const Result<TapFile> tap = read_tap(cell_.taps().back());
     JointVector q;
-    if (!now || !led(*now) || !tap || !measured_at(*tap, monotonic_now(), q)) return std::nullopt;
-    const Rest rest{*now, forward(ArmGeometry(), q).p};
-    const double off = (rest.tip - pose(now->command()).p).norm();
-    if (!now->hand_moving() && off < kFollowed) return rest;
+    std::string why = "the master does not answer, or the tap has nothing of the last 0.2 s";
+    if (now && tap && measured_at(*tap, monotonic_now(), q)) {
+      const Rest rest{*now, forward(ArmGeometry(), q).p};
+      const double off = (rest.tip - pose(now->command()).p).norm();
+      if (led(*now) && !now->hand_moving() && off < kFollowed) return rest;
+      why = fmt::format("master {}, slave {}, {:.1f} mm from the command: {}", now->state(),
+                        now->slave_state(), off / kMm, now->ledger().sentence());
+    }
     if (monotonic_now() > give_up) {
-      violated(fmt::format("engaged, but does not follow: {:.1f} mm from its command: {}",
-                           off / kMm, now->ledger().sentence()));
+      violated("engaged, but does not follow: " + why);
       return std::nullopt;
     }
     live(monotonic_now() + 100 * kMillisecond);
