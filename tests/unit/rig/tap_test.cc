@@ -47,7 +47,7 @@ TEST_F(TapTest, TellsWhatTheControllerDidInEveryCycle) {
   cycle(bench);
   bench.feed_null();
   cycle(bench);
-  bench.feed_move(Bench::start_with(2, 1.0));
+  bench.feed_move(Bench::start_with(2, 0.5));  // J3 ends at 50 deg
   cycle(bench);
 
   const std::vector<TapRecord> r = records();
