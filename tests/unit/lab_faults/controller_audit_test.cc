@@ -120,6 +120,16 @@ TEST(ControllerAudit, SeesEachLimitBroken) {
   EXPECT_TRUE(Client().step(0.99 * kJolt).fine());
 }
 
+// A target comes as float32: near 3 rad its rounding alone is 0.3 % of the jerk limit.
+TEST(ControllerAudit, ForgivesWhatTheWireRounds) {
+  for (int i = 0; i < 500; ++i) {
+    Client c(-2.7 + 1e-3 * i);
+    EXPECT_TRUE(c.step(0.9999 * kJolt).fine()) << i;
+    EXPECT_TRUE(c.step(1.9999 * kJolt).fine()) << i;
+  }
+  EXPECT_FALSE(Client(-2.7).step(1.01 * kJolt).fine());
+}
+
 TEST(ControllerAudit, SeesAJumpFromWhereTheArmStands) {
   Client c;
   c.q[3] += 0.1;
