@@ -1,8 +1,15 @@
 #include "devices/rig/rig_server.h"
 
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <algorithm>
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <cstring>
+#include <ctime>
 #include <optional>
 #include <span>
 #include <utility>
@@ -21,10 +28,7 @@ using asio::ip::udp;
 
 namespace {
 
-// An IPv4 endpoint in one number and back.
-PeerId id_of(const udp::endpoint& peer) {
-  return (PeerId{peer.address().to_v4().to_uint()} << 16) | peer.port();
-}
+// From one number: address and port.
 udp::endpoint endpoint_of(PeerId id) {
   return {asio::ip::address_v4(static_cast<std::uint32_t>(id >> 16)),
           static_cast<std::uint16_t>(id)};
@@ -44,11 +48,18 @@ void log_alarm(const Alarm& alarm) {
 }  // namespace
 
 struct RigServer::Impl {
-  // One bound socket and the datagram being received on it.
+  struct Datagram {
+    Nanos at = 0;  // when it came, though nobody looked
+    PeerId from = 0;
+    std::size_t size = 0;
+    std::array<std::uint8_t, 512> bytes{};
+  };
+  // One bound socket and what was read from it: datagrams[taken .. waiting) are yet to be
+  // delivered.
   struct Port {
     udp::socket socket;
-    udp::endpoint from;
-    std::array<std::uint8_t, 512> buffer{};
+    std::array<Datagram, 64> datagrams{};
+    std::size_t waiting = 0, taken = 0;
   };
 
   explicit Impl(const RigOptions& rig_options) : options(rig_options) {}
@@ -57,6 +68,9 @@ struct RigServer::Impl {
     boost::system::error_code error;
     port.socket.open(at.protocol(), error);
     if (!error) port.socket.bind(at, error);
+    const int on = 1;
+    if (!error)
+      ::setsockopt(port.socket.native_handle(), SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof(on));
     if (!error) return Status::ok();
     boost::system::error_code ignored;
     port.socket.close(ignored);
@@ -64,21 +78,61 @@ struct RigServer::Impl {
                          std::to_string(at.port()) + ": " + error.message());
   }
 
-  template <typename OnDatagram>
-  void receive(Port& port, OnDatagram on_datagram) {
-    port.socket.async_receive_from(
-        asio::buffer(port.buffer), port.from,
-        [this, &port, on_datagram](const boost::system::error_code& error, std::size_t size) {
-          if (error == asio::error::operation_aborted) return;
-          // Any other error is a datagram of ours that found nobody.
-          if (!error) {
-            pump();
-            if (!cable_out)
-              on_datagram(std::span<const std::uint8_t>(port.buffer.data(), size),
-                          id_of(port.from));
-          }
-          receive(port, on_datagram);
-        });
+  void receive(Port& port) {
+    port.socket.async_wait(udp::socket::wait_read,
+                           [this, &port](const boost::system::error_code& error) {
+                             if (error) return;
+                             pump();
+                             receive(port);
+                           });
+  }
+
+  // Reads what waits on a port.
+  void drain(Port& port) {
+    port.waiting = port.taken = 0;
+    while (port.waiting < port.datagrams.size() && read(port, port.datagrams[port.waiting])) {
+      ++port.waiting;
+    }
+  }
+
+  bool read(Port& port, Datagram& out) {
+    sockaddr_in from{};
+    iovec bytes{out.bytes.data(), out.bytes.size()};
+    alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(timespec))> control;
+    msghdr message{};
+    message.msg_name = &from;
+    message.msg_namelen = sizeof(from);
+    message.msg_iov = &bytes;
+    message.msg_iovlen = 1;
+    message.msg_control = control.data();
+    message.msg_controllen = control.size();
+    ssize_t size = -1;
+    // Any error but "nothing there" is a datagram of ours that found nobody.
+    do size = ::recvmsg(port.socket.native_handle(), &message, MSG_DONTWAIT);
+    while (size < 0 && errno != EAGAIN);
+    if (size < 0) return false;
+    out.size = static_cast<std::size_t>(size);
+    out.from = (PeerId{ntohl(from.sin_addr.s_addr)} << 16) | ntohs(from.sin_port);
+    const Nanos now = monotonic_now();
+    out.at = now;
+    for (cmsghdr* c = CMSG_FIRSTHDR(&message); c != nullptr; c = CMSG_NXTHDR(&message, c)) {
+      if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SCM_TIMESTAMPNS) continue;
+      timespec stamp{}, wall{};
+      std::memcpy(&stamp, CMSG_DATA(c), sizeof(stamp));
+      ::clock_gettime(CLOCK_REALTIME, &wall);
+      out.at = now - std::max<Nanos>(0, nanos(wall) - nanos(stamp));
+    }
+    return true;
+  }
+  static Nanos nanos(const timespec& t) { return t.tv_sec * kSecond + t.tv_nsec; }
+
+  // What came until `until`, to whom it is for.
+  template <typename Receiver>
+  void deliver(Port& port, Nanos until, Receiver& receiver) {
+    for (; port.taken < port.waiting && port.datagrams[port.taken].at <= until; ++port.taken) {
+      const Datagram& in = port.datagrams[port.taken];
+      if (!cable_out) receiver.on_datagram({in.bytes.data(), in.size}, in.from);
+    }
   }
 
   void send(Port& port, PeerId to, std::span<const std::uint8_t> bytes) {
@@ -87,9 +141,17 @@ struct RigServer::Impl {
     port.socket.send_to(asio::buffer(bytes.data(), bytes.size()), endpoint_of(to), 0, ignored);
   }
 
-  // Runs everything due and passes on what was sent.
+  // Runs everything due and passes on what was sent. However late, a cycle gets the datagrams that
+  // came before its time and no others; what came for cycles that are left out nobody hears.
   void pump() {
+    const bool away = monotonic_now() - rig->next() > Rig::kPatience;
+    do {
+      drain(robot);
+      drain(sensor);
+    } while (away && robot.waiting + sensor.waiting > 0);
     for (;;) {
+      deliver(robot, rig->next(), rig->controller());
+      deliver(sensor, rig->next(), rig->sensor());
       const RigEvent event = rig->step(monotonic_now());
       if (event == RigEvent::kNone) break;
       if (event == RigEvent::kControl) {
@@ -145,8 +207,8 @@ struct RigServer::Impl {
 
   RigOptions options;
   asio::io_context io{1};
-  Port robot{udp::socket(io), {}, {}};
-  Port sensor{udp::socket(io), {}, {}};
+  Port robot{udp::socket(io)};
+  Port sensor{udp::socket(io)};
   asio::steady_timer timer{io};
   asio::signal_set signals{io};
   std::optional<Rig> rig;
@@ -187,12 +249,8 @@ void RigServer::handle_signals() {
 void RigServer::run() {
   Impl& impl = *impl_;
   impl.rig.emplace(impl.options, monotonic_now());
-  impl.receive(impl.robot, [&impl](std::span<const std::uint8_t> bytes, PeerId from) {
-    impl.rig->controller().on_datagram(bytes, from);
-  });
-  impl.receive(impl.sensor, [&impl](std::span<const std::uint8_t> bytes, PeerId from) {
-    impl.rig->sensor().on_datagram(bytes, from);
-  });
+  impl.receive(impl.robot);
+  impl.receive(impl.sensor);
   impl.wake_at_next();
   impl.io.run();
 }
