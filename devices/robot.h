@@ -17,18 +17,22 @@ struct RobotCapabilities {
   Nanos period = 0;        // the controller's cycle, > 0
 };
 
-// One reply of the controller.
+// What the controller has said, up to its newest cycle.
 struct RobotReply {
-  JointVector q_measured = JointVector::Zero();  // encoder feedback [rad]
-  JointVector q_commanded = JointVector::Zero(); // the controller's own target; else q_measured [rad]
-  std::uint32_t missed_cycles = 0;               // cycles the controller says it waited for us
+  JointVector q_measured = JointVector::Zero();   // encoder feedback [rad]
+  JointVector q_commanded = JointVector::Zero();  // the target it holds; else q_measured [rad]
+  bool has_commanded = false;                     // q_commanded is the controller's own word
+  bool fresh = false;               // something was said since the event before
+  int cycles = 1;                   // of the controller since the event before, 1 or more
+  std::uint32_t missed_cycles = 0;  // cycles the controller says it waited for us
 };
 
+// A cycle of the controller has begun with kReply and kSilence: compute one target and send it.
 enum class RobotEvent : std::uint8_t {
-  kReply,     // `reply` is fresh: compute the next target and send it
-  kSilence,   // two periods without a reply: the driver has sent the held target again
+  kReply,     // it answered in time
+  kSilence,   // it did not; `reply` may hold what came too late for the cycle before
   kRejected,  // a packet of the wrong size or type came and was dropped
-  kLost,      // 100 replies missed in a row: the session has ended
+  kLost,      // no reply for a second and a half: the session has ended
 };
 
 // A robot under real-time external control. Called from the robot thread only.
@@ -39,10 +43,13 @@ class Robot {
   // Opens the session and fetches the current joints; no motion. May block up to `patience` and may
   // allocate. The error names address and cause.
   virtual Status connect(Nanos patience, RobotReply& first) = 0;
-  // Blocks until the controller answers or falls silent. Real-time safe apart from the wait.
+  // Blocks until the controller's next cycle has begun. Real-time safe apart from the wait.
   virtual RobotEvent wait(RobotReply& reply) noexcept = 0;
-  // Sends one absolute target [rad] and holds it for repeats. Real-time safe.
+  // Sends one absolute target [rad], at most once an event: two in a cycle could be twice the step
+  // that a joint can make. Real-time safe.
   virtual void send(const JointVector& q_target) noexcept = 0;
+  // Instead of a target: asks where the controller holds the arm, and moves nothing. Real-time safe.
+  virtual void ask() noexcept = 0;
   // Ends external control; the controller's program goes on. Safe to call twice.
   virtual void end() noexcept = 0;
 };

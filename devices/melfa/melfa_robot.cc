@@ -63,8 +63,8 @@ RobotEvent MelfaRobot::wait(RobotReply& reply) noexcept {
     }
     if (fresh) return RobotEvent::kReply;
     const Nanos now = monotonic_now();
-    if (const std::optional<RobotEvent> event = client_.poll(now)) {
-      if (*event == RobotEvent::kSilence) socket_.send(client_.packet());
+    if (const std::optional<RobotEvent> event = client_.poll(now, reply)) {
+      if (client_.opening()) socket_.send(client_.packet());
       return *event;
     }
     if (rejected) return RobotEvent::kRejected;
@@ -74,6 +74,10 @@ RobotEvent MelfaRobot::wait(RobotReply& reply) noexcept {
 
 void MelfaRobot::send(const JointVector& q_target) noexcept {
   if (const auto bytes = client_.send(q_target); !bytes.empty()) socket_.send(bytes);
+}
+
+void MelfaRobot::ask() noexcept {
+  if (const auto bytes = client_.ask(); !bytes.empty()) socket_.send(bytes);
 }
 
 void MelfaRobot::end() noexcept {

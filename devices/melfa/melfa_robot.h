@@ -28,6 +28,7 @@ class MelfaRobot : public Robot {
   Status connect(Nanos patience, RobotReply& first) override;
   RobotEvent wait(RobotReply& reply) noexcept override;
   void send(const JointVector& q_target) noexcept override;
+  void ask() noexcept override;
   void end() noexcept override;
 
   const MxtCounters& counters() const noexcept { return client_.counters(); }

@@ -16,24 +16,25 @@ namespace handrail {
 struct MxtClientOptions {
   std::size_t packet_bytes = kMxtLong;  // kMxtShort or kMxtLong; replies must have the same size
   Nanos period = kMxtPeriod;            // the controller's cycle, > 0
-  int max_losses = 100;                 // missed replies in a row that end the session, > 0
-  // Replies closer together than this belong to one control cycle: a repeated packet or a
-  // duplicating network brings twins, and two commands in one cycle could be twice the step a joint
-  // can make.
-  Nanos same_cycle = kMxtPeriod / 4;
+  int max_losses = 211;                 // silent cycles in a row that end the session, > 0
 };
 
 struct MxtCounters {
   std::uint64_t sent = 0;      // packets of any kind
   std::uint64_t replies = 0;   // replies accepted
-  std::uint64_t repeats = 0;   // packets sent again after silence, among `sent`
+  std::uint64_t silences = 0;  // cycles passed without a reply in time
   std::uint64_t rejected = 0;  // packets of wrong size, type or value
-  std::uint64_t twins = 0;     // replies beyond the first of a control cycle
+  std::uint64_t late = 0;      // replies that came when their cycle had its packet already
 };
 
-// One session: start(), then a send() for every reply, poll() whenever deadline() has passed,
-// end(). Spans returned point into the client and hold until its next call. All calls are real-time
-// safe.
+// One session: start(), then one send() for every kReply and kSilence, poll() whenever deadline()
+// has passed, end(). Spans returned point into the client and hold until its next call. All calls
+// are real-time safe.
+//
+// The controller's cycles are reckoned on: replies are sent at their beginning and come late or
+// never, so the earliest of the last ones tell the phase. Each cycle is one event and gets one
+// packet: with the reply if that comes before an eighth of the cycle is left, else without. A reply
+// that comes later, or twice, only brings `reply` up to date.
 class MxtClient {
  public:
   using Bytes = std::span<const std::uint8_t>;
@@ -43,43 +44,55 @@ class MxtClient {
   // Opens a session (again): the packet that asks for the current joints and moves nothing.
   Bytes start(Nanos now) noexcept;
 
-  // Reads one datagram from the controller. kReply: `reply` is filled. Nothing: a twin of the reply
-  // before; `reply` is brought up to date, but there is no new cycle to command. kRejected: dropped
-  // and counted, `reply` untouched. kLost: no session is open. The packet counter in the reply is
-  // not used, as controllers differ in what they put there.
+  // Reads one datagram from the controller. kReply: a cycle has begun. Nothing: no other cycle, but
+  // `reply` is brought up to date. kRejected: dropped and counted, `reply` untouched. kLost: no
+  // session is open. The packet counter in the reply is not used, as controllers differ in what
+  // they put there.
   std::optional<RobotEvent> on_datagram(Bytes bytes, Nanos now, RobotReply& reply) noexcept;
 
-  // Before deadline(): nothing. After it: kSilence with packet() to be sent again, or kLost when
-  // that was the last loss allowed or no session is open.
-  std::optional<RobotEvent> poll(Nanos now) noexcept;
+  // Before deadline(): nothing. After it: kSilence, or kLost when that was the last loss allowed or
+  // no session is open. Before the first reply of a session the opening packet() is to be sent
+  // again with kSilence.
+  std::optional<RobotEvent> poll(Nanos now, RobotReply& reply) noexcept;
 
-  // The packet for one absolute target [rad], finite. Empty when no session is open. Until the
-  // first send() of a session what poll() repeats is the opening packet: nothing moves before a
-  // command.
+  // The packet for one absolute target [rad], finite. Empty when no session is open.
   Bytes send(const JointVector& q_target) noexcept;
+
+  // The packet that asks which target the controller holds; in the short form, which has room for
+  // one answer, the measured joints are left out of the reply. Empty when no session is open.
+  Bytes ask() noexcept;
 
   // The packet that ends external control, and closes the session. Empty when none is open.
   Bytes end() noexcept;
 
   // The packet last given out.
   Bytes packet() const noexcept { return packet_; }
-  // When silence becomes a loss: two periods after the newest reply or repeat.
+  // When the next cycle counts as silent: an eighth of a period before the packet has to be there.
+  // Before the first reply two periods after the opening packet.
   Nanos deadline() const noexcept { return deadline_; }
   bool open() const noexcept { return open_; }
+  // A session is open and its first reply has not come.
+  bool opening() const noexcept { return open_ && !answered_; }
   const MxtCounters& counters() const noexcept { return counters_; }
 
  private:
-  Bytes write(MxtCommand command) noexcept;
+  Bytes write(MxtCommand command, const JointVector& q_target = JointVector::Zero()) noexcept;
+  int cycles_begun(Nanos now) const noexcept;
+  void begin_cycle(int cycles, RobotReply& reply) noexcept;
+  void learn_phase(Nanos late) noexcept;
 
   MxtClientOptions options_;
   MxtCounters counters_;
   bool open_ = false;
-  MxtCommand held_command_ = MxtCommand::kNull;
-  JointVector q_held_ = JointVector::Zero();
+  bool answered_ = false;  // in this session
+  bool fresh_ = false;     // a reply came since the last event
+  bool cycle_answered_ = false;
   int losses_ = 0;
   std::uint32_t c_count_ = 0;
   Nanos deadline_ = kForever;
-  Nanos last_reply_ = -kForever;
+  Nanos cycle_ = 0;              // when the present cycle began
+  Nanos least_late_ = kForever;  // replies behind their cycle's beginning, of the last `seen_`
+  int seen_ = 0;
   std::array<std::uint8_t, kMxtLong> buffer_{};
   Bytes packet_;
 };

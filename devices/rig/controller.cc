@@ -37,8 +37,8 @@ Controller::Controller(const ControllerOptions& options) noexcept
     : options_(options), arm_(options.arm), switch_(options.drop_seed, options.drop_share) {}
 
 void Controller::on_datagram(std::span<const std::uint8_t> bytes, PeerId from) noexcept {
-  if (!switch_.passes()) return;
-  if (incoming_count_ == kMaxPerCycle) {
+  if (!switch_.passes()) return missed(bytes);
+  if (incoming_count_ == (options_.queues ? kMaxQueued : kMaxPerCycle)) {
     ++counters_.ignored;
     return;
   }
@@ -53,6 +53,13 @@ void Controller::on_datagram(std::span<const std::uint8_t> bytes, PeerId from) n
   }
 }
 
+void Controller::missed(std::span<const std::uint8_t> bytes) noexcept {
+  MxtPacket packet;
+  const bool move =
+      decode_mxt_request(bytes, packet) == MxtParse::kOk && packet.command == MxtCommand::kMove;
+  counters_.lost_moves += move ? 1 : 0;
+}
+
 void Controller::pass(Nanos now) noexcept {
   arm_.advance(to_seconds(now - arm_at_.value_or(now)));
   arm_at_ = now;
@@ -63,26 +70,30 @@ void Controller::tick(Nanos now) noexcept {
   pass(now);
   outgoing_count_ = 0;
   accepted_ = false;
-  serve_all();
-  incoming_count_ = 0;
+  const std::size_t count =
+      options_.queues ? std::min<std::size_t>(incoming_count_, 1) : incoming_count_;
+  serve_all(count);
+  std::move(incoming_.begin() + static_cast<std::ptrdiff_t>(count),
+            incoming_.begin() + static_cast<std::ptrdiff_t>(incoming_count_), incoming_.begin());
+  incoming_count_ -= count;
   if (session_ && options_.time_out_cycles >= 0 &&
       t_count_ >= std::max(options_.time_out_cycles, 1)) {
     raise(AlarmKind::kTimeOut, 0, t_count_);
   }
 }
 
-void Controller::serve_all() noexcept {
+void Controller::serve_all(std::size_t count) noexcept {
   std::array<bool, kMaxPerCycle> answer{};
   bool heard = false;
   next_target_.reset();
-  for (std::size_t i = 0; i < incoming_count_; ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     const std::uint64_t packets_before = counters_.packets;
     answer[i] = serve(incoming_[i]);
     heard = heard || counters_.packets > packets_before;
   }
   if (alarm_.kind != AlarmKind::kNone) return;
   if (next_target_ && !accept_target(*next_target_)) return;
-  for (std::size_t i = 0; i < incoming_count_; ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     if (answer[i]) reply(incoming_[i]);
   }
   if (!session_ || heard) {
@@ -113,6 +124,7 @@ bool Controller::serve(const Incoming& in) noexcept {
       } else if (in.parse == MxtParse::kNotFinite) {
         raise(AlarmKind::kNotFinite, 0, 0.0);
       } else {
+        counters_.lost_moves += next_target_ ? 1 : 0;
         next_target_ = in.packet.block[0].joints();
       }
       return true;

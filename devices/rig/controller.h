@@ -20,6 +20,9 @@ struct ControllerOptions {
       -1;  // MXTTOUT: cycles in a row without a packet that raise an alarm; -1 none
   double drop_share = 0.0;  // share of packets lost, each way, 0 to 1
   std::uint64_t drop_seed = 1;
+  // Packets beyond one a cycle wait for the next cycles, in order, instead of being worked off at
+  // once: how a real controller does it is not documented.
+  bool queues = false;
 };
 
 // What stops the arm until an operator resets it.
@@ -45,13 +48,15 @@ struct ControllerCounters {
   std::uint64_t ignored =
       0;  // garbage, strangers, commands outside a session, more than a cycle holds
   std::uint64_t replies = 0;
+  std::uint64_t lost_moves =
+      0;  // commands to move that the network kept, or a newer one took the place of
 };
 
 // Waits for a NULL packet, which opens a session with its sender, then follows that peer's MOVE
 // packets in JOINT mode; END, or a NULL from somebody else, closes the session. NULL never moves
-// the arm. The packets that came since the last cycle are worked off in the next: the newest MOVE
-// becomes the servos' target, every NULL and MOVE gets one reply in the size it came in. END gets
-// none. Without a packet the last target is held.
+// the arm. The packets that came since the last cycle are worked off in the next, or one of them
+// (ControllerOptions::queues): the newest MOVE becomes the servos' target, every NULL and MOVE gets
+// one reply in the size it came in. END gets none. Without a packet the last target is held.
 //
 // Alarms latch. A real controller's answer to an alarm is not documented beyond its network error,
 // so this one does what a driver has to survive: it stops on the last accepted target and stays
@@ -67,11 +72,14 @@ class Controller {
     std::span<const std::uint8_t> bytes() const noexcept { return {buffer.data(), size}; }
   };
   static constexpr std::size_t kMaxPerCycle = 8;
+  static constexpr std::size_t kMaxQueued = 64;  // where they queue
 
   explicit Controller(const ControllerOptions& options) noexcept;
 
   // A datagram arrives between two cycles.
   void on_datagram(std::span<const std::uint8_t> bytes, PeerId from) noexcept;
+  // A datagram that was sent and never arrived: counted, for who judges what did.
+  void missed(std::span<const std::uint8_t> bytes) noexcept;
   // One control cycle at `now`, which never goes backward. The arm moves by the time since it moved
   // last.
   void tick(Nanos now) noexcept;
@@ -103,7 +111,7 @@ class Controller {
   };
 
   bool serve(const Incoming& in) noexcept;
-  void serve_all() noexcept;
+  void serve_all(std::size_t count) noexcept;
   bool accept_target(const JointVector& q) noexcept;
   void raise(AlarmKind kind, int joint, double value) noexcept;
   void reply(const Incoming& in) noexcept;
@@ -118,8 +126,8 @@ class Controller {
   bool accepted_ = false;
   std::uint16_t t_count_ = 0;
   std::optional<Nanos> arm_at_;  // until when the arm has moved
-  std::array<Incoming, kMaxPerCycle> incoming_{};
-  std::size_t incoming_count_ = 0;
+  std::array<Incoming, kMaxQueued> incoming_{};
+  std::size_t incoming_count_ = 0;  // waiting
   std::array<Outgoing, kMaxPerCycle> outgoing_{};
   std::size_t outgoing_count_ = 0;
 };

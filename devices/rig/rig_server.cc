@@ -53,6 +53,7 @@ struct RigServer::Impl {
     PeerId from = 0;
     std::size_t size = 0;
     std::array<std::uint8_t, 512> bytes{};
+    std::span<const std::uint8_t> span() const { return {bytes.data(), size}; }
   };
   // One bound socket and what was read from it: datagrams[taken .. waiting) are yet to be
   // delivered.
@@ -127,11 +128,21 @@ struct RigServer::Impl {
   static Nanos nanos(const timespec& t) { return t.tv_sec * kSecond + t.tv_nsec; }
 
   // What came until `until`, to whom it is for.
-  template <typename Receiver>
-  void deliver(Port& port, Nanos until, Receiver& receiver) {
-    for (; port.taken < port.waiting && port.datagrams[port.taken].at <= until; ++port.taken) {
-      const Datagram& in = port.datagrams[port.taken];
-      if (!cable_out) receiver.on_datagram({in.bytes.data(), in.size}, in.from);
+  void deliver_until(Nanos until) {
+    const auto due = [&](Port& port) {
+      return port.taken < port.waiting && port.datagrams[port.taken].at <= until;
+    };
+    for (; due(robot); ++robot.taken) {
+      const Datagram& in = robot.datagrams[robot.taken];
+      if (cable_out || away) {
+        rig->controller().missed(in.span());
+      } else {
+        rig->controller().on_datagram(in.span(), in.from);
+      }
+    }
+    for (; due(sensor); ++sensor.taken) {
+      const Datagram& in = sensor.datagrams[sensor.taken];
+      if (!cable_out && !away) rig->sensor().on_datagram(in.span(), in.from);
     }
   }
 
@@ -144,14 +155,15 @@ struct RigServer::Impl {
   // Runs everything due and passes on what was sent. However late, a cycle gets the datagrams that
   // came before its time and no others; what came for cycles that are left out nobody hears.
   void pump() {
-    const bool away = monotonic_now() - rig->next() > Rig::kPatience;
+    away = monotonic_now() - rig->next() > Rig::kPatience;
     do {
       drain(robot);
       drain(sensor);
+      if (away) deliver_until(kForever);
     } while (away && robot.waiting + sensor.waiting > 0);
+    away = false;
     for (;;) {
-      deliver(robot, rig->next(), rig->controller());
-      deliver(sensor, rig->next(), rig->sensor());
+      deliver_until(rig->next());
       const RigEvent event = rig->step(monotonic_now());
       if (event == RigEvent::kNone) break;
       if (event == RigEvent::kControl) {
@@ -179,7 +191,7 @@ struct RigServer::Impl {
   }
 
   void wake_at_next() {
-    timer.expires_at(std::chrono::steady_clock::time_point(std::chrono::nanoseconds(rig->next())));
+    timer.expires_after(std::chrono::nanoseconds(rig->next() - monotonic_now()));
     timer.async_wait([this](const boost::system::error_code& error) {
       if (error) return;
       pump();
@@ -215,6 +227,7 @@ struct RigServer::Impl {
   AlarmKind alarm = AlarmKind::kNone;
   std::optional<PeerId> session;
   bool cable_out = false;
+  bool away = false;  // what waits came for cycles that are left out
   Tap tap;
 };
 

@@ -75,8 +75,11 @@ void Tap::add(const Controller& controller, Nanos at, bool cable_out) noexcept {
   bit(controller.alarm().kind != AlarmKind::kNone, kTapAlarm);
   bit(cable_out, kTapCableOut);
   session_ = session;
-  record.alarm = static_cast<std::uint16_t>(controller.alarm().kind);
-  record.joint = static_cast<std::uint16_t>(controller.alarm().joint);
+  record.alarm = static_cast<std::uint8_t>(controller.alarm().kind);
+  record.joint = static_cast<std::uint8_t>(controller.alarm().joint);
+  const std::uint64_t lost = controller.counters().lost_moves;
+  record.lost = static_cast<std::uint16_t>(std::min<std::uint64_t>(lost - lost_, 0xffff));
+  lost_ = lost;
   const JointVector measured = controller.arm().measured();
   std::copy_n(controller.arm().target().data(), kJoints, record.target.begin());
   std::copy_n(measured.data(), kJoints, record.measured.begin());

@@ -42,8 +42,10 @@ struct TapRecord {
   std::uint64_t number = 0;
   Nanos at = 0;                            // of the cycle, the machine's monotonic clock
   std::uint32_t did = 0;                   // sum of TapBits
-  std::uint16_t alarm = 0;                 // AlarmKind
-  std::uint16_t joint = 0;                 // 1 to 6: to blame for the alarm; 0: none
+  std::uint8_t alarm = 0;                  // AlarmKind
+  std::uint8_t joint = 0;                  // 1 to 6: to blame for the alarm; 0: none
+  std::uint16_t lost = 0;                  // commands to move that were sent since the last record
+                                           // and did not arrive
   std::array<double, kJoints> target{};    // that the servos follow from here on [rad]
   std::array<double, kJoints> measured{};  // what the encoders read [rad]
   std::uint64_t again = 0;                 // the number
@@ -75,6 +77,7 @@ class Tap {
  private:
   std::byte* memory_ = nullptr;
   std::uint64_t number_ = 0;
+  std::uint64_t lost_ = 0;
   std::optional<PeerId> session_;
 };
 

@@ -6,7 +6,7 @@ namespace handrail {
 
 Nanos monotonic_now() noexcept {
   timespec ts{};
-  clock_gettime(CLOCK_MONOTONIC, &ts);
+  clock_gettime(CLOCK_BOOTTIME, &ts);
   return Nanos{ts.tv_sec} * kSecond + ts.tv_nsec;
 }
 

@@ -5,7 +5,8 @@
 
 namespace handrail {
 
-// Now on CLOCK_MONOTONIC: unaffected by changes of the wall clock. Real-time safe.
+// Now on CLOCK_BOOTTIME: unaffected by changes of the wall clock, and it goes on while the computer
+// sleeps, so that what was known before is as old as it is. Real-time safe.
 Nanos monotonic_now() noexcept;
 
 }  // namespace handrail

@@ -22,7 +22,7 @@ std::int64_t Pacer::woke(Nanos now) noexcept {
 
 void sleep_until(Nanos time) noexcept {
   const timespec until{time / kSecond, time % kSecond};
-  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
+  while (clock_nanosleep(CLOCK_BOOTTIME, TIMER_ABSTIME, &until, nullptr) == EINTR) {
   }
 }
 

@@ -20,8 +20,8 @@ const char* describe(Reason reason) noexcept {
     case Reason::kStopRequested: return "stop was requested: reset, then engage again";
     case Reason::kPeerFault: return "the other side is in fault";
     case Reason::kRobotNotConnected: return "the robot controller is not connected";
-    case Reason::kRobotSilent: return "the controller did not reply for two periods: target sent again";
-    case Reason::kRobotLost: return "the controller missed 100 replies in a row";
+    case Reason::kRobotSilent: return "the controller missed cycles in motion: the arm was halted and goes on from rest";
+    case Reason::kRobotLost: return "the controller has not replied for a second and a half";
     case Reason::kRobotBadPacket: return "the controller sent a packet of the wrong size or type";
     case Reason::kSensorMissing: return "the force sensor is silent: bumper inactive";
     case Reason::kSensorInvalid: return "the force sensor reported an invalid value";
@@ -62,7 +62,7 @@ const char* describe(Reason reason) noexcept {
     case Reason::kJointJerk: return "joint jerk limit: following more slowly";
     case Reason::kFollowingError: return "the robot does not follow its command";
     case Reason::kSensorStuck: return "the force sensor repeats itself";
-    case Reason::kEncoderInvalid: return "the robot reported invalid joint positions";
+    case Reason::kEncoderInvalid: return "the robot reports joint positions that cannot be: not finite, jumped or out of range";
     case Reason::kThreadStalled: return "a control loop stood still";
     case Reason::kStopInput: return "the stop circuit is open";
     case Reason::kLeaseLost: return "the operator's lease has ended";

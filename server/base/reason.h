@@ -25,8 +25,8 @@ enum class Reason : std::uint8_t {
   kPeerFault,
   // Robot and sensor
   kRobotNotConnected,
-  kRobotSilent,     // no reply from the controller for two periods: held target sent again
-  kRobotLost,       // 100 replies missed in a row
+  kRobotSilent,     // cycles of the controller missed: the arm was halted, goes on from rest
+  kRobotLost,       // no reply from the controller for 1.4 s
   kRobotBadPacket,  // wrong size or type from the controller
   kSensorMissing,   // force sensor silent or in fault: bumper inactive
   kSensorInvalid,   // non-finite or saturated reading
@@ -70,7 +70,7 @@ enum class Reason : std::uint8_t {
   kJointJerk,
   kFollowingError,  // the robot does not follow its command
   kSensorStuck,     // the force sensor repeats itself
-  kEncoderInvalid,  // joint positions not finite or jumped
+  kEncoderInvalid,  // joint positions not finite, jumped or out of range
   kThreadStalled,   // a control loop of this side stood still
   kStopInput,       // the local stop circuit is open
   kLeaseLost,       // the lease of whoever engaged has ended

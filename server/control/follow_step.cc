@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/base/deletable.h"
+#include "server/control/follow_gap.h"
 #include "server/control/follow_ledger.h"
 
 namespace handrail {
@@ -39,7 +40,7 @@ bool released(const FollowState& s, const MasterState& master) {
 
 void advance_session(const FollowInput& in, FollowState& s, Reason own_fault) {
   SlaveSessionInput session;
-  session.link = rung_of(in.master_known, in.master_age, in.link);
+  session.link = rung_of(in.master_known, age_of_master(in), in.link);
   session.confirmed = in.link.confirmed;
   session.new_session = in.new_session;
   session.robot_ready = in.robot_ready && s.placed;
@@ -111,13 +112,24 @@ Reason read_force(const FollowSettings& settings, const FollowInput& in, const Q
   return wrong;
 }
 
-// A fault the arm itself shows, and its joint.
-Reason judge_arm(const FollowSettings& settings, const JointVector& q_measured, FollowState& s,
-                 std::int8_t& joint) {
-  const bool lost = s.placed && s.following.lost(settings.following, s.motion.joints.q, q_measured,
-                                                 settings.motion.dt);
+// A fault the arm itself shows, and its joint. Without an answer nothing is known of it; in a gap
+// not what it follows.
+Reason judge_arm(const FollowSettings& settings, const FollowInput& in,
+                 const JointVector& q_measured, FollowState& s, std::int8_t& joint) {
+  const double dt = settings.motion.dt;
+  const bool answered = in.answer != Answer::kNone, judged = s.placed && !s.gap;
+  for (int i = answered ? 1 : 0; judged && i < in.cycles; ++i) {
+    s.following.pass(settings.following, s.motion.joints.q, dt);
+  }
+  if (!answered) return Reason::kNone;
+  const bool lost =
+      judged && s.following.lost(settings.following, s.motion.joints.q, q_measured, dt);
   if (s.joints.broken()) {
     joint = static_cast<std::int8_t>(s.joints.joint());
+    return Reason::kEncoderInvalid;
+  }
+  if (const int i = joint_out_of_range(settings, q_measured); in.robot_ready && i >= 0) {
+    joint = static_cast<std::int8_t>(i);
     return Reason::kEncoderInvalid;
   }
   if (!lost) return Reason::kNone;
@@ -167,10 +179,11 @@ double most_yielding(const FollowSettings& settings) {
 // Moves toward the newest command and says by which stages; returns what intervened.
 Reason follow(const FollowSettings& settings, const FollowInput& in, FollowState& s,
               FollowLedger& ledger) {
-  // Engaged before its master knows, a slave stands: what comes is not yet driven by a hand.
-  if (!follows(in.master.state) && in.master.state != SessionState::kHold) {
+  // Engaged before its master knows, a slave stands: what comes is not yet driven by a hand. Nor is
+  // what a master in hold says, which hears nothing of the arm.
+  if (!follows(in.master.state)) {
     brake(settings.motion, s.motion);
-    return Reason::kNotEngaged;
+    return in.master.state == SessionState::kHold ? Reason::kLinkHold : Reason::kNotEngaged;
   }
   if (!valid_command(in.master)) {
     brake(settings.motion, s.motion);
@@ -180,7 +193,7 @@ Reason follow(const FollowSettings& settings, const FollowInput& in, FollowState
     brake(settings.motion, s.motion);
     return Reason::kHashTools;
   }
-  s.oldest_applied = std::max(s.oldest_applied, in.master_age);
+  s.oldest_applied = std::max(s.oldest_applied, age_of_master(in));
   s.applied_sequence = in.master_sequence;
   if (s.session == SessionState::kEngaged) s.tube.close(s.motion.X_ST.p, settings.motion.dt);
   const Pose X_SN = s.tube.project(in.master.X_SU, s.motion.X_ST);
@@ -207,7 +220,7 @@ Reason follow(const FollowSettings& settings, const FollowInput& in, FollowState
     space.touched = true;
   }
   const Moved moved = move_toward(settings.motion, space, {bumped.p_SB, X_SN.q},
-                                  share_of_speed(in.master_age), s.motion);
+                                  share_of_speed(age_of_master(in)), s.motion);
   const Vec3 on_tool = X_SN.p - in.master.X_SU.p, yielded = bumped.p_SB - X_SN.p;
   const Reason tube = on_tool.isZero(0.0)     ? Reason::kNone
                       : s.tube.radius() > 0.0 ? Reason::kToolBlending
@@ -224,6 +237,50 @@ Reason follow(const FollowSettings& settings, const FollowInput& in, FollowState
   return bumped.why != Reason::kNone ? bumped.why : why.reason;
 }
 
+// The commands of one cycle, through the guard; returns what intervened.
+Reason move_once(const FollowSettings& settings, const FollowInput& in, FollowState& s,
+                 FollowLedger& ledger) {
+  Reason intervention = Reason::kNone;
+  const GuardState before = s.motion.joints;
+  if (follows(s.session)) {
+    intervention = follow(settings, in, s, ledger);
+  } else {
+    brake(settings.motion, s.motion);
+  }
+  const Vec3 planned = s.motion.X_ST.p;
+  const Verdict safe = pass_guard(settings.motion, before, s.motion);
+  if (safe.reason == Reason::kNone) return intervention;
+  ++s.guarded;
+  if (follows(s.session)) {
+    put_stage(ledger, FollowStage::kLimits,
+              ledger.off_S.col(static_cast<int>(FollowStage::kLimits)).cast<double>() +
+                  s.motion.X_ST.p - planned,
+              safe.reason);
+  }
+  return safe.reason;
+}
+
+// The commands of the cycles that have passed, and whether the newest is to be sent; returns what
+// intervened.
+Reason move_commands(const FollowSettings& settings, const FollowInput& in, FollowState& s,
+                     FollowLedger& ledger, Send& send) {
+  send = Send::kNothing;
+  if (!s.placed || !in.robot_ready) return Reason::kNone;
+  Reason intervention = Reason::kNone;
+  if (!s.gap) {
+    if (controller_has_enough(in, s)) return Reason::kNone;
+    for (int i = 0; i < in.cycles; ++i) intervention = move_once(settings, in, s, ledger);
+    if (!s.train.may_send(s.motion.joints.q, rated_step(settings))) begin_gap(settings, s);
+  }
+  if (s.gap) {
+    if (asks_now(s)) send = Send::kQuestion;
+    return Reason::kRobotSilent;
+  }
+  send = Send::kTarget;
+  s.train.add(s.motion.joints.q);
+  return intervention;
+}
+
 }  // namespace
 
 void place(const FollowSettings& settings, const JointVector& q, FollowState& state) noexcept {
@@ -234,48 +291,30 @@ void place(const FollowSettings& settings, const JointVector& q, FollowState& st
   state.bumper = BumperState();
   state.p_measured = state.motion.X_ST.p;
   state.placed = true;
+  state.train.restart(q);
+  state.gap = false;
+  state.waited = state.queued_for = 0;
 }
 
 void follow_step(const FollowSettings& settings, const FollowInput& in, FollowState& s,
                  FollowOutput& out) noexcept {
   ++s.cycles;
-  const JointVector q_measured = s.joints.judge(in.q_measured);
+  hear_controller(settings, in, s);
+  const bool answered = in.answer != Answer::kNone;
+  const JointVector q_measured = answered ? s.joints.judge(in.q_measured) : s.joints.newest();
   const Pose X_measured = forward(settings.motion.arm, q_measured);
   const Reason sensor = read_force(settings, in, X_measured.q, s);
-  if (s.placed) {
+  if (s.placed && in.answer == Answer::kOnTime && in.cycles == 1) {
     s.lag.add(s.motion.joints.q, q_measured, settings.motion.dt);
   }
   const Reason contact = judge_contact(settings, X_measured.p, s);
   FollowLedger ledger;
-  Reason fault = judge_arm(settings, q_measured, s, ledger.joint);
+  Reason fault = judge_arm(settings, in, q_measured, s, ledger.joint);
   if (fault == Reason::kNone && settings.sensor_required && follows(s.session)) fault = sensor;
   if (fault == Reason::kNone && follows(s.session)) fault = contact;
   advance_session(in, s, fault);
-
-  Reason intervention = Reason::kNone;
-  if (s.placed) {
-    const GuardState before = s.motion.joints;
-    if (follows(s.session)) {
-      intervention = follow(settings, in, s, ledger);
-    } else {
-      brake(settings.motion, s.motion);
-    }
-    const Vec3 planned = s.motion.X_ST.p;
-    const Verdict safe = pass_guard(settings.motion, before, s.motion);
-    if (safe.reason != Reason::kNone) {
-      intervention = safe.reason;
-      ++s.guarded;
-      if (follows(s.session)) {
-        put_stage(ledger, FollowStage::kLimits,
-                  ledger.off_S.col(static_cast<int>(FollowStage::kLimits)).cast<double>() +
-                      s.motion.X_ST.p - planned,
-                  safe.reason);
-      }
-    }
-    out.q_target = s.motion.joints.q;
-  } else {
-    out.q_target = q_measured;
-  }
+  const Reason intervention = move_commands(settings, in, s, ledger, out.send);
+  out.q_target = s.placed ? s.motion.joints.q : q_measured;
 
   // A contact that is held because nothing is known of it is the sensor's doing.
   const bool blind = sensor != Reason::kNone;

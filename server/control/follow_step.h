@@ -4,7 +4,9 @@
 
 #include "server/base/link_state.h"
 #include "server/base/payload.h"
+#include "server/base/rv2a_limits.h"
 #include "server/control/bumper.h"
+#include "server/control/command_train.h"
 #include "server/control/contact_monitor.h"
 #include "server/control/force_filter.h"
 #include "server/control/ladder.h"
@@ -24,12 +26,25 @@ struct FollowSettings {
   double force_lag = 0.0;        // of the force's low pass; 0: none. Part of bumper.sensor_lag [s]
   bool sensor_required = false;  // true: without valid readings the arm holds
   FollowingSettings following;
-  SectionHashes hashes;  // of mapping, limits and robot
+  JointLimits rated = rv2a_limits();  // what the arm itself has: ranges, and a cycle's step at most
+  SectionHashes hashes;               // of mapping, limits and robot
   SceneName scene{};
 };
 
+// What the controller has said since the last step.
+enum class Answer : std::uint8_t {
+  kOnTime,  // of its newest cycle
+  kLate,    // of the cycle before: this one is silent
+  kNone,    // nothing: what is known of the arm is old
+};
+
 struct FollowInput {
-  JointVector q_measured = JointVector::Zero();  // [rad]
+  JointVector q_measured = JointVector::Zero();   // [rad]
+  JointVector q_commanded = JointVector::Zero();  // the target the controller holds [rad]
+  bool has_commanded = false;                     // it has said so
+  Answer answer = Answer::kOnTime;
+  int cycles = 1;    // of the controller since the last step, at least 1
+  Nanos unseen = 0;  // since the last step, by a clock that goes on while the computer sleeps [ns]
   bool robot_ready = false;
   MasterState master;  // newest from the link; meaningful when master_known
   bool master_known = false;
@@ -44,9 +59,17 @@ struct FollowInput {
   bool stop_input = false;       // the local stop circuit is open
 };
 
+// What the controller gets in this cycle.
+enum class Send : std::uint8_t {
+  kNothing,   // no packet: it still has targets to take, or the arm is to stay as it holds it
+  kTarget,    // q_target
+  kQuestion,  // where it holds the arm
+};
+
 struct FollowOutput {
   JointVector q_target = JointVector::Zero();  // [rad], through the guard
-  SlaveState link;                             // for the master
+  Send send = Send::kNothing;
+  SlaveState link;  // for the master
 };
 
 struct FollowState {
@@ -55,11 +78,17 @@ struct FollowState {
   Reason fault = Reason::kNone;
   MotionState motion;
   bool placed = false;  // motion stands on a pose the controller confirmed
+  CommandTrain train;   // what was sent, from what the controller has confirmed on
+  bool gap = false;    // the arm was halted; it goes on from rest, from where the controller has it
+  int waited = 0;      // cycles since then
+  int owed = 0;        // answers to what was sent before the first question
+  int queued_for = 0;  // answers in a row that show the controller keeps targets for later
+  std::uint64_t halts = 0;  // of an arm in motion
   bool master_heard = false;
   std::uint32_t stop_epoch = 0;
   std::uint32_t fault_epoch = 0;
-  int invalid_wrenches = 0;   // in a row
-  Vec3 f_E_S = Vec3::Zero();  // of the valid readings, without the payload's, filtered [N]
+  int invalid_wrenches = 0;        // in a row
+  Vec3 f_E_S = Vec3::Zero();       // of the valid readings, without the payload's, filtered [N]
   Vec3 torque_E_T = Vec3::Zero();  // of the last valid one, tip axes [N m]
   ForceFilter filter;
   Nanos oldest_applied = 0;
@@ -80,6 +109,12 @@ struct FollowState {
 void place(const FollowSettings& settings, const JointVector& q, FollowState& state) noexcept;
 
 // Pure and bounded: no clock, lock, log or allocation. Before `place` the target is q_measured.
+//
+// Time that passed unseen has one rule, whatever made it pass (lost packets, a silent controller, a
+// paused program, a computer asleep). The motion is planned on by the controller's cycles as long
+// as its next target is within one rated step of all the controller may hold. Where that ends the
+// arm is left as the controller holds it, which is asked where, and goes on from there, at rest.
+// What the master said counts as at least as old as the time unseen.
 void follow_step(const FollowSettings& settings, const FollowInput& in, FollowState& state,
                  FollowOutput& out) noexcept;
 

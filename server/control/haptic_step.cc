@@ -290,8 +290,10 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
   }
 
   const std::uint32_t epochs_before = tool_epochs(s);
+  const Nanos slave_age =
+      in.unseen > kUnseenAge ? std::max(in.slave_age, in.unseen) : in.slave_age;
   const LadderStep ladder =
-      ladder_step(settings.ladder, in.slave_known, in.slave_age, in.link, dt, s.ladder);
+      ladder_step(settings.ladder, in.slave_known, slave_age, in.link, dt, s.ladder);
   see_presence(settings, in, dt, s);
   out.order_result = carry_out(settings, in, ladder, s);
   if (in.hand.drop_button && !s.button_was_down) drop_tools(settings, s);
@@ -353,7 +355,7 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
   if (s.session == SessionState::kClutched && !s.present) out.reason = Reason::kPresence;
   out.reasons.add(out.reason);
   if (s.want_engaged && ladder.old_loop) out.reasons.add(Reason::kLoopAge);
-  if (ladder.rung != rung_of(in.slave_known, in.slave_age)) out.reasons.add(Reason::kLinkQuality);
+  if (ladder.rung != rung_of(in.slave_known, slave_age)) out.reasons.add(Reason::kLinkQuality);
   fill_link(settings, s, out.link);
 }
 

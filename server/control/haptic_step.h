@@ -73,6 +73,7 @@ struct HapticInput {
   SlaveState slave;  // newest from the link; meaningful when slave_known
   bool slave_known = false;
   Nanos slave_age = kForever;  // since that datagram came [ns]
+  Nanos unseen = 0;  // since the last step, by a clock that goes on while the computer sleeps [ns]
   LinkView link;
   Nanos hold_heard = kForever;  // since `engage --hold` was last heard [ns]
   bool device_ready = true;     // false: not calibrated yet
@@ -122,7 +123,8 @@ struct HapticState {
   double aligning_for = 0.0;  // homing or aligning [s]
 };
 
-// Pure and bounded: no clock, lock, log or allocation. `dt` > 0 [s]. On an invalid reading the last
+// Pure and bounded: no clock, lock, log or allocation. `dt` > 0 [s]. What the slave said counts as
+// at least as old as a time unseen of over 20 ms. On an invalid reading the last
 // valid hand is kept and the force is zero for that tick; after 20 ms of them the command freezes
 // and the hand takes over again, wherever it comes back, as after a clutch.
 void haptic_step(const HapticSettings& settings, const HapticInput& in, double dt,

@@ -66,19 +66,27 @@ void FollowingMonitor::restart(const JointVector& q) noexcept {
   outside_ = 0;
 }
 
-bool FollowingMonitor::lost(const FollowingSettings& settings, const JointVector& q_command,
-                            const JointVector& q_measured, double dt) noexcept {
-  if (!settings.checked || !kept(Check::kFollowing)) return false;
-  JointVector below = q_command, above = q_command;
+void FollowingMonitor::pass(const FollowingSettings& settings, const JointVector& q_command,
+                            double dt) noexcept {
   for (std::size_t i = 0; i < kLags.size(); ++i) {
     // A cycle's delay: what was commanded last enters the lag now.
     images_[i] += (last_ - images_[i]) * (1.0 - std::exp(-dt / (kLags[i] * settings.slowest)));
-    below = below.cwiseMin(images_[i]);
-    above = above.cwiseMax(images_[i]);
+  }
+  last_ = q_command;
+}
+
+bool FollowingMonitor::lost(const FollowingSettings& settings, const JointVector& q_command,
+                            const JointVector& q_measured, double dt) noexcept {
+  if (!settings.checked || !kept(Check::kFollowing)) return false;
+  const JointVector last = last_;
+  pass(settings, q_command, dt);
+  JointVector below = q_command, above = q_command;
+  for (const JointVector& image : images_) {
+    below = below.cwiseMin(image);
+    above = above.cwiseMax(image);
   }
   const JointVector out = (below - q_measured).cwiseMax(q_measured - above);
-  const double beyond = (out - (q_command - last_).cwiseAbs()).maxCoeff(&joint_) - settings.room;
-  last_ = q_command;
+  const double beyond = (out - (q_command - last).cwiseAbs()).maxCoeff(&joint_) - settings.room;
   if (unjudged_ >= 0.0) {
     unjudged_ = beyond > 0.0 && unjudged_ < 5.0 * settings.slowest ? unjudged_ + dt : -1.0;
     return false;

@@ -33,6 +33,8 @@ class JointMonitor {
   // The joints to believe: `q`, or the last sound ones where `q` is not finite or jumps by over
   // 0.1 rad a cycle. The third in a row is `broken`, at `joint`; then a finite `q` is a new start.
   const JointVector& judge(const JointVector& q) noexcept;
+  // What was judged last.
+  const JointVector& newest() const noexcept { return q_; }
   bool broken() const noexcept { return bad_ >= 3; }
   int joint() const noexcept { return joint_; }
 
@@ -60,6 +62,8 @@ class FollowingMonitor {
   // cycle in a row outside, with the joint furthest out in joint().
   bool lost(const FollowingSettings& settings, const JointVector& q_command,
             const JointVector& q_measured, double dt) noexcept;
+  // One cycle in which nothing was measured.
+  void pass(const FollowingSettings& settings, const JointVector& q_command, double dt) noexcept;
   int joint() const noexcept { return joint_; }
 
  private:

@@ -8,6 +8,10 @@ namespace handrail {
 // How old the newest datagram is, in the words of the degradation ladder.
 enum class LinkRung : std::uint8_t { kNone, kFresh, kSlow, kHold, kLost, kClosed };
 
+// Time between two steps of a loop from which on nothing it knows is younger: as long as the other
+// side would take an equally old datagram for alive [ns].
+inline constexpr Nanos kUnseenAge = 20 * kMillisecond;
+
 // What the ladder says of `age` [ns]: fresh to 5 ms, slow to 20 ms, hold to 200 ms, lost to 1 s,
 // then closed; kNone when no datagram has come yet (`ever` false). Real-time safe.
 LinkRung rung_of(bool ever, Nanos age) noexcept;

@@ -12,6 +12,7 @@
 #include "server/control/follow_step.h"
 #include "server/control/haptic_step.h"
 #include "server/lab/cell_net.h"
+#include "server/lab/robot_line.h"
 #include "server/lab/wire.h"
 
 namespace handrail {
@@ -26,6 +27,16 @@ struct CellOptions {
   // Instead of `transit`: the daemons' peers and datagrams over a made-up network. The tick is 1
   // ms.
   std::optional<CellNetOptions> net;
+  // The packets between the slave and the controller go over a made-up line of that seed; none: at
+  // once.
+  std::optional<std::uint64_t> robot_line;
+};
+
+// What the controller did in one of its cycles.
+struct ControllerCycle {
+  Nanos at = 0;
+  bool took = false;  // a target, perhaps the one it held
+  JointVector q = JointVector::Zero();  // the target it holds from then on [rad]
 };
 
 // Comes between the rig and the slave's step, to falsify what its devices say.
@@ -62,12 +73,22 @@ class Cell {
   // from their bytes [rad].
   std::span<const JointVector> sent() const noexcept { return {sent_.data(), sent_count_}; }
   // The targets the slave's step gave in the cycles of the last tick, before they were rounded to
-  // the packets' 32 bits [rad].
+  // the packets' 32 bits, as far as they were sent [rad].
   std::span<const JointVector> targets() const noexcept { return {targets_.data(), target_count_}; }
+  // When the newest of them was given; 0 before the first.
+  Nanos target_at() const noexcept { return target_at_; }
+  // The controller's cycles of the last tick.
+  std::span<const ControllerCycle> controller_cycles() const noexcept {
+    return {controller_cycles_.data(), controller_cycle_count_};
+  }
 
+  // Null without a line of its own.
+  RobotLine* robot_line() noexcept { return line_.get(); }
+  const MxtCounters& robot_counters() const noexcept { return client_.counters(); }
   // Null without a net.
   CellNet* net() noexcept { return net_.get(); }
   const FollowOutput& follow() const noexcept { return follow_out_; }
+  const FollowState& follow_state() const noexcept { return follow_; }
   // Not owned; null: none.
   void set_tap(CellTap* tap) noexcept { tap_ = tap; }
   // The master's haptic thread stands still while its IO thread goes on.
@@ -89,7 +110,10 @@ class Cell {
   void hear_slave() noexcept;
   void hear_master(Nanos at) noexcept;
   void on_control(Nanos at) noexcept;
-  void on_reply(const RobotReply& reply, Nanos at) noexcept;
+  bool slave_stopped() const noexcept { return net_ && net_->slave_stopped(); }
+  Nanos robot_due() const noexcept;
+  void run_line(Nanos at) noexcept;
+  void on_event(RobotEvent event, Nanos at) noexcept;
   void read_sensor(Nanos at) noexcept;
   void to_controller(MxtClient::Bytes bytes) noexcept;
 
@@ -109,6 +133,14 @@ class Cell {
   std::uint32_t slave_epoch_ = 0;
   CellTap* tap_ = nullptr;
   const MasterState* instead_ = nullptr;
+  std::unique_ptr<RobotLine> line_;
+  RobotReply reply_;
+  std::array<ControllerCycle, 4> controller_cycles_;
+  std::size_t controller_cycle_count_ = 0;
+  Nanos at_ = 0;          // of the newest event
+  Nanos target_at_ = 0;
+  Nanos stepped_at_ = 0;  // the slave's step
+  Nanos master_at_ = 0;   // the master's
   std::array<JointVector, 4> sent_;
   std::size_t sent_count_ = 0;
   std::array<JointVector, 4> targets_;

@@ -20,13 +20,15 @@
 namespace handrail {
 namespace {
 
-// Raised by Ctrl-C: long work ends soon, and nothing half-done is printed.
+// Raised by Ctrl-C: long work ends soon, and nothing half-done is printed. A second one ends the
+// program at once.
 std::atomic<bool> cancelled = false;
 void cancel(int) { cancelled = true; }
 
 void let_ctrl_c_cancel() {
   struct sigaction action {};
   action.sa_handler = cancel;
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
   ::sigaction(SIGINT, &action, nullptr);
   ::sigaction(SIGTERM, &action, nullptr);
 }
@@ -248,17 +250,27 @@ void add_faults(CLI::App& app, FaultCommand& faults) {
       "faults",
       "put faults into network, programs and devices; an auditor judges what the arm does");
   sub->add_option("--row", faults.row, "one row of the matrix, such as N2");
-  sub->add_option("--seed", faults.seed, "other networks, hands and moments")
+  sub->add_option("--seed,--seeds", faults.seeds,
+                  "other networks, hands and moments; one, several as 1..50, or 1..50,2024")
       ->capture_default_str();
+  auto* quick = sub->add_flag("--quick", faults.quick, "every row, fewer and shorter runs");
+  auto* results = sub->add_option(
+      "--results", faults.results,
+      "file to add finished runs to; those it has are not run again, by the same program");
+  auto* out = sub->add_option("--out", faults.out, "text file for the table");
   sub->add_option("--threads", faults.threads, "0: one a core; results do not depend on it")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   sub->add_flag("--json", faults.json, "print the rows as JSON");
   auto* without = sub->add_option("--delete", faults.without,
-                                  "leave a check out, such as jerk; needs the build 'deletable'");
+                                  "leave a check out, such as jerk; needs the build 'deletable'")
+                      ->excludes(results);
   sub->add_flag("--prove", faults.prove,
                 "leave every check out in turn: 1 if a row does not turn red; same build")
-      ->excludes(without);
+      ->excludes(without)
+      ->excludes(quick)
+      ->excludes(results)
+      ->excludes(out);
 }
 
 void add_bumper(CLI::App& app, BumperCommand& bumper) {

@@ -75,7 +75,8 @@ class LinkServer {
   void wait_for_tick(Nanos now) {
     const Nanos next =
         now + (speaking_ ? std::min(peer_.wait_time(now), kSendPeriod) : kSendPeriod);
-    timer_.expires_at(std::chrono::steady_clock::time_point(std::chrono::nanoseconds(next)));
+    // A span, not a point: the timer's clock stands still while the computer sleeps, ours does not.
+    timer_.expires_after(std::chrono::nanoseconds(next - monotonic_now()));
     timer_.async_wait([this](const boost::system::error_code& error) {
       if (error) return;
       const Nanos woke = monotonic_now();

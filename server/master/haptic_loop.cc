@@ -38,6 +38,7 @@ void HapticLoop::tick(Nanos now) noexcept {
   const double dt = std::clamp(to_seconds(now - last_tick_), kShortest, kLongest);
   // The device has let go meanwhile: the force begins anew.
   if (now - last_tick_ >= kForceStands) let_go();
+  input_.unseen = now - last_tick_;
   last_tick_ = now;
   take_settings();
   take_slave(now);

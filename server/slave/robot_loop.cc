@@ -2,6 +2,11 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <cmath>
+
+#include "server/base/units.h"
+#include "server/control/follow_gap.h"
 #include "server/link/stall_watch.h"
 
 namespace handrail {
@@ -9,6 +14,29 @@ namespace {
 
 // How often the session is stepped while no controller paces it.
 constexpr Nanos kIdlePeriod = 7 * kMillisecond;
+
+// Why an arm that answers so cannot be driven.
+Status check_first(const FollowSettings& settings, const RobotReply& first) {
+  const auto degrees = [](double angle) { return fmt::format("{:.1f}", angle / kDeg); };
+  for (const bool measured : {false, true}) {
+    const JointVector& q = measured ? first.q_measured : first.q_commanded;
+    const int i = joint_out_of_range(settings, q);
+    if (i < 0) continue;
+    return Status::error(
+        fmt::format("J{} is {} at {} deg, expected {} to {}: is this the arm, and "
+                    "does it answer in radians?",
+                    i + 1, measured ? "measured" : "commanded", degrees(q[i]),
+                    degrees(settings.rated.lower[i]), degrees(settings.rated.upper[i])));
+  }
+  const JointVector off = (first.q_commanded - first.q_measured).cwiseAbs();
+  Eigen::Index i = 0;
+  if (off.maxCoeff(&i) <= settings.following.room) return Status::ok();
+  return Status::error(fmt::format(
+      "J{} is commanded to {} deg but measured at {}, expected at most {:.2f} between them: is the "
+      "arm at rest, and are its servos on?",
+      i + 1, degrees(first.q_commanded[i]), degrees(first.q_measured[i]),
+      settings.following.room / kDeg));
+}
 
 }  // namespace
 
@@ -18,19 +46,18 @@ RobotLoop::RobotLoop(Robot& robot, const FollowSettings& settings, SlaveMailboxe
 
 Nanos RobotLoop::turn() {
   if (!connected_) return turn_unconnected();
-  RobotReply reply;
-  const RobotEvent event = robot_.wait(reply);
+  const RobotEvent event = robot_.wait(reply_);
   const Nanos now = clock_();
   switch (event) {
     case RobotEvent::kReply:
-      ++cycles_;
-      input_.q_measured = reply.q_measured;
-      step(now, Reason::kNone);
-      robot_.send(output_.q_target);
-      break;
     case RobotEvent::kSilence:
-      ++silences_;
-      if (output_.link.state != SessionState::kFault) output_.link.reason = Reason::kRobotSilent;
+      ++(event == RobotEvent::kReply ? cycles_ : silences_);
+      input_.answer = event == RobotEvent::kReply ? Answer::kOnTime
+                      : reply_.fresh              ? Answer::kLate
+                                                  : Answer::kNone;
+      take_reply();
+      step(now, Reason::kNone);
+      send();
       break;
     case RobotEvent::kRejected:
       if (output_.link.state != SessionState::kFault) output_.link.reason = Reason::kRobotBadPacket;
@@ -38,6 +65,7 @@ Nanos RobotLoop::turn() {
     case RobotEvent::kLost:
       connected_ = false;
       lost_ = true;
+      input_.answer = Answer::kNone;
       step(now, Reason::kRobotLost);
       spdlog::error("{}: reset to connect again", describe(Reason::kRobotLost));
       break;
@@ -64,11 +92,26 @@ Nanos RobotLoop::turn_unconnected() {
   return connected_ ? 0 : clock_() + kIdlePeriod;
 }
 
+void RobotLoop::send() noexcept {
+  if (output_.send == Send::kTarget) robot_.send(output_.q_target);
+  if (output_.send == Send::kQuestion) robot_.ask();
+}
+
+void RobotLoop::take_reply() noexcept {
+  input_.q_measured = reply_.q_measured;
+  input_.q_commanded = reply_.q_commanded;
+  input_.has_commanded = reply_.has_commanded;
+  input_.cycles = reply_.cycles;
+}
+
 void RobotLoop::connect() {
-  RobotReply first;
   // Waiting for the controller is no stall: what was said stands meanwhile.
   publish(kConnectPatience);
-  const Status status = robot_.connect(kConnectPatience, first);
+  Status status = robot_.connect(kConnectPatience, reply_);
+  if (status) {
+    status = check_first(settings_, reply_);
+    if (!status) robot_.end();
+  }
   if (!status) {
     next_attempt_ = clock_() + kRetry;
     if (status.message() != last_problem_) spdlog::warn("{}; trying again", status.message());
@@ -77,10 +120,11 @@ void RobotLoop::connect() {
   }
   last_problem_.clear();
   connected_ = true;
-  input_.q_measured = first.q_measured;
-  place(settings_, first.q_commanded, state_);
+  take_reply();
+  input_.answer = Answer::kOnTime;
+  place(settings_, reply_.q_commanded, state_);
   step(clock_(), Reason::kNone);
-  robot_.send(output_.q_target);
+  send();
   publish();
   spdlog::info("connected to {}", robot_.capabilities().name);
 }
@@ -88,6 +132,8 @@ void RobotLoop::connect() {
 void RobotLoop::step(Nanos now, Reason fault) {
   take_settings();
   take_news(now);
+  input_.unseen = stepped_at_ == -kForever ? 0 : now - stepped_at_;
+  stepped_at_ = now;
   input_.robot_ready = connected_;
   input_.fault = fault;
   input_.shutdown = stop_requested_.load(std::memory_order_relaxed);

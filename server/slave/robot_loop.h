@@ -41,6 +41,8 @@ class RobotLoop {
  private:
   Nanos turn_unconnected();
   void connect();
+  void take_reply() noexcept;
+  void send() noexcept;
   void step(Nanos now, Reason fault);
   void take_news(Nanos now);
   void take_settings();
@@ -54,6 +56,7 @@ class RobotLoop {
   FollowSettings settings_;
   SlaveMailboxes& boxes_;
   Nanos (*clock_)() noexcept;
+  RobotReply reply_;
   FollowInput input_;
   FollowState state_;
   FollowOutput output_;
@@ -68,6 +71,7 @@ class RobotLoop {
   std::uint64_t cycles_ = 0;
   std::uint64_t silences_ = 0;
   Nanos next_attempt_ = -kForever;
+  Nanos stepped_at_ = -kForever;
   Nanos stop_since_ = -1;
   std::string last_problem_;
   std::atomic<bool> stop_requested_{false};

@@ -33,13 +33,13 @@ class Recorder {
   Nanos last_ = -1;
 };
 
-std::string breach_text(const TargetVerdict& v, Nanos gap, Nanos period) {
+std::string breach_text(const TargetVerdict& v, Nanos gap, int lost, Nanos period) {
   return fmt::format(
       "J{} beyond its limits: {:.2f} of a step, {:.2f} of speed, {:.2f} of acceleration, {:.2f} of "
-      "jerk, {} {} cycles after the last step",
+      "jerk, {} {} cycles after the last step, {} targets lost since",
       v.joint + 1, v.step, v.speed, v.acceleration, v.jerk,
       v.from_rest ? "as a start from rest" : "as a motion that goes on",
-      (gap + period / 2) / period);
+      (gap + period / 2) / period, lost);
 }
 
 }  // namespace
@@ -61,6 +61,7 @@ Figures judge_tap(const TapFile& tap, const std::vector<Forbidden>& forbidden,
   Recorder limits(violations), motion(violations), alarms(violations);
   JointVector held = JointVector::Zero();
   Nanos last_target = 0;
+  int lost = 0;
   for (std::size_t i = 0; i < tap.records.size(); ++i) {
     const TapRecord& r = tap.records[i];
     const JointVector q = vector(r.target);
@@ -70,10 +71,16 @@ Figures judge_tap(const TapFile& tap, const std::vector<Forbidden>& forbidden,
       last_target = r.at;
     }
     audit.until(r.at);
+    lost += r.lost;
     if (r.has(kTapAccepted)) {
-      const TargetVerdict verdict = audit.accepted(r.at, q);
-      if (!verdict.fine()) limits.add(r.at, breach_text(verdict, r.at - last_target, tap.period));
-      if (q != held) last_target = r.at;
+      const TargetVerdict verdict = audit.accepted(r.at, q, lost);
+      if (!verdict.fine()) {
+        limits.add(r.at, breach_text(verdict, r.at - last_target, lost, tap.period));
+      }
+      if (q != held) {
+        last_target = r.at;
+        lost = 0;
+      }
     }
     const double moved = (q - held).cwiseAbs().maxCoeff();
     held = q;
@@ -84,7 +91,7 @@ Figures judge_tap(const TapFile& tap, const std::vector<Forbidden>& forbidden,
                                      1e3 * to_seconds(r.at - span.from), span.why));
       }
     }
-    if (r.has(kTapAlarm) && r.alarm != static_cast<std::uint16_t>(AlarmKind::kTimeOut)) {
+    if (r.has(kTapAlarm) && r.alarm != static_cast<std::uint8_t>(AlarmKind::kTimeOut)) {
       alarms.add(r.at, fmt::format("alarm of the controller: J{} {}", r.joint,
                                    describe(static_cast<AlarmKind>(r.alarm))));
     }

@@ -75,6 +75,18 @@ TEST(StormJudge, NamesALimitOnceACauseWithItsPlace) {
   EXPECT_THAT(trace(d.tap, d.found[0].at, 2, 1), HasSubstr("+7.1 ms  AS"));
 }
 
+TEST(StormJudge, AStartWhoseFirstTargetsWereLostIsOne) {
+  for (const std::uint16_t lost : {0, 1}) {
+    Drive d;
+    d.sound();
+    for (int i = 0; i < 40; ++i) d.add(0.0, kTapSession);
+    d.tap.records.back().lost = lost;
+    d.target(0.9 * kJolt + 1.8 * kJolt);
+    d.target(2.7 * kJolt);
+    EXPECT_EQ(d.judge().breaches == 0, lost == 1);
+  }
+}
+
 TEST(StormJudge, NamesAMotionWhereNothingMayMove) {
   Drive d;
   d.sound();
@@ -92,10 +104,10 @@ TEST(StormJudge, AnAlarmIsTheControllersOwnOnlyWhenItTimesOut) {
   Drive d;
   d.sound();
   d.add(0.0, kTapAlarm | kTapClosed);
-  d.tap.records.back().alarm = static_cast<std::uint16_t>(AlarmKind::kTimeOut);
+  d.tap.records.back().alarm = static_cast<std::uint8_t>(AlarmKind::kTimeOut);
   (void)d.judge();
   EXPECT_THAT(d.found, IsEmpty());
-  d.tap.records.back().alarm = static_cast<std::uint16_t>(AlarmKind::kOverSpeed);
+  d.tap.records.back().alarm = static_cast<std::uint8_t>(AlarmKind::kOverSpeed);
   (void)d.judge();
   EXPECT_THAT(d.found, SizeIs(1));
 }

@@ -9,10 +9,10 @@ namespace {
 
 constexpr double kRounding = 1e-9;  // of a limit
 
+// A master in hold leads nobody: it hears nothing of the arm.
 bool drives(const MasterState& state) {
   return state.desired != Desired::kOff &&
-         (state.state == SessionState::kEngaged || state.state == SessionState::kClutched ||
-          state.state == SessionState::kHold);
+         (state.state == SessionState::kEngaged || state.state == SessionState::kClutched);
 }
 
 }  // namespace
@@ -88,7 +88,7 @@ void Auditor::touched(const Vec3& n_S) noexcept {
 
 void Auditor::commanded(const JointVector& q, Nanos at) noexcept {
   ++report_.cycles;
-  const bool was_moving = joints_.moving();
+  const bool was_at_rest = joints_.at_rest();
   // The stop is judged by how fast the arm was before this command.
   stop_time_ = joints_.time_to_stop();
   check_led(at);
@@ -110,7 +110,7 @@ void Auditor::commanded(const JointVector& q, Nanos at) noexcept {
   }
   ++report_.moved;
   if (!led_) {
-    if (!was_moving) {
+    if (was_at_rest) {
       breach(Breach::kUnled);
     } else if (at - stop_from_ > stop_allowed_) {
       breach(Breach::kLateStop);
@@ -131,7 +131,7 @@ void Auditor::check_led(Nanos at) noexcept {
 
 void Auditor::begin_stop(Nanos at) noexcept {
   stopping_ = true;
-  stop_while_moving_ = joints_.moving();
+  stop_while_moving_ = !joints_.at_rest();
   stop_needs_operator_ = false;
   const Nanos age = heard_ ? at - heard_at_ : 0;
   stop_from_ = at;

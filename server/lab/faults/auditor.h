@@ -96,7 +96,7 @@ class Auditor {
   struct Sent {
     std::uint64_t number = 0;
     std::uint32_t incarnation = 0;
-    bool drives = false;    // engaged, clutched or in hold, and wanted
+    bool drives = false;    // engaged or clutched, and wanted
     bool stops = false;     // a stop stands
     bool aligning = false;  // asks to engage
     bool has_command = false;

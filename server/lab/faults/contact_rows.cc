@@ -7,7 +7,7 @@
 #include "server/lab/faults/fault_rows.h"
 #include "server/scene/scene.h"
 
-namespace handrail {
+namespace handrail::rows {
 namespace {
 
 constexpr Nanos kCycle = 7'100 * kMicrosecond;
@@ -122,12 +122,14 @@ class Push {
   std::uint64_t inward_ = 0;
 };
 
+}  // namespace
+
 // A constant delay one way: pushed, held, released. It settles, and the way out is free.
-FaultOutcome n3c(std::uint64_t seed, int index) {
+FaultOutcome n3c(const RowRun& row) {
   constexpr std::array<int, 6> kDelays = {0, 10, 50, 100, 200, 500};
-  Push push(seed, false);
+  Push push(row.seed, false);
   LinkFaults faults;
-  faults.delay = kDelays[static_cast<std::size_t>(index) % kDelays.size()] * kMillisecond;
+  faults.delay = row.level(kDelays) * kMillisecond;
   push.run.set_network(faults);
   if (!push.begin()) return not_engaged();
   push.pass(8 * kSecond);
@@ -146,17 +148,17 @@ FaultOutcome n3c(std::uint64_t seed, int index) {
 }
 
 // The master stopped for 5 ms to 10 s, or killed and started anew, while it pushes and slides.
-FaultOutcome p1c(std::uint64_t seed, int index) {
+FaultOutcome p1c(const RowRun& row) {
   constexpr std::array<int, 6> kSpans = {5, 30, 150, 1000, 10'000, 1000};
-  const auto level = static_cast<std::size_t>(index) % kSpans.size();
-  const Nanos span = kSpans[level] * kMillisecond;
-  Push push(seed, true);
+  const bool killed = &row.level(kSpans) == &kSpans.back();
+  const Nanos span = row.level(kSpans) * kMillisecond;
+  Push push(row.seed, true);
   if (!push.begin()) return not_engaged();
   if (push.pass_until(1.0 + 40.0 * push.run.random().uniform()) == kForever) return not_engaged();
   CellNet& net = *push.run.cell().net();
   net.stop_master(true);
   push.pass(span);
-  if (level == kSpans.size() - 1) push.run.restart_master();
+  if (killed) push.run.restart_master();
   net.stop_master(false);
   push.pass(kSecond);
   if (span > Auditor::kLatch) push.pass(6 * kSecond, true);
@@ -168,17 +170,17 @@ FaultOutcome p1c(std::uint64_t seed, int index) {
 
 // Bad numbers of the sensor, for one reading of a cycle or for good: one costs nothing, the third
 // in a row stops the arm.
-FaultOutcome s1d(std::uint64_t seed, int index) {
+FaultOutcome s1d(const RowRun& row) {
   constexpr std::array<double, 3> kBad = {std::numeric_limits<double>::quiet_NaN(),
                                           std::numeric_limits<double>::infinity(), 1e308};
-  const bool once = index % 2 == 0;
-  Push push(seed, true);
+  const bool once = row.index % 2 == 0;
+  Push push(row.seed, true);
   if (!push.begin()) return not_engaged();
   push.pass_until(1.0 + 40.0 * push.run.random().uniform());
   const Nanos from = push.run.now() + kMillisecond;
   push.falsify = [&](Nanos at, Wrench& f, bool&) {
     if (at < from || (once && at >= from + kCycle)) return;
-    f.force[(index / 2) % 3] = kBad[static_cast<std::size_t>(index / 2) % kBad.size()];
+    f.force[(row.index / 2) % 3] = kBad[static_cast<std::size_t>(row.index / 2) % kBad.size()];
   };
   push.pass(20 * kMillisecond);
   if (!once) push.run.auditor().must_stop(from + 3 * kCycle);
@@ -191,13 +193,13 @@ FaultOutcome s1d(std::uint64_t seed, int index) {
 
 // The sensor repeats itself, from before the contact or in it: a stop within 100 ms, in which
 // nothing tells how hard is pushed.
-FaultOutcome s2c(std::uint64_t seed, int index) {
-  Push push(seed, true);
+FaultOutcome s2c(const RowRun& row) {
+  Push push(row.seed, true);
   if (!push.begin()) return not_engaged();
-  if (index % 3 == 0) {
+  if (row.index % 3 == 0) {
     push.pass(50 * kMillisecond);
   } else {
-    push.pass_until(index % 3 == 1 ? 5.0 : 45.0);
+    push.pass_until(row.index % 3 == 1 ? 5.0 : 45.0);
   }
   const Nanos from = push.run.now();
   Wrench last;
@@ -217,9 +219,9 @@ FaultOutcome s2c(std::uint64_t seed, int index) {
 }
 
 // The force has the wrong sign: a stop within 200 ms of a contact, that stays one, and not hard.
-FaultOutcome s3c(std::uint64_t seed, int index) {
+FaultOutcome s3c(const RowRun& row) {
   constexpr double kContact = 10.0;  // [N]
-  Push push(seed, index % 2 == 1);
+  Push push(row.seed, row.index % 2 == 1);
   push.falsify = [](Nanos, Wrench& f, bool&) { f.force = -f.force; };
   if (!push.begin()) return not_engaged();
   const Nanos felt = push.pass_until(kContact);
@@ -235,10 +237,10 @@ FaultOutcome s3c(std::uint64_t seed, int index) {
 }
 
 // Saturation, drift, twice the scale, one wild sample, while it pushes.
-FaultOutcome s3d(std::uint64_t seed, int index) {
-  const int level = index % 4, beside = (index / 4) % 2;
+FaultOutcome s3d(const RowRun& row) {
+  const int level = row.index % 4, beside = (row.index / 4) % 2;
   const bool saturated = level == 0;
-  Push push(seed, true);
+  Push push(row.seed, true);
   if (!push.begin()) return not_engaged();
   push.pass_until(saturated ? 20.0 * push.run.random().uniform() : 30.0);
   const Nanos from = push.run.now() + kMillisecond;
@@ -269,10 +271,10 @@ FaultOutcome s3d(std::uint64_t seed, int index) {
 // Two axes exchanged: the bumper backs off the wrong way, and the force grows, which looks like a
 // wrong sign or is not relieved. A stop within 220 ms of 80 N; until then the tip goes aside, where
 // nobody asked for it.
-FaultOutcome s3e(std::uint64_t seed, int index) {
-  Push push(seed, false);
+FaultOutcome s3e(const RowRun& row) {
+  Push push(row.seed, false);
   if (!push.begin()) return not_engaged();
-  push.falsify = [&](Nanos, Wrench& f, bool&) { std::swap(f.force.z(), f.force[index % 2]); };
+  push.falsify = [&](Nanos, Wrench& f, bool&) { std::swap(f.force.z(), f.force[row.index % 2]); };
   const Nanos over = push.pass_until(kThreshold + 30.0);
   if (over == kForever) return not_engaged();
   push.pass(150 * kMillisecond);
@@ -289,19 +291,4 @@ FaultOutcome s3e(std::uint64_t seed, int index) {
   return out;
 }
 
-}  // namespace
-
-const std::vector<FaultRow>& contact_rows() {
-  static const std::vector<FaultRow> rows = {
-      {"N3c", "in contact: delays up to 500 ms one way: no swing", "N", 6, n3c},
-      {"P1c", "in contact: master stopped or killed, a late burst", "N", 12, p1c},
-      {"S1d", "in contact: NaN, Inf, 1e308 from the force sensor", "N", 12, s1d},
-      {"S2c", "in contact: the force sensor repeats itself", "N", 9, s2c},
-      {"S3c", "in contact: wrong sign: found in 200 ms", "ms to stop", 8, s3c},
-      {"S3d", "in contact: saturation, drift, scale, spike", "N", 12, s3d},
-      {"S3e", "in contact: exchanged axes: found 0.2 s after 80 N", "ms to stop", 8, s3e},
-  };
-  return rows;
-}
-
-}  // namespace handrail
+}  // namespace handrail::rows

@@ -51,17 +51,18 @@ void ControllerAudit::place(const JointVector& q) noexcept {
   rest_ = best();
   rest_.open = true;
   readings_ = {};
-  points_ = rest_at(0, q);
+  points_ = rest_until(-period_, q);
   placed_ = standing_ = true;
 }
 
-TargetVerdict ControllerAudit::accepted(Nanos at, const JointVector& q) noexcept {
+TargetVerdict ControllerAudit::accepted(Nanos at, const JointVector& q, int lost) noexcept {
   if (!placed_) place(q);
   until(at);
   ++targets_;
   const Nanos gap = at - points_[0].at;
   const bool held = standing_ || 2 * gap > 3 * period_;
-  if (held && q == points_[0].q) return {};
+  // A target that is held already moves nothing: the hold goes on.
+  if (q == points_[0].q) return {};
 
   // Every reading, gone on by this target; the last choice is a start from rest.
   std::array<Reading, kKnown + 1> choice{};
@@ -73,7 +74,14 @@ TargetVerdict ControllerAudit::accepted(Nanos at, const JointVector& q) noexcept
   }
   if (held) {
     choice[kKnown] = at_rest();
-    verdict[kKnown] = judge(next, rest_at(at, points_[0].q));
+    const auto cycles = static_cast<int>((gap + period_ / 2) / period_);
+    for (int m = 1; m == 1 || m <= std::min(cycles, lost + 1); ++m) {
+      const TargetVerdict so = judge(next, rest_until(at - m * period_, points_[0].q));
+      if (m > 1 && so.worst() >= verdict[kKnown].worst()) continue;
+      verdict[kKnown] = so;
+      choice[kKnown].rest_until = at - m * period_;
+      if (so.fine()) break;
+    }
     verdict[kKnown].from_rest = true;
   }
   // The kindest reading counts, and the least bad one when none is left.
@@ -93,7 +101,7 @@ TargetVerdict ControllerAudit::accepted(Nanos at, const JointVector& q) noexcept
     choice[i].open = choice[i].open && (verdict[i].fine() || i == chosen);
   }
 
-  if (!standing_ && points_[0].q != points_[1].q) {
+  if (moving()) {
     held_ += static_cast<std::uint64_t>(std::max<Nanos>((gap + period_ / 2) / period_ - 1, 0));
   }
   readings_ = {choice[kKnown], choice[0], kinder(choice[1], choice[2])};
@@ -110,12 +118,15 @@ void ControllerAudit::until(Nanos now) noexcept {
 }
 
 void ControllerAudit::settle(Nanos now) noexcept {
-  if (points_[0].q != points_[1].q) {
-    held_ += static_cast<std::uint64_t>((now - points_[0].at) / period_);
-  }
+  if (moving()) held_ += static_cast<std::uint64_t>((now - points_[0].at) / period_);
   rest_ = at_rest();
   readings_ = {};
   standing_ = true;
+}
+
+// Standing still where the newest target is would be a halt.
+bool ControllerAudit::moving() const noexcept {
+  return !standing_ && at_rest().halts > best().halts;
 }
 
 std::uint64_t ControllerAudit::halts() const noexcept { return best().halts; }
@@ -134,16 +145,17 @@ ControllerAudit::Reading ControllerAudit::best() const noexcept {
   return kindest;
 }
 
-// The arm has stood at `q` until the cycle before `at`.
-ControllerAudit::History ControllerAudit::rest_at(Nanos at, const JointVector& q) const noexcept {
-  return {Point{at - period_, q}, Point{at - 2 * period_, q}, Point{at - 3 * period_, q}};
+// The arm stood at `q` until `at`.
+ControllerAudit::History ControllerAudit::rest_until(Nanos at,
+                                                     const JointVector& q) const noexcept {
+  return {Point{at, q}, Point{at - period_, q}, Point{at - 2 * period_, q}};
 }
 
 // The targets before the next as `reading` understands them.
 ControllerAudit::History ControllerAudit::history(std::size_t reading) const noexcept {
   History out = points_;
   if (reading + 1 == kKnown) return out;
-  const History before = rest_at(points_[reading].at, points_[reading + 1].q);
+  const History before = rest_until(readings_[reading].rest_until, points_[reading + 1].q);
   std::copy_n(before.begin(), kKnown - 1 - reading, out.begin() + reading + 1);
   return out;
 }

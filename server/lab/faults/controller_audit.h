@@ -30,15 +30,19 @@ struct TargetVerdict {
 // passed. A target is fine when it lies at most one cycle at full speed from where the arm is held,
 // and the targets up to it are those of
 //   (a) a motion that goes on through the gaps, within speed, acceleration and jerk, or
-//   (b) a motion that ended in a gap, and another from rest where the arm is held.
+//   (b) a motion that ended in a gap, and another from rest where the arm is held, which may have
+//       been planned since any cycle of the gap: its first targets were lost.
 // What can be read as either stays open until later targets tell; the reading with the fewest halts
 // counts. A halt is a motion that ended in a gap without braking: no breach of the target that
 // follows, but listed. A hold that is longer than any joint needs to stop ends (a).
 //
-// A target equal to the one held only prolongs a hold; without a hold before it, it is a command to
-// stand, judged as any other. Pure; all calls are real-time safe.
+// A target equal to the one held moves nothing and only prolongs the hold. Pure; all calls are
+// real-time safe.
 class ControllerAudit {
  public:
+  // No plan goes on for longer without an answer: 64 cycles.
+  static constexpr int kMostLost = 64;
+
   // `limits` > 0: of the controller's joints. `period` > 0: of its cycle.
   ControllerAudit(const JointLimits& limits, Nanos period) noexcept;
 
@@ -46,7 +50,8 @@ class ControllerAudit {
   void place(const JointVector& q) noexcept;
 
   // The controller took `q` [rad], finite, for its target at `at`, later than any target before.
-  TargetVerdict accepted(Nanos at, const JointVector& q) noexcept;
+  // `lost`: targets that were sent since and did not reach it, where that is known.
+  TargetVerdict accepted(Nanos at, const JointVector& q, int lost = kMostLost) noexcept;
 
   // No target came until `now`.
   void until(Nanos now) noexcept;
@@ -73,17 +78,19 @@ class ControllerAudit {
   // One way to understand the targets so far.
   struct Reading {
     bool open = false;
+    Nanos rest_until = 0;  // when the arm stood last
     std::uint64_t halts = 0;
     double hardest = 0.0;
   };
   static const Reading& kinder(const Reading& a, const Reading& b) noexcept;
 
-  History rest_at(Nanos at, const JointVector& q) const noexcept;
+  History rest_until(Nanos at, const JointVector& q) const noexcept;
   History history(std::size_t reading) const noexcept;
   TargetVerdict judge(const Point& next, const History& before) const noexcept;
   Reading ended(std::size_t reading) const noexcept;
   Reading at_rest() const noexcept;
   Reading best() const noexcept;
+  bool moving() const noexcept;
   void settle(Nanos now) noexcept;
 
   JointLimits limits_;

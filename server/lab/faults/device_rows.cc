@@ -5,7 +5,7 @@
 
 #include "server/lab/faults/fault_rows.h"
 
-namespace handrail {
+namespace handrail::rows {
 namespace {
 
 constexpr Nanos kCycle = 7'100 * kMicrosecond;
@@ -60,37 +60,39 @@ FaultOutcome judge_readings(FaultRun& run, FaultRun& clean, const BadSpan& span)
   return out;
 }
 
-FaultOutcome s1a(std::uint64_t seed, int index) {
-  FaultRun run(seed);
-  FaultRun clean(seed);
+}  // namespace
+
+FaultOutcome s1a(const RowRun& row) {
+  FaultRun run(row.seed);
+  FaultRun clean(row.seed);
   if (!run.engage() || !clean.engage()) return not_engaged();
-  const BadSpan span = bad_span(run, index);
+  const BadSpan span = bad_span(run, row.index);
   run.layers().force = [&](Nanos at, Wrench& f, bool&) {
-    if (span.at(at)) f.force[index % 3] = span.value;
+    if (span.at(at)) f.force[row.index % 3] = span.value;
   };
   clean.run(run.now() - clean.now());
   return judge_readings(run, clean, span);
 }
 
-FaultOutcome s1b(std::uint64_t seed, int index) {
-  FaultRun run(seed);
-  FaultRun clean(seed);
+FaultOutcome s1b(const RowRun& row) {
+  FaultRun run(row.seed);
+  FaultRun clean(row.seed);
   if (!run.engage() || !clean.engage()) return not_engaged();
-  const BadSpan span = bad_span(run, index);
+  const BadSpan span = bad_span(run, row.index);
   run.layers().reply = [&](Nanos at, RobotReply& reply) {
-    if (span.at(at)) reply.q_measured[index % kJoints] = span.value;
+    if (span.at(at)) reply.q_measured[row.index % kJoints] = span.value;
   };
   clean.run(run.now() - clean.now());
   return judge_readings(run, clean, span);
 }
 
 // Without a hand the command stays, the force goes at once, and nothing has to be reset.
-FaultOutcome s1c(std::uint64_t seed, int index) {
-  FaultRun run(seed);
+FaultOutcome s1c(const RowRun& row) {
+  FaultRun run(row.seed);
   if (!run.engage()) return not_engaged();
-  const BadSpan span = bad_span(run, index);
+  const BadSpan span = bad_span(run, row.index);
   run.layers().hand = [&](Nanos at, HandReading& hand) {
-    if (span.at(at)) hand.X_MH.p[index % 3] = span.value;
+    if (span.at(at)) hand.X_MH.p[row.index % 3] = span.value;
   };
   double force = 0.0;
   for (int i = 0; i < 1000; ++i) {
@@ -109,8 +111,8 @@ FaultOutcome s1c(std::uint64_t seed, int index) {
 }
 
 // The sensor repeats its last reading bit for bit: a stop within 100 ms.
-FaultOutcome s2a(std::uint64_t seed, int) {
-  FaultRun run(seed);
+FaultOutcome s2a(const RowRun& row) {
+  FaultRun run(row.seed);
   if (!run.engage()) return not_engaged();
   run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
   const Nanos from = run.now();
@@ -131,10 +133,10 @@ FaultOutcome s2a(std::uint64_t seed, int) {
 }
 
 // A clean hour.
-FaultOutcome s2b(std::uint64_t seed, int) {
-  FaultRun run(seed);
+FaultOutcome s2b(const RowRun& row) {
+  FaultRun run(row.seed);
   if (!run.engage()) return not_engaged();
-  run.run(3600 * kSecond);
+  run.run(row.span(3600 * kSecond));
   FaultOutcome out = run.outcome();
   find(out, run.auditor().report().stops, "false alarms");
   find(out, !run.engaged(), "not engaged at the end");
@@ -142,20 +144,24 @@ FaultOutcome s2b(std::uint64_t seed, int) {
   return out;
 }
 
+namespace {
+
 Vec3 tip_of(FaultRun& run) { return run.cell().slave().X_ST_command.p; }
+
+}  // namespace
 
 // One wild sample, a drift, twice the scale, two axes exchanged: in free space none of them leads
 // the tip away from where it goes without.
-FaultOutcome s3a(std::uint64_t seed, int index) {
+FaultOutcome s3a(const RowRun& row) {
   constexpr double kAway = 1e-5;  // [m]
-  FaultRun clean(seed);
-  FaultRun run(seed);
+  FaultRun clean(row.seed);
+  FaultRun run(row.seed);
   if (!clean.engage() || !run.engage()) return not_engaged();
   const Nanos from = run.now() + 300 * kMillisecond;
-  const int axis = (index / 4) % 3;
+  const int axis = (row.index / 4) % 3;
   run.layers().force = [&](Nanos at, Wrench& f, bool&) {
     if (at < from) return;
-    switch (index % 4) {
+    switch (row.index % 4) {
       case 0:
         if (at < from + kCycle) f.force[axis] += 200.0;  // one that a cycle reads
         break;
@@ -183,25 +189,25 @@ FaultOutcome s3a(std::uint64_t seed, int index) {
 }
 
 // An axis at the end of its range is no reading.
-FaultOutcome s3b(std::uint64_t seed, int index) {
-  FaultRun run(seed);
+FaultOutcome s3b(const RowRun& row) {
+  FaultRun run(row.seed);
   if (!run.engage()) return not_engaged();
   BadSpan span = bad_span(run, 1);
   run.layers().force = [&](Nanos at, Wrench& f, bool& valid) {
     if (!span.at(at)) return;
-    f.force[index % 3] = 1000.0;
+    f.force[row.index % 3] = 1000.0;
     valid = false;
   };
   return judge_readings(run, run, span);
 }
 
 // The stop circuit opens for a millisecond, bounces, or stays open.
-FaultOutcome s4(std::uint64_t seed, int index) {
-  FaultRun run(seed);
+FaultOutcome s4(const RowRun& row) {
+  FaultRun run(row.seed);
   if (!run.engage()) return not_engaged();
   run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
   run.auditor().must_stop(run.now());
-  const int level = index % 3;
+  const int level = row.index % 3;
   for (int i = 0; i < (level == 1 ? 5 : 1); ++i) {
     run.cell().open_stop_circuit(true);
     run.tick();
@@ -221,6 +227,8 @@ FaultOutcome s4(std::uint64_t seed, int index) {
   find(out, !engaged, "not engaged again");
   return out;
 }
+
+namespace {
 
 // Where a servo of up to 100 ms lag may be, within 0.01 rad and a cycle's way: outside, it does not
 // follow.
@@ -250,15 +258,17 @@ class LagEnvelope {
   bool started_ = false;
 };
 
+}  // namespace
+
 // A servo follows late, stops following, or runs away. Late ones within the envelope may go on.
-FaultOutcome s5(std::uint64_t seed, int index) {
+FaultOutcome s5(const RowRun& row) {
   constexpr Nanos kFoundIn = 20 * kMillisecond;
   constexpr double kLateLag = 0.4;  // [s]
   constexpr double kRunaway = 0.5;  // [rad/s]
-  FaultRun run(seed);
+  FaultRun run(row.seed);
   if (!run.engage()) return not_engaged();
-  const int level = index % 3;
-  const int joint = (index / 3) % 3;  // the first three carry the motion
+  const int level = row.index % 3;
+  const int joint = (row.index / 3) % 3;  // the first three carry the motion
   const Nanos from = run.now() + kSecond + static_cast<Nanos>(run.random().uniform() * 1e9);
   double q = 0.0;
   bool lost = false;
@@ -294,37 +304,4 @@ FaultOutcome s5(std::uint64_t seed, int index) {
   return out;
 }
 
-}  // namespace
-
-const std::vector<FaultRow>& device_rows() {
-  static const std::vector<FaultRow> rows = {
-      {"S1a", "NaN, Inf, 1e308 or a denormal from the force sensor", "ms to stop", 16, s1a},
-      {"S1b", "NaN, Inf, 1e308 or a denormal from an encoder", "ms to stop", 24, s1b},
-      {"S1c", "NaN, Inf, 1e308 or a denormal from the haptic device", "N", 16, s1c},
-      {"S2a", "the force sensor repeats itself: found in 100 ms", "ms to stop", 20, s2a},
-      {"S2b", "a clean hour: no false alarm", "false alarms", 1, s2b},
-      {"S3a", "spike, drift, scale and exchanged axes of the sensor", "mm away", 12, s3a},
-      {"S3b", "a saturated axis of the sensor", "ms to stop", 6, s3b},
-      {"S4", "local stop circuit pressed, bouncing, open", "ms to stop", 9, s4},
-      {"S5", "a servo follows late, stops following, runs away", "ms to stop", 9, s5},
-  };
-  return rows;
-}
-
-std::vector<FaultRow> fault_rows() {
-  std::vector<FaultRow> all = network_rows();
-  const auto add = [&](const std::vector<FaultRow>& more, char first, bool is) {
-    std::copy_if(more.begin(), more.end(), std::back_inserter(all),
-                 [&](const FaultRow& row) { return (row.id[0] == first) == is; });
-  };
-  add(process_rows(), 'X', false);
-  add(device_rows(), 'X', false);
-  add(contact_rows(), 'X', false);
-  add(guard_rows(), 'X', true);
-  add(process_rows(), 'X', true);
-  add(session_rows(), 'X', true);
-  add(session_rows(), 'X', false);
-  return all;
-}
-
-}  // namespace handrail
+}  // namespace handrail::rows

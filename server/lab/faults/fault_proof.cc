@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "server/lab/faults/fault_command.h"
+#include "server/lab/faults/fault_runner.h"
 
 namespace handrail {
 namespace {
@@ -66,7 +66,7 @@ bool delete_check(const std::string& name) {
 std::vector<ProofResult> prove_faults(std::uint64_t seed, int threads,
                                       const std::atomic<bool>& cancelled) {
   std::vector<ProofResult> results;
-  const std::vector<FaultRow> rows = fault_rows();
+  const std::span<const FaultRow> rows = fault_rows();
   for (const FaultProof& proof : kProofs) {
     const auto row = std::find_if(rows.begin(), rows.end(), [&](const FaultRow& r) {
       return std::string(r.id) == proof.row;

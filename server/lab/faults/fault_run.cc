@@ -47,6 +47,8 @@ std::unique_ptr<Cell> make_cell(std::uint64_t seed, const FaultOptions& fault) {
   run_only_listed(scene, options->rig);
   options->rig.controller.arm.seed = seed;
   options->rig.sensor.seed = seed + 1;
+  options->rig.controller.queues = fault.queues;
+  options->robot_line = seed + 3;
   options->net = CellNetOptions{seed + 2, fault.master_clock, fault.slave_clock};
   return std::make_unique<Cell>(*options);
 }
@@ -84,13 +86,21 @@ void measure(FaultOutcome& outcome, double worst, double bound) {
 
 // Three translations and a turn, each a sine of 0.3 to 0.9 Hz: up to 18 mm and 0.15 rad.
 FaultRun::FaultRun(std::uint64_t seed, const FaultOptions& options)
-    : random_(seed ^ 0xfa17ULL), cell_(make_cell(seed, options)), auditor_(audit_limits()) {
+    : random_(seed ^ 0xfa17ULL),
+      cell_(make_cell(seed, options)),
+      auditor_(audit_limits()),
+      controller_(audit_limits().joints, audit_limits().period) {
   for (std::size_t k = 0; k < 4; ++k) {
     hand_[k] =
         options.contact ? 0.0 : (k < 3 ? 18.0 * kMm : 0.15) * (0.5 + 0.5 * random_.uniform());
     hand_[k + 4] = 2.0 * std::numbers::pi * (0.3 + 0.6 * random_.uniform());
     hand_[k + 8] = 2.0 * std::numbers::pi * random_.uniform();
   }
+  if (options.brisk) {
+    hand_[3] *= 2.0;
+    hand_[7] *= 2.0;
+  }
+  layers_.heard = [this](const RobotReply& reply) { hear_controller(reply); };
   cell_->set_tap(&layers_);
 }
 
@@ -127,14 +137,77 @@ HandReading FaultRun::hand_now() {
 void FaultRun::tick(const HapticOrder& order) {
   cell_->net()->link().to_slave().clear_deliveries();
   cell_->net()->link().to_master().clear_deliveries();
+  const std::vector<JointVector> maybe_held = maybe_held_;
+  const JointVector next = 2.0 * targets_[0] - targets_[1];
   cell_->tick(hand_now(), order);
+  feed_controller_audit();
   feed_auditor();
+  judge_halt(maybe_held, next);
   follow_loop();
   watch_servo();
   if (cell_->rig().world() != nullptr) watch_surface();
   const bool should = auditor_.led();
   if (!should || may_hold_ || engaged()) led_since_ = now();
   if (now() - led_since_ > kResumePatience) ++not_resumed_;
+}
+
+void FaultRun::set_robot_line(const LinkFaults& commands, const LinkFaults& replies) {
+  may_halt_ = true;
+  cell_->robot_line()->to_robot.faults = commands;
+  cell_->robot_line()->to_slave.faults = replies;
+}
+
+void FaultRun::feed_controller_audit() {
+  for (const ControllerCycle& cycle : cell_->controller_cycles()) {
+    if (cycle.took) {
+      controller_.accepted(cycle.at, cycle.q, sent_since_);
+      sent_since_ = 0;
+    } else {
+      controller_.until(cycle.at);
+    }
+  }
+}
+
+// What was sent before the target that the controller holds is over.
+void FaultRun::hear_controller(const RobotReply& reply) {
+  maybe_held_.erase(maybe_held_.begin(), nearest_held(reply.q_commanded));
+}
+
+// The target of which `q` is what 32 bits make of it.
+JointVector FaultRun::as_sent(const JointVector& q) {
+  const auto held = nearest_held(q);
+  return held != maybe_held_.end() ? *held : q;
+}
+
+std::vector<JointVector>::iterator FaultRun::nearest_held(const JointVector& q) {
+  auto held = maybe_held_.begin();
+  for (auto it = held; it != maybe_held_.end(); ++it) {
+    if ((*it - q).norm() <= (*held - q).norm()) held = it;
+  }
+  return held;
+}
+
+// The slave says when it halts the arm; whether it had to is judged here, by what the controller
+// might have held before this tick and the target that was `next`.
+void FaultRun::judge_halt(const std::vector<JointVector>& maybe_held, const JointVector& next) {
+  const std::uint64_t halts = cell_->follow_state().halts;
+  const bool halted = halts != told_halts_;
+  told_halts_ = halts;
+  if (!halted || paused_) return;
+  const double dt = to_seconds(kMxtPeriod);
+  // What the arm gained in the cycles that were not answered is not in `next`: at most four.
+  const JointVector room =
+      dt * rv2a_limits().max_speed - 4.0 * dt * dt * rv2a_limits().max_acceleration;
+  const auto beyond = [&](const JointVector& held) {
+    return ((next - held).array().abs() > room.array()).any();
+  };
+  if (std::none_of(maybe_held.begin(), maybe_held.end(), beyond)) ++halts_in_vain_;
+}
+
+void FaultRun::sent_target(const JointVector& q) {
+  ++sent_since_;
+  maybe_held_.push_back(q);
+  targets_ = {q, targets_[0]};
 }
 
 void FaultRun::feed_auditor() {
@@ -153,10 +226,18 @@ void FaultRun::feed_auditor() {
     }
   };
   if (!cell_->targets().empty()) {
-    take(cell_->robot_cycle_at());
+    take(cell_->target_at());
     if (true_force() > 0.0) auditor_.touched(normal());
     for (const JointVector& q : cell_->targets()) {
-      auditor_.commanded(q, cell_->robot_cycle_at());
+      auditor_.commanded(q, cell_->target_at());
+      sent_target(q);
+    }
+  }
+  // An arm that was halted is commanded by nobody: what counts is where the controller holds it.
+  if (cell_->targets().empty() && cell_->follow_state().gap) {
+    for (const ControllerCycle& cycle : cell_->controller_cycles()) {
+      take(cycle.at);
+      auditor_.commanded(as_sent(cycle.q), cycle.at);
     }
   }
   take(now());
@@ -284,8 +365,17 @@ FaultOutcome FaultRun::outcome() {
     measure(out, to_seconds(report.worst.took) * 1e3, to_seconds(report.worst.allowed) * 1e3);
   }
   for (std::size_t i = 0; i < report.breaches.size(); ++i) {
-    find(out, report.breaches[i], name_of(static_cast<Breach>(i)));
+    const auto breach = static_cast<Breach>(i);
+    // A halt breaks these; whether it may is judged below.
+    const bool of_halt =
+        breach == Breach::kSpeed || breach == Breach::kAcceleration || breach == Breach::kJerk;
+    if (!(may_halt_ && of_halt)) find(out, report.breaches[i], name_of(breach));
   }
+  find(out, controller_.breaches(), "beyond the limits at the controller");
+  find(out, may_halt_ ? halts_in_vain_ : controller_.halts(), "halts in vain");
+  find(out, controller_.halts() > told_halts_, "halts that were not told");
+  const Alarm& alarm = cell_->rig().controller().alarm();
+  if (alarm.kind != AlarmKind::kNone) find(out, 1, describe(alarm.kind));
   find(out, report.worst.took > report.worst.allowed && report.of(Breach::kLateStop) == 0,
        name_of(Breach::kLateStop));
   out.settled = settled_;

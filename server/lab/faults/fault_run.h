@@ -9,6 +9,7 @@
 
 #include "server/lab/cell.h"
 #include "server/lab/faults/auditor.h"
+#include "server/lab/faults/controller_audit.h"
 
 namespace handrail {
 
@@ -36,6 +37,8 @@ struct FaultOptions {
   // A surface of 57 N/mm, with what gives way in the arm, kGap under the tip where it starts;
   // approached slowly enough for 200 N. The hand stands, but for `layers().hand`.
   bool contact = false;
+  bool queues = false;  // the controller works off one packet a cycle, the rest wait
+  bool brisk = false;   // the hand turns up to 0.3 rad, twice as often
 };
 
 // Faults of the devices: called with what the device says and when, they may change it. Empty:
@@ -43,6 +46,7 @@ struct FaultOptions {
 struct FaultLayers final : public CellTap {
   std::function<void(Nanos, Wrench&, bool&)> force;
   std::function<void(Nanos, RobotReply&)> reply;
+  std::function<void(const RobotReply&)> heard;  // as it is passed on
   std::function<void(Nanos, HandReading&)> hand;
 
   void on_force(Nanos at, Wrench& f, bool& valid) noexcept override {
@@ -50,6 +54,7 @@ struct FaultLayers final : public CellTap {
   }
   void on_reply(Nanos at, RobotReply& told) noexcept override {
     if (reply) reply(at, told);
+    if (heard) heard(told);
   }
 };
 
@@ -74,6 +79,17 @@ class FaultRun {
   void drive(Nanos span);
   void tick(const HapticOrder& order = {});
 
+  // What the line between slave and controller does. From the first call on the arm may be halted,
+  // and is judged by what the controller accepts alone.
+  void set_robot_line(const LinkFaults& commands, const LinkFaults& replies);
+  // A program that is paused halts the arm with reason.
+  void let_pause() { may_halt_ = paused_ = true; }
+  // Motions that ended without braking, as the controller saw them.
+  std::uint64_t halts() const { return controller_.halts(); }
+  // Of them, those that had no reason: the next target was in a rated step of all that the
+  // controller might hold.
+  std::uint64_t halts_in_vain() const { return halts_in_vain_; }
+  const ControllerAudit& controller() const { return controller_; }
   // A poor link: the arm need not go on whenever something fresh comes.
   void let_hold() { may_hold_ = true; }
   void stall_master(bool stalled);
@@ -106,6 +122,12 @@ class FaultRun {
 
  private:
   void feed_auditor();
+  void feed_controller_audit();
+  void judge_halt(const std::vector<JointVector>& maybe_held, const JointVector& next);
+  void sent_target(const JointVector& q);
+  void hear_controller(const RobotReply& reply);
+  JointVector as_sent(const JointVector& q);
+  std::vector<JointVector>::iterator nearest_held(const JointVector& q);
   void follow_loop();
   void watch_servo();
   void watch_surface();
@@ -114,6 +136,14 @@ class FaultRun {
   Random random_;
   std::unique_ptr<Cell> cell_;
   Auditor auditor_;
+  ControllerAudit controller_;
+  bool may_halt_ = false;
+  bool paused_ = false;
+  std::array<JointVector, 2> targets_{};  // sent last, newest first
+  std::vector<JointVector> maybe_held_;   // the last confirmed, and what was sent since
+  std::uint64_t halts_in_vain_ = 0;
+  std::uint64_t told_halts_ = 0;
+  int sent_since_ = 0;  // targets, since the controller took one
   FaultLayers layers_;
   std::array<double, 12> hand_{};  // amplitudes, rates and phases
   std::uint32_t incarnation_ = 1;

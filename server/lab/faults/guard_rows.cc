@@ -7,7 +7,7 @@
 #include "server/control/guard.h"
 #include "server/lab/faults/fault_rows.h"
 
-namespace handrail {
+namespace handrail::rows {
 namespace {
 
 constexpr Nanos kCycle = 7'100 * kMicrosecond;
@@ -78,12 +78,14 @@ JointVector somewhere(const JointLimits& joints, Random& random) {
   return q;
 }
 
+}  // namespace
+
 // Joint commands straight into the guard, a million sequences of twenty in all runs. Now and then
 // the arm stands elsewhere; in every second run in the middle of a workspace of 16 cm.
-FaultOutcome x2a(std::uint64_t seed, int index) {
+FaultOutcome x2a(const RowRun& row) {
   constexpr int kMoveAfter = 10;
   constexpr double kHalfBox = 0.08;  // [m]
-  Random random(seed);
+  Random random(row.seed);
   AuditLimits judged;
   judged.joints = rv2a_limits();
   judged.max_jerk = judged.joints.max_jerk;
@@ -93,7 +95,7 @@ FaultOutcome x2a(std::uint64_t seed, int index) {
   for (int part = 0; part < kSequences / kMoveAfter; ++part) {
     GuardState state;
     state.q = somewhere(judged.joints, random);
-    if (index % 2 == 1) {
+    if (row.index % 2 == 1) {
       const Vec3 tip = forward(judged.arm, state.q).p;
       judged.low = tip - Vec3::Constant(kHalfBox);
       judged.high = tip + Vec3::Constant(kHalfBox);
@@ -120,13 +122,4 @@ FaultOutcome x2a(std::uint64_t seed, int index) {
   return out;
 }
 
-}  // namespace
-
-const std::vector<FaultRow>& guard_rows() {
-  static const std::vector<FaultRow> rows = {
-      {"X2a", "a million hostile sequences to the guard alone", "of the limits", 20, x2a},
-  };
-  return rows;
-}
-
-}  // namespace handrail
+}  // namespace handrail::rows

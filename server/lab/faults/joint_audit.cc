@@ -64,6 +64,7 @@ bool JointAudit::commanded(const JointVector& q, BreachCounts& breaches) noexcep
   step_ = step;
   change_ = change;
   moving_ = step.cwiseAbs().maxCoeff() > kStandingStep;
+  at_rest_ = !moving_ && change.cwiseAbs().maxCoeff() <= kStandingStep;
   tip_ = forward(limits_.arm, q).p;
   const JointLimits& joints = limits_.joints;
   const double v = (step.array().abs() / (joints.max_speed.array() * dt_)).maxCoeff();

@@ -56,6 +56,9 @@ class JointAudit {
   const JointVector& q() const noexcept { return q_; }
   const JointVector& step() const noexcept { return step_; }
   bool moving() const noexcept { return moving_; }
+  // Neither moves nor turns back: where an arm turns it stands for a moment, and what is left of its
+  // acceleration still takes it away.
+  bool at_rest() const noexcept { return at_rest_; }
   const Vec3& tip() const noexcept { return tip_; }
 
   // Largest of any joint and cycle, 1 = the limit.
@@ -71,6 +74,7 @@ class JointAudit {
   JointVector step_ = JointVector::Zero();
   JointVector change_ = JointVector::Zero();
   bool moving_ = false;
+  bool at_rest_ = true;
   Vec3 tip_ = Vec3::Zero();
   double speed_ = 0.0;
   double acceleration_ = 0.0;

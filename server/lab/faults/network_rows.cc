@@ -4,7 +4,7 @@
 
 #include "server/lab/faults/fault_rows.h"
 
-namespace handrail {
+namespace handrail::rows {
 namespace {
 
 double in_ms(Nanos span) { return to_seconds(span) * 1e3; }
@@ -23,13 +23,13 @@ void judge_never_tripped(FaultRun& run, FaultOutcome& out) {
 }
 
 // Ten minutes of independent loss each way.
-FaultOutcome n1(std::uint64_t seed, double loss, bool may_trip) {
-  FaultRun run(seed);
+FaultOutcome n1(const RowRun& row, double loss, bool may_trip) {
+  FaultRun run(row.seed);
   if (!run.engage()) return not_engaged();
   LinkFaults faults;
   faults.loss = loss;
   run.set_network(faults);
-  run.run(600 * kSecond);
+  run.run(row.span(600 * kSecond));
   FaultOutcome out = run.outcome();
   judge_order(run, out);
   find(out, run.auditor().report().latched, "latched");
@@ -37,17 +37,20 @@ FaultOutcome n1(std::uint64_t seed, double loss, bool may_trip) {
   measure(out, in_ms(run.longest_gap()), in_ms(may_trip ? Auditor::kLatch : Auditor::kWatchdog));
   return out;
 }
-FaultOutcome n1a(std::uint64_t seed, int) { return n1(seed, 0.1, false); }
-FaultOutcome n1b(std::uint64_t seed, int) { return n1(seed, 0.3, true); }
+
+}  // namespace
+
+FaultOutcome n1a(const RowRun& row) { return n1(row, 0.1, false); }
+FaultOutcome n1b(const RowRun& row) { return n1(row, 0.3, true); }
 
 // A minute of up to 10 % loss, against the same minute without.
-FaultOutcome n1c(std::uint64_t seed, int index) {
+FaultOutcome n1c(const RowRun& row) {
   constexpr std::array<double, 3> kLosses = {0.01, 0.05, 0.1};
-  FaultRun clean(seed);
-  FaultRun run(seed);
+  FaultRun clean(row.seed);
+  FaultRun run(row.seed);
   if (!clean.engage() || !run.engage()) return not_engaged();
   LinkFaults faults;
-  faults.loss = kLosses[static_cast<std::size_t>(index) % kLosses.size()];
+  faults.loss = row.level(kLosses);
   run.set_network(faults);
   clean.run(60 * kSecond);
   run.run(60 * kSecond);
@@ -60,12 +63,12 @@ FaultOutcome n1c(std::uint64_t seed, int index) {
 }
 
 // Bursts of loss of 2 to 200 ms, 5 % of the time.
-FaultOutcome n2(std::uint64_t seed, int index) {
+FaultOutcome n2(const RowRun& row) {
   constexpr std::array<double, 5> kMeans = {2.0, 5.0, 10.0, 50.0, 200.0};
-  FaultRun run(seed);
+  FaultRun run(row.seed);
   if (!run.engage()) return not_engaged();
   LinkFaults faults;
-  const double mean = kMeans[static_cast<std::size_t>(index) % kMeans.size()];
+  const double mean = row.level(kMeans);
   faults.burst_leave = 1.0 / mean;
   faults.burst_enter = 0.05 / 0.95 / mean;
   run.set_network(faults);
@@ -77,12 +80,12 @@ FaultOutcome n2(std::uint64_t seed, int index) {
 
 // A constant delay one way, up to 500 ms: slow to feel, but drivable; its age is shown, and said
 // from 100 ms on.
-FaultOutcome n3(std::uint64_t seed, int index) {
+FaultOutcome n3(const RowRun& row) {
   constexpr Nanos kWarned = 100 * kMillisecond;
   constexpr std::array<int, 6> kDelays = {0, 10, 50, 100, 200, 500};
-  FaultRun run(seed);
+  FaultRun run(row.seed);
   LinkFaults faults;
-  faults.delay = kDelays[static_cast<std::size_t>(index) % kDelays.size()] * kMillisecond;
+  faults.delay = row.level(kDelays) * kMillisecond;
   run.set_network(faults);
   if (!run.engage()) return not_engaged();
   double off = 0.0;
@@ -107,13 +110,13 @@ FaultOutcome n3(std::uint64_t seed, int index) {
 }
 
 // Jitter of 1 to 50 ms on 50 ms, order kept as a queue keeps it.
-FaultOutcome n4(std::uint64_t seed, int index) {
+FaultOutcome n4(const RowRun& row) {
   constexpr std::array<int, 4> kJitters = {1, 5, 20, 50};
-  FaultRun run(seed);
+  FaultRun run(row.seed);
   LinkFaults faults;
   faults.delay = 50 * kMillisecond;
-  faults.jitter = kJitters[static_cast<std::size_t>(index) % kJitters.size()] * kMillisecond;
-  faults.reorder = index % 8 < 4 ? 0.0 : 1.0;  // every second time each takes its own way
+  faults.jitter = row.level(kJitters) * kMillisecond;
+  faults.reorder = row.index % 8 < 4 ? 0.0 : 1.0;  // every second time each takes its own way
   if (!run.engage()) return not_engaged();
   run.set_network(faults);
   run.drive(20 * kSecond);
@@ -122,6 +125,8 @@ FaultOutcome n4(std::uint64_t seed, int index) {
   measure(out, run.auditor().report().jerk, 1.0);
   return out;
 }
+
+namespace {
 
 // What the network may do to the order, with the count of what must not be applied.
 FaultOutcome order_row(std::uint64_t seed, const LinkFaults& faults, Nanos span) {
@@ -138,31 +143,33 @@ FaultOutcome order_row(std::uint64_t seed, const LinkFaults& faults, Nanos span)
   return out;
 }
 
-FaultOutcome n5(std::uint64_t seed, int index) {
+}  // namespace
+
+FaultOutcome n5(const RowRun& row) {
   constexpr std::array<double, 3> kShares = {0.01, 0.1, 0.5};
   LinkFaults faults;
-  faults.reorder = kShares[static_cast<std::size_t>(index) % kShares.size()];
+  faults.reorder = row.level(kShares);
   faults.reorder_by = 5 * kMillisecond;
-  return order_row(seed, faults, 20 * kSecond);
+  return order_row(row.seed, faults, 20 * kSecond);
 }
 
 // Duplicates; the last level replays ten old datagrams for each new one: in 100 s a million.
-FaultOutcome n6(std::uint64_t seed, int index) {
+FaultOutcome n6(const RowRun& row) {
   constexpr std::array<double, 3> kShares = {0.01, 0.25, 1.0};
   LinkFaults faults;
-  if (index % 4 == 3) {
+  if (row.index % 4 == 3) {
     faults.replay = 10.0;
-    return order_row(seed, faults, 100 * kSecond);
+    return order_row(row.seed, faults, row.span(100 * kSecond));
   }
-  faults.duplicate = kShares[static_cast<std::size_t>(index) % kShares.size()];
-  return order_row(seed, faults, 20 * kSecond);
+  faults.duplicate = row.level(kShares);
+  return order_row(row.seed, faults, 20 * kSecond);
 }
 
 // Blackouts of 10 ms to 60 s.
-FaultOutcome n9(std::uint64_t seed, int index) {
+FaultOutcome n9(const RowRun& row) {
   constexpr std::array<int, 5> kSpans = {10, 21, 100, 1000, 60'000};
-  const Nanos span = kSpans[static_cast<std::size_t>(index) % kSpans.size()] * kMillisecond;
-  FaultRun run(seed);
+  const Nanos span = row.level(kSpans) * kMillisecond;
+  FaultRun run(row.seed);
   if (!run.engage()) return not_engaged();
   run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
   LinkFaults dark;
@@ -184,15 +191,17 @@ FaultOutcome n9(std::uint64_t seed, int index) {
   return out;
 }
 
+namespace {
+
 // One direction alone goes dark: the slave stops, the master's force goes. Every second time the
 // arm is on its way to a command 12 cm ahead.
-FaultOutcome n10(std::uint64_t seed, int index, bool to_slave) {
+FaultOutcome n10(const RowRun& row, bool to_slave) {
   constexpr Nanos kForceGone = 50 * kMillisecond;
-  FaultRun run(seed);
+  FaultRun run(row.seed);
   if (!run.engage()) return not_engaged();
   run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
   MasterState far = run.cell().master().link;
-  if (to_slave && index % 2 == 1) {
+  if (to_slave && row.index % 2 == 1) {
     far.X_SU.p += Vec3(0.0, 0.06, 0.1);
     run.send_instead(&far);
     run.run(100 * kMillisecond);
@@ -214,23 +223,26 @@ FaultOutcome n10(std::uint64_t seed, int index, bool to_slave) {
   find(out, out.worst > out.bound, "force stayed");
   return out;
 }
-FaultOutcome n10a(std::uint64_t seed, int index) { return n10(seed, index, true); }
-FaultOutcome n10b(std::uint64_t seed, int index) { return n10(seed, index, false); }
+
+}  // namespace
+
+FaultOutcome n10a(const RowRun& row) { return n10(row, true); }
+FaultOutcome n10b(const RowRun& row) { return n10(row, false); }
 
 // A narrow way with a queue of a second: the loop's age passes its limit, which takes the force
 // away, and comes back.
-FaultOutcome n11(std::uint64_t seed, int index) {
+FaultOutcome n11(const RowRun& row) {
   constexpr Nanos kLimit = 300 * kMillisecond;
   constexpr Nanos kQueue = kSecond;
   constexpr std::array<int, 4> kRates = {64'000, 256'000, 1'000'000, 2'000'000};
   FaultOptions options;
   options.fade_loop = kLimit;
-  FaultRun run(seed, options);
+  FaultRun run(row.seed, options);
   if (!run.engage()) return not_engaged();
   run.let_hold();  // most of what is sent is dropped: the link is poor
   LinkFaults faults;
   faults.queue = kQueue;
-  faults.rate_bps = kRates[static_cast<std::size_t>(index) % kRates.size()];
+  faults.rate_bps = row.level(kRates);
   run.set_network(faults);
   Nanos worst = 0;
   std::uint64_t backlog = 0;
@@ -265,10 +277,10 @@ FaultOutcome n11(std::uint64_t seed, int index) {
 }
 
 // Half an hour of everything at once.
-FaultOutcome n13(std::uint64_t seed, int index) {
-  FaultRun run(seed);
+FaultOutcome n13(const RowRun& row) {
+  FaultRun run(row.seed);
   LinkFaults faults;
-  const bool first = index % 2 == 0;
+  const bool first = row.index % 2 == 0;
   faults.delay = (first ? 250 : 100) * kMillisecond;
   faults.jitter = (first ? 250 : 50) * kMillisecond;
   faults.loss = first ? 0.05 : 0.25;
@@ -276,37 +288,10 @@ FaultOutcome n13(std::uint64_t seed, int index) {
   faults.reorder = 1.0;
   if (!run.engage()) return not_engaged();
   run.set_network(faults);
-  run.drive(1800 * kSecond);
+  run.drive(row.span(1800 * kSecond));
   FaultOutcome out = run.outcome();
   judge_order(run, out);
   return out;
 }
 
-}  // namespace
-
-FaultOutcome not_engaged() {
-  FaultOutcome out;
-  find(out, 1, "did not engage");
-  return out;
-}
-
-const std::vector<FaultRow>& network_rows() {
-  static const std::vector<FaultRow> rows = {
-      {"N1a", "10 % loss each way for 10 minutes: no trip", "ms gap", 1, n1a},
-      {"N1b", "30 % loss each way for 10 minutes: nothing latches", "ms gap", 1, n1b},
-      {"N1c", "up to 10 % loss: the arm follows as well", "of the clean error", 3, n1c},
-      {"N2", "bursts of loss of 2 to 200 ms: every stop in its bound", "ms to stop", 20, n2},
-      {"N3", "delays up to 500 ms one way: drivable, their age shown", "% off the loop age", 6, n3},
-      {"N4", "jitter up to 50 ms on 50 ms: jerk within its limit", "of the jerk limit", 8, n4},
-      {"N5", "reordering: nothing stale applied", "stale applied", 6, n5},
-      {"N6", "duplicates and a million replays: nothing applied twice", "stale applied", 4, n6},
-      {"N9", "blackouts of 10 ms to 60 s", "ms to stop", 20, n9},
-      {"N10a", "nothing reaches the slave", "ms to stop", 40, n10a},
-      {"N10b", "nothing reaches the master: its force goes", "ms to no force", 20, n10b},
-      {"N11", "64 kbit/s to 2 Mbit/s, a queue of a second: old loops fade", "ms to fade", 4, n11},
-      {"N13", "delay, jitter, loss and duplicates for half an hour", "ms to stop", 2, n13},
-  };
-  return rows;
-}
-
-}  // namespace handrail
+}  // namespace handrail::rows

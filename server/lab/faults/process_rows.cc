@@ -4,16 +4,14 @@
 #include "server/base/fnv.h"
 #include "server/lab/faults/fault_rows.h"
 
-namespace handrail {
-namespace {
+namespace handrail::rows {
 
 // The master stopped for 5 ms to 10 s, or killed and started anew; what waited comes in a burst.
-FaultOutcome p1(std::uint64_t seed, int index) {
+FaultOutcome p1(const RowRun& row) {
   constexpr std::array<int, 6> kSpans = {5, 30, 150, 1000, 10'000, 1000};
-  const auto level = static_cast<std::size_t>(index) % kSpans.size();
-  const bool killed = level == kSpans.size() - 1;
-  const Nanos span = kSpans[level] * kMillisecond;
-  FaultRun run(seed);
+  const bool killed = &row.level(kSpans) == &kSpans.back();
+  const Nanos span = row.level(kSpans) * kMillisecond;
+  FaultRun run(row.seed);
   if (!run.engage()) return not_engaged();
   run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
   run.cell().net()->stop_master(true);
@@ -29,16 +27,18 @@ FaultOutcome p1(std::uint64_t seed, int index) {
 }
 
 // The haptic thread stands still for 50 ms or for good; its process goes on.
-FaultOutcome p5(std::uint64_t seed, int index) {
-  FaultRun run(seed);
+FaultOutcome p5(const RowRun& row) {
+  FaultRun run(row.seed);
   if (!run.engage()) return not_engaged();
   run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
   run.stall_master(true);
-  run.run(index % 2 == 0 ? 50 * kMillisecond : 2 * kSecond);
+  run.run(row.index % 2 == 0 ? 50 * kMillisecond : 2 * kSecond);
   run.stall_master(false);
   run.run(kSecond);
   return run.outcome();
 }
+
+namespace {
 
 std::uint64_t joints_after(FaultRun& run, Nanos span) {
   Fnv fnv;
@@ -49,13 +49,15 @@ std::uint64_t joints_after(FaultRun& run, Nanos span) {
   return fnv.value();
 }
 
+}  // namespace
+
 // The two monotonic clocks are 5000 s apart: the same bits as without, over a bad network too.
-FaultOutcome c2(std::uint64_t seed, int index) {
+FaultOutcome c2(const RowRun& row) {
   constexpr Nanos kOff = 5000 * kSecond;
-  FaultRun plain(seed);
+  FaultRun plain(row.seed);
   FaultOptions clocks;
-  (index % 2 == 0 ? clocks.master_clock : clocks.slave_clock) = kOff;
-  FaultRun off(seed, clocks);
+  (row.index % 2 == 0 ? clocks.master_clock : clocks.slave_clock) = kOff;
+  FaultRun off(row.seed, clocks);
   LinkFaults faults;
   faults.delay = 20 * kMillisecond;
   faults.jitter = 5 * kMillisecond;
@@ -72,6 +74,8 @@ FaultOutcome c2(std::uint64_t seed, int index) {
   find(out, bits[0] != bits[1], "moved otherwise");
   return out;
 }
+
+namespace {
 
 Vec3 random_vector(Random& random, double size) {
   Vec3 out;
@@ -102,10 +106,12 @@ ToolDefinition hostile_tool(Random& random, const Vec3& p, std::uint32_t epoch) 
   return tool;
 }
 
+}  // namespace
+
 // An authentic master gone mad: every 20 ms another sequence of commands, jumps, noise, fast sines,
 // the ends of reach, and tools that change under way.
-FaultOutcome x2b(std::uint64_t seed, int) {
-  FaultRun run(seed);
+FaultOutcome x2b(const RowRun& row) {
+  FaultRun run(row.seed);
   if (!run.engage()) return not_engaged();
   Random& random = run.random();
   MasterState state = run.cell().master().link;
@@ -138,8 +144,8 @@ FaultOutcome x2b(std::uint64_t seed, int) {
 }
 
 // A second master talks to the slave at the same time, engaging and leading elsewhere.
-FaultOutcome x9a(std::uint64_t seed, int) {
-  FaultRun run(seed);
+FaultOutcome x9a(const RowRun& row) {
+  FaultRun run(row.seed);
   if (!run.engage()) return not_engaged();
   MasterPeer second(run.random().bits() | 1);
   std::array<std::uint8_t, kMaxDatagram> bytes{};
@@ -161,17 +167,4 @@ FaultOutcome x9a(std::uint64_t seed, int) {
   return out;
 }
 
-}  // namespace
-
-const std::vector<FaultRow>& process_rows() {
-  static const std::vector<FaultRow> rows = {
-      {"P1", "master stopped for 5 ms to 10 s or killed, a late burst", "ms to stop", 36, p1},
-      {"P5", "haptic thread stalled for 50 ms or for good", "ms to stop", 20, p5},
-      {"C2", "clocks 5000 s apart: the same bits", "ms to stop", 4, c2},
-      {"X2b", "20 000 hostile sequences to the whole slave", "of the limits", 8, x2b},
-      {"X9a", "a second master at the same slave", "datagrams applied", 4, x9a},
-  };
-  return rows;
-}
-
-}  // namespace handrail
+}  // namespace handrail::rows

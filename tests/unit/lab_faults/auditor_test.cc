@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -83,6 +84,33 @@ TEST(AuditorTest, TheBoundIsWatchdogCycleAndTheJointsOwnTime) {
   s.auditor.finish();
   const double own = kFast / kDt / rv2a_limits().max_acceleration[0] + 2.5 * 0.020;
   EXPECT_NEAR(to_seconds(s.report().worst.allowed), 0.020 + 0.0071 + 0.002 + own, 1e-9);
+}
+
+// An arm that turns stands for one command, with an acceleration that its jerk does not let go at
+// once: what it still moves belongs to its stop. From rest nothing may move.
+TEST(AuditorTest, AnArmThatTurnsWhenItMustStopIsStoppingAndNotAtRest) {
+  const double jerk = 0.9 * limits().max_jerk[0] * kDt * kDt * kDt;
+  for (const std::size_t heard : {4u, 5u, 6u}) {  // cycles; the last is followed by 20 ms
+    for (const bool goes_on : {false, true}) {
+      Stream s;
+      double step = 0.0;
+      const std::array<double, 9> changes = {0.75, 1.5, 0.75, 0.0, -0.5, -1.0, -1.5, -0.5, 0.5};
+      for (std::size_t i = 0; i < changes.size(); ++i) {
+        s.link = i < heard;
+        step += changes[i] * jerk;
+        s.cycle(step);
+        EXPECT_EQ(s.auditor.led(), i < heard + 2) << heard << " " << i;
+      }
+      s.link = false;
+      s.cycle();
+      s.cycle();
+      if (goes_on) s.cycle(1e-9);
+      s.auditor.finish();
+      EXPECT_EQ(s.report().stops, 1u) << heard;
+      EXPECT_EQ(s.report().of(Breach::kUnled), goes_on ? 1u : 0u) << heard;
+      EXPECT_EQ(s.report().total(), s.report().of(Breach::kUnled)) << heard;
+    }
+  }
 }
 
 TEST(AuditorTest, AShortGapResumesByItself) {

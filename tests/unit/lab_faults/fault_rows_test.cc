@@ -10,6 +10,7 @@
 
 #include "server/lab/faults/fault_command.h"
 #include "server/lab/faults/fault_proof.h"
+#include "server/lab/faults/fault_runner.h"
 
 namespace handrail {
 namespace {
@@ -19,25 +20,31 @@ using ::testing::Not;
 
 const std::atomic<bool> kGoOn = false;
 
-FaultOutcome odd_ones_fail(std::uint64_t, int index) {
+FaultOutcome odd_ones_fail(const RowRun& row) {
   FaultOutcome out;
-  measure(out, 10.0 * index, 25.0);
-  find(out, index % 2 == 1 ? 2 : 0, "oddities");
+  measure(out, 10.0 * row.index, 25.0);
+  find(out, row.index % 2 == 1 ? 2 : 0, "oddities");
   return out;
 }
-FaultOutcome pushes_on(std::uint64_t, int index) {
+FaultOutcome pushes_on(const RowRun& row) {
   FaultOutcome out;
-  out.harder = 10.0 * index;
-  out.deeper = 1.0 - 0.5 * index;
+  out.harder = 10.0 * row.index;
+  out.deeper = 1.0 - 0.5 * row.index;
   return out;
 }
-FaultOutcome never_measured(std::uint64_t, int) { return {}; }
+FaultOutcome never_measured(const RowRun&) { return {}; }
+
+std::vector<FaultResult> results_of(const std::vector<FaultRow>& rows, std::uint64_t seed,
+                                    int threads) {
+  return run_faults({rows, {seed}, false, threads}, kGoOn).value();
+}
 
 TEST(FaultRowsTest, EveryRowHasANameOfItsOwnAndRuns) {
   std::set<std::string> names;
   for (const FaultRow& row : fault_rows()) {
     EXPECT_TRUE(names.insert(row.id).second) << row.id;
-    EXPECT_GT(row.runs, 0);
+    EXPECT_GT(row.quick_runs, 0) << row.id;
+    EXPECT_LE(row.quick_runs, row.runs) << row.id;
   }
   for (const char* id :
        {"N2", "N3",  "N4",  "N5",  "N6",  "N9",  "N11", "N13", "P1",  "P5",  "C2",  "S4",
@@ -47,18 +54,18 @@ TEST(FaultRowsTest, EveryRowHasANameOfItsOwnAndRuns) {
 }
 
 TEST(FaultRowsTest, ARowTellsHowMuchItsStopsPushOn) {
-  const std::vector<FaultRow> rows = {{"T1", "a test", "N", 3, pushes_on},
-                                      {"T2", "another", "N", 2, never_measured}};
-  const std::string table = fault_table(run_faults(rows, 1, 2, kGoOn));
+  const std::vector<FaultRow> rows = {{"T1", "a test", "N", 3, 3, pushes_on},
+                                      {"T2", "another", "N", 2, 2, never_measured}};
+  const std::string table = fault_table(results_of(rows, 1, 2));
   EXPECT_THAT(table,
               HasSubstr("T1: a stop that had set in still pushed up to 20 N harder, 1.0 mm"));
   EXPECT_THAT(table, Not(HasSubstr("T2: a stop")));
 }
 
 TEST(FaultRowsTest, TheWorstRunIsTheOneNearestToItsBound) {
-  const std::vector<FaultRow> rows = {{"T1", "a test", "ms", 5, odd_ones_fail},
-                                      {"T2", "another", "N", 2, never_measured}};
-  const auto results = run_faults(rows, 1, 2, kGoOn);
+  const std::vector<FaultRow> rows = {{"T1", "a test", "ms", 5, 5, odd_ones_fail},
+                                      {"T2", "another", "N", 2, 2, never_measured}};
+  const auto results = results_of(rows, 1, 2);
   ASSERT_EQ(results.size(), 2u);
   EXPECT_EQ(results[0].runs, 5);
   EXPECT_EQ(results[0].violations, 4u);
@@ -69,10 +76,10 @@ TEST(FaultRowsTest, TheWorstRunIsTheOneNearestToItsBound) {
   EXPECT_EQ(fault_json(results),
             "{\"rows\": [\n"
             "  {\"row\": \"T1\", \"runs\": 5, \"violations\": 4, \"worst\": 40, \"bound\": 25, "
-            "\"unit\": \"ms\"},\n"
+            "\"unit\": \"ms\", \"seeds_with_violations\": [1]},\n"
             "  {\"row\": \"T2\", \"runs\": 2, \"violations\": 0, \"worst\": 0, \"bound\": 0, "
-            "\"unit\": \"N\"}\n]}\n");
-  EXPECT_THAT(fault_table(results), HasSubstr("run 1: 2 x oddities"));
+            "\"unit\": \"N\", \"seeds_with_violations\": []}\n]}\n");
+  EXPECT_THAT(fault_table(results), HasSubstr("seed 1, run 1: 2 x oddities"));
 }
 
 TEST(FaultRowsTest, NoSuchRowIsBadUsage) {
@@ -86,13 +93,13 @@ TEST(FaultRowsTest, ResultsDependOnTheSeedAndNotOnThreads) {
   for (const FaultRow& row : fault_rows()) {
     if (std::string(row.id) == "N10a") rows.push_back(row);
   }
-  const std::string one = fault_json(run_faults(rows, 1, 1, kGoOn));
-  EXPECT_EQ(fault_json(run_faults(rows, 1, 2, kGoOn)), one);
-  EXPECT_NE(fault_json(run_faults(rows, 2, 2, kGoOn)), one);
+  const std::string one = fault_json(results_of(rows, 1, 1));
+  EXPECT_EQ(fault_json(results_of(rows, 1, 2)), one);
+  EXPECT_NE(fault_json(results_of(rows, 2, 2)), one);
 }
 
 TEST(FaultRowsTest, EveryCheckHasARowThatIsToProveIt) {
-  const std::vector<FaultRow> rows = fault_rows();
+  const std::span<const FaultRow> rows = fault_rows();
   std::set<std::string> names;
   std::size_t check = 0;
   for (const FaultProof& proof : fault_proofs()) {
@@ -118,7 +125,7 @@ TEST(FaultRowsTest, NoCheckCanBeLeftOutOfAnOrdinaryBuild) {
 }
 
 TEST(FaultRowsTest, RunsThatFindAreCountedByWhatTheyFind) {
-  const FaultRow row{"T1", "a test", "ms", 5, odd_ones_fail};
+  const FaultRow row{"T1", "a test", "ms", 5, 5, odd_ones_fail};
   EXPECT_EQ(runs_that_find(row, 5, "oddities", 1, 2, kGoOn), 2);
   EXPECT_EQ(runs_that_find(row, 1, "oddities", 1, 1, kGoOn), 0);
   EXPECT_EQ(runs_that_find(row, 5, "others", 1, 1, kGoOn), 0);

@@ -64,9 +64,24 @@ TEST_F(TapTest, TellsWhatTheControllerDidInEveryCycle) {
   for (std::size_t i = 2; i < r.size(); ++i) EXPECT_EQ(r[i].target[0], q[0]) << "held since";
   EXPECT_EQ(r[2].measured[0], 0.0) << "moves from the next cycle on";
   EXPECT_GT(r[3].measured[0], 0.0);
-  EXPECT_EQ(r[6].alarm, static_cast<std::uint16_t>(AlarmKind::kJointRange));
+  EXPECT_EQ(r[6].alarm, static_cast<std::uint8_t>(AlarmKind::kJointRange));
   EXPECT_EQ(r[6].joint, 3);
   EXPECT_EQ(read_tap(path)->period, kMxtPeriod);
+}
+
+TEST_F(TapTest, CountsCommandsThatDidNotArrive) {
+  ASSERT_TRUE(tap.open(path, kMxtPeriod));
+  ControllerOptions options = Bench::quiet();
+  options.drop_share = 1.0;
+  Bench bench(options);
+  cycle(bench);
+  bench.feed_null();
+  for (int i = 0; i < 3; ++i) bench.feed_move(Bench::start());
+  cycle(bench);
+  cycle(bench);
+  EXPECT_EQ(records()[0].lost, 0);
+  EXPECT_EQ(records()[1].lost, 3);
+  EXPECT_EQ(records()[2].lost, 0);
 }
 
 TEST_F(TapTest, KeepsTheNewestWhenItIsFull) {

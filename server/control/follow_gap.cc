@@ -1,0 +1,73 @@
+#include "server/control/follow_gap.h"
+
+namespace handrail {
+namespace {
+
+// More cycles than these at once are a gap: planning them takes time, and the controller has
+// stood long enough to stand [cycles].
+constexpr int kMostCycles = 4;
+// A silent controller is asked every so many cycles: one that queues what it gets has little to
+// work off then, and one that is back is heard 28 ms later at most.
+constexpr int kAskEvery = 4;
+// One such answer may be late by a whole cycle.
+constexpr int kQueuedFor = 2;
+
+}  // namespace
+
+void begin_gap(const FollowSettings& settings, FollowState& s) noexcept {
+  if (!s.gap && !standing(s.motion)) ++s.halts;
+  s.motion = standing_at(settings.motion.arm, s.train.newest());
+  s.gap = true;
+  s.waited = 0;
+  s.owed = static_cast<int>(s.train.unconfirmed());
+}
+
+bool asks_now(FollowState& s) noexcept { return s.waited++ % kAskEvery == 0; }
+
+void hear_controller(const FollowSettings& settings, const FollowInput& in,
+                     FollowState& s) noexcept {
+  if (!s.placed) return;
+  if (!in.robot_ready) {
+    // Nobody is told anything: the arm is where it is, at rest.
+    if (!standing(s.motion)) s.motion = standing_at(settings.motion.arm, s.train.newest());
+    return;
+  }
+  bool elsewhere = false;
+  if (in.answer != Answer::kNone) {
+    if (in.has_commanded) {
+      elsewhere = !s.train.confirm(in.q_commanded, rated_step(settings));
+    } else {
+      s.train.confirm_unsaid(in.answer == Answer::kLate);
+    }
+  }
+  const bool paused = in.cycles > kMostCycles;
+  if (!s.gap) {
+    if (paused || elsewhere) begin_gap(settings, s);
+    return;
+  }
+  if (s.waited == 0 || paused || in.answer == Answer::kNone) return;
+  s.waited = 0;  // it is there: ask again at once
+  // The controller answers in order. What it holds is known once it has answered a question, or
+  // holds what was sent last.
+  if ((elsewhere || s.train.unconfirmed() > 0) && s.owed-- > 0) return;
+  const JointVector q = elsewhere ? in.q_commanded : s.train.confirmed();
+  if (joint_out_of_range(settings, q) < 0) place(settings, q, s);
+}
+
+bool controller_has_enough(const FollowInput& in, FollowState& s) noexcept {
+  const bool behind = s.train.unconfirmed() > 0;
+  if (in.answer == Answer::kOnTime) s.queued_for = behind ? s.queued_for + 1 : 0;
+  return in.answer == Answer::kOnTime && s.queued_for >= kQueuedFor;
+}
+
+int joint_out_of_range(const FollowSettings& settings, const JointVector& q) noexcept {
+  const double room = 2.0 * settings.following.room;
+  for (int i = 0; i < kJoints; ++i) {
+    if (!(q[i] >= settings.rated.lower[i] - room && q[i] <= settings.rated.upper[i] + room)) {
+      return i;
+    }
+  }
+  return -1;
+}
+
+}  // namespace handrail

@@ -1,0 +1,39 @@
+// What the slave knows of the controller's side: which of its targets were taken, and when it has
+// to begin anew.
+#pragma once
+
+#include "server/control/follow_step.h"
+
+namespace handrail {
+
+// Takes in what the controller has said. After a gap the motion stands, placed where the controller
+// holds the arm, once that has answered to what was sent since. Real-time safe.
+void hear_controller(const FollowSettings& settings, const FollowInput& in,
+                     FollowState& state) noexcept;
+
+// Halts the arm: it stays where the controller holds it, which is asked where. Which of the newest
+// targets that is cannot be known, so none is sent again. Real-time safe.
+void begin_gap(const FollowSettings& settings, FollowState& state) noexcept;
+
+// In a gap: whether to ask in this cycle. Real-time safe.
+bool asks_now(FollowState& state) noexcept;
+
+// The controller keeps targets for later and plays one a cycle: this cycle's is left out, and the
+// arm goes on with those. Real-time safe.
+bool controller_has_enough(const FollowInput& in, FollowState& state) noexcept;
+
+// One rated step of every joint [rad].
+inline JointVector rated_step(const FollowSettings& settings) noexcept {
+  return settings.rated.max_speed * settings.motion.dt;
+}
+
+// The first joint of `q` outside its range by more than an arm at rest may be off (twice
+// settings.following.room); -1: none. Real-time safe.
+int joint_out_of_range(const FollowSettings& settings, const JointVector& q) noexcept;
+
+// How old what the master said is, at least. Real-time safe.
+inline Nanos age_of_master(const FollowInput& in) noexcept {
+  return in.unseen > kUnseenAge ? std::max(in.master_age, in.unseen) : in.master_age;
+}
+
+}  // namespace handrail

@@ -1,0 +1,180 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "server/lab/faults/fault_rows.h"
+
+namespace handrail::rows {
+namespace {
+
+constexpr Nanos kPeriod = kMxtPeriod;
+
+// Of the runs at all levels every second lot has a controller that queues, of four lots two a wrist
+// turned briskly: joints at over half their rated speed.
+FaultOptions robot_options(const RowRun& row, std::size_t levels) {
+  const int lot = row.index / static_cast<int>(levels);
+  FaultOptions options;
+  options.queues = lot % 2 == 1;
+  options.brisk = (lot / 2) % 2 == 1;
+  return options;
+}
+
+HapticOrder order_of(OrderKind kind) {
+  HapticOrder order;
+  order.kind = kind;
+  return order;
+}
+
+// What the controller accepted, as a share of what it may be asked.
+FaultOutcome judge_controller(FaultRun& run) {
+  FaultOutcome out = run.outcome();
+  measure(out, run.controller().worst().worst(), 1.0);
+  return out;
+}
+
+// What happens while the controller is not heard.
+enum class Meanwhile { kNothing, kStop, kStopCircuit, kCount };
+
+// The slave stops for 5 ms to a minute, alone or with the master: the computer sleeps.
+FaultOutcome paused(const RowRun& row, bool both) {
+  constexpr std::array<int, 7> kSpans = {5, 12, 20, 60, 250, 5000, 60'000};
+  const Nanos span = row.level(kSpans) * kMillisecond;
+  FaultRun run(row.seed, robot_options(row, kSpans.size()));
+  if (!run.engage()) return not_engaged();
+  run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
+  run.let_pause();
+  run.cell().net()->stop_slave(true);
+  if (both) run.cell().net()->stop_master(true);
+  run.run(span);
+  run.cell().net()->stop_slave(false);
+  run.cell().net()->stop_master(false);
+  run.run(kSecond);
+  // Nobody engages: longer than the link may be silent, both have let go.
+  const bool went_on = span > Auditor::kLatch && run.engaged();
+  run.drive(6 * kSecond);
+  const bool engaged = run.engaged();
+  FaultOutcome out = judge_controller(run);
+  find(out, went_on, "engaged after a long pause");
+  find(out, !engaged, "not engaged again");
+  return out;
+}
+}  // namespace
+
+// Packets lost each way.
+FaultOutcome r1a(const RowRun& row) {
+  constexpr std::array<double, 5> kLosses = {0.001, 0.01, 0.03, 0.05, 0.1};
+  FaultRun run(row.seed, robot_options(row, kLosses.size()));
+  if (!run.engage()) return not_engaged();
+  LinkFaults faults;
+  faults.loss = row.level(kLosses);
+  run.set_robot_line(faults, faults);
+  run.run(row.span(30 * kSecond));
+  const bool engaged = run.engaged();
+  FaultOutcome out = judge_controller(run);
+  find(out, !engaged, "not engaged at the end");
+  return out;
+}
+
+// Replies late by up to a period, twice, out of order; commands late by up to half a period, or
+// twice. A controller that queues plays what comes twice for two cycles, as it does what comes
+// after its cycle: those holds are its own, and it is spared them here.
+FaultOutcome r1b(const RowRun& row) {
+  constexpr int kLevels = 5;
+  const FaultOptions options = robot_options(row, kLevels);
+  FaultRun run(row.seed, options);
+  if (!run.engage()) return not_engaged();
+  LinkFaults replies, commands;
+  switch (row.index % kLevels) {
+    case 0:
+      replies.delay = replies.jitter = kPeriod / 2;
+      break;
+    case 1:
+      replies.duplicate = 0.1;
+      commands.duplicate = options.queues ? 0.0 : 0.1;
+      break;
+    case 2:
+      replies.reorder = 0.1;
+      replies.reorder_by = kPeriod * 9 / 10;
+      break;
+    case 3:
+      replies.loss = commands.loss = 0.02;
+      replies.duplicate = 0.05;
+      replies.delay = replies.jitter = kPeriod / 4;
+      break;
+    default:
+      commands.delay = commands.jitter = kPeriod / 4;
+  }
+  run.set_robot_line(commands, replies);
+  run.run(row.span(30 * kSecond));
+  const bool engaged = run.engaged();
+  FaultOutcome out = judge_controller(run);
+  find(out, !engaged, "not engaged at the end");
+  return out;
+}
+
+// The controller is silent for 30 ms to 1.4 s, or only the way to it or back is dark.
+FaultOutcome r2(const RowRun& row) {
+  constexpr std::array<int, 5> kSpans = {10, 30, 100, 500, 1400};
+  const Nanos span = row.level(kSpans) * kMillisecond;
+  const auto meanwhile = static_cast<Meanwhile>(row.index % static_cast<int>(Meanwhile::kCount));
+  FaultRun run(row.seed, robot_options(row, kSpans.size()));
+  if (!run.engage()) return not_engaged();
+  run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
+  LinkFaults dark;
+  dark.loss = 1.0;
+  const int way = static_cast<int>(run.random().uniform() * 3.0);
+  run.set_robot_line(way == 1 ? LinkFaults() : dark, way == 2 ? LinkFaults() : dark);
+  run.run(span / 2);
+  if (meanwhile == Meanwhile::kStop) run.tick(order_of(OrderKind::kStop));
+  if (meanwhile == Meanwhile::kStopCircuit) {
+    run.cell().open_stop_circuit(true);
+    run.tick();
+    run.cell().open_stop_circuit(false);
+  }
+  // What the slave decides in its next cycle, silent or not.
+  if (meanwhile != Meanwhile::kNothing) run.auditor().must_stop(run.now());
+  run.run(span - span / 2);
+  run.set_robot_line({}, {});
+  run.run(kSecond);
+  const bool went_on = run.engaged() != (meanwhile == Meanwhile::kNothing);
+  run.drive(5 * kSecond);
+  const bool engaged = run.engaged();
+  FaultOutcome out = judge_controller(run);
+  find(out, went_on, "stop or silence not as before after it");
+  find(out, !engaged, "not engaged again");
+  return out;
+}
+
+FaultOutcome r3(const RowRun& row) { return paused(row, false); }
+FaultOutcome r4(const RowRun& row) { return paused(row, true); }
+
+// The encoders read zero, or beyond a joint's range, from one moment on.
+FaultOutcome r5(const RowRun& row) {
+  FaultRun run(row.seed);
+  if (!run.engage()) return not_engaged();
+  run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
+  const Nanos from = run.now() + kMillisecond;
+  const int joint = row.index % kJoints;
+  run.layers().reply = [&](Nanos at, RobotReply& reply) {
+    if (at < from) return;
+    if (row.index % 2 == 0) {
+      reply.q_measured.setZero();
+    } else {
+      reply.q_measured[joint] = rv2a_limits().upper[joint] + 0.1;
+    }
+  };
+  run.run(22 * kMillisecond);
+  run.auditor().must_stop(from + 3 * kPeriod);
+  run.run(kSecond);
+  const SlaveState told = run.cell().slave();
+  // What was lost is not had back by a reset.
+  run.drive(3 * kSecond);
+  const bool engaged = run.engaged();
+  FaultOutcome out = run.outcome();
+  find(out, told.fault != Reason::kEncoderInvalid, "not found");
+  find(out, told.ledger.joint < 0, "no joint named");
+  find(out, engaged, "engaged with a blind arm");
+  return out;
+}
+
+}  // namespace handrail::rows
