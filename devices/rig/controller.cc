@@ -37,7 +37,7 @@ Controller::Controller(const ControllerOptions& options) noexcept
     : options_(options), arm_(options.arm), switch_(options.drop_seed, options.drop_share) {}
 
 void Controller::on_datagram(std::span<const std::uint8_t> bytes, PeerId from) noexcept {
-  if (!switch_.passes()) return;
+  if (!switch_.passes()) return missed(bytes);
   if (incoming_count_ == (options_.queues ? kMaxQueued : kMaxPerCycle)) {
     ++counters_.ignored;
     return;
@@ -53,6 +53,13 @@ void Controller::on_datagram(std::span<const std::uint8_t> bytes, PeerId from) n
   }
 }
 
+void Controller::missed(std::span<const std::uint8_t> bytes) noexcept {
+  MxtPacket packet;
+  const bool move =
+      decode_mxt_request(bytes, packet) == MxtParse::kOk && packet.command == MxtCommand::kMove;
+  counters_.lost_moves += move ? 1 : 0;
+}
+
 void Controller::pass(Nanos now) noexcept {
   arm_.advance(to_seconds(now - arm_at_.value_or(now)));
   arm_at_ = now;
@@ -62,6 +69,7 @@ void Controller::tick(Nanos now) noexcept {
   ++counters_.cycles;
   pass(now);
   outgoing_count_ = 0;
+  accepted_ = false;
   const std::size_t count =
       options_.queues ? std::min<std::size_t>(incoming_count_, 1) : incoming_count_;
   serve_all(count);
@@ -116,6 +124,7 @@ bool Controller::serve(const Incoming& in) noexcept {
       } else if (in.parse == MxtParse::kNotFinite) {
         raise(AlarmKind::kNotFinite, 0, 0.0);
       } else {
+        counters_.lost_moves += next_target_ ? 1 : 0;
         next_target_ = in.packet.block[0].joints();
       }
       return true;
@@ -141,6 +150,7 @@ bool Controller::accept_target(const JointVector& q) noexcept {
     if (alarm_.kind != AlarmKind::kNone) return false;
   }
   arm_.command(q);
+  accepted_ = true;
   return true;
 }
 

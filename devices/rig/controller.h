@@ -48,6 +48,8 @@ struct ControllerCounters {
   std::uint64_t ignored =
       0;  // garbage, strangers, commands outside a session, more than a cycle holds
   std::uint64_t replies = 0;
+  std::uint64_t lost_moves =
+      0;  // commands to move that the network kept, or a newer one took the place of
 };
 
 // Waits for a NULL packet, which opens a session with its sender, then follows that peer's MOVE
@@ -76,6 +78,8 @@ class Controller {
 
   // A datagram arrives between two cycles.
   void on_datagram(std::span<const std::uint8_t> bytes, PeerId from) noexcept;
+  // A datagram that was sent and never arrived: counted, for who judges what did.
+  void missed(std::span<const std::uint8_t> bytes) noexcept;
   // One control cycle at `now`, which never goes backward. The arm moves by the time since it moved
   // last.
   void tick(Nanos now) noexcept;
@@ -87,6 +91,8 @@ class Controller {
   const Alarm& alarm() const noexcept { return alarm_; }
   // What the operator's reset button does: the arm holds, a NULL may open a session again.
   void reset_alarm() noexcept { alarm_ = Alarm{}; }
+  // The last cycle took over a target.
+  bool accepted() const noexcept { return accepted_; }
   // The peer under whose control the arm is.
   std::optional<PeerId> session() const noexcept { return session_; }
   // Cycles in a row without a packet from the session's peer.
@@ -117,6 +123,7 @@ class Controller {
   Alarm alarm_;
   std::optional<PeerId> session_;
   std::optional<JointVector> next_target_;
+  bool accepted_ = false;
   std::uint16_t t_count_ = 0;
   std::optional<Nanos> arm_at_;  // until when the arm has moved
   std::array<Incoming, kMaxQueued> incoming_{};

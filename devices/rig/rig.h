@@ -45,6 +45,9 @@ class Rig {
     return control_next_ < sensor_next_ ? control_next_ : sensor_next_;
   }
 
+  // When the last control cycle ran.
+  Nanos controlled_at() const noexcept { return control_next_ - control_period_; }
+
   Controller& controller() noexcept { return controller_; }
   const Controller& controller() const noexcept { return controller_; }
   FtSource& sensor() noexcept { return sensor_; }

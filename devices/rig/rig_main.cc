@@ -19,7 +19,8 @@ constexpr int kBadInput = 2;
 const char kWhat[] =
     "A simulated laboratory: an RV-2A behind a CR1-571 that speaks real-time external control, and "
     "a\n"
-    "force/torque sensor that streams RDT. An alarm silences the controller; SIGUSR1 resets it.";
+    "force/torque sensor that streams RDT. An alarm silences the controller; SIGUSR1 resets it.\n"
+    "SIGUSR2 pulls the network cables of both, and plugs them in again.";
 
 int fail(const std::string& message) {
   std::fprintf(stderr, "handrail-rig: %s\n", message.c_str());
@@ -52,6 +53,10 @@ int main(int argc, char** argv) {
   const handrail::Status opened =
       server.open(config.address(), port(config.robot_port()), port(config.sensor_port()));
   if (!opened) return fail(opened.message());
+  if (config.has_tap()) {
+    if (const handrail::Status tap = server.open_tap(config.tap()); !tap)
+      return fail(tap.message());
+  }
   server.handle_signals();
   std::printf("READY robot_port=%d sensor_port=%d\n", server.robot_port(), server.sensor_port());
   std::fflush(stdout);

@@ -1,8 +1,15 @@
 #include "devices/rig/rig_server.h"
 
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <algorithm>
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <cstring>
+#include <ctime>
 #include <optional>
 #include <span>
 #include <utility>
@@ -10,6 +17,7 @@
 #include <spdlog/spdlog.h>
 #include <boost/asio.hpp>
 
+#include "devices/rig/tap.h"
 #include "server/base/clock.h"
 #include "server/base/units.h"
 
@@ -20,10 +28,7 @@ using asio::ip::udp;
 
 namespace {
 
-// An IPv4 endpoint in one number and back.
-PeerId id_of(const udp::endpoint& peer) {
-  return (PeerId{peer.address().to_v4().to_uint()} << 16) | peer.port();
-}
+// From one number: address and port.
 udp::endpoint endpoint_of(PeerId id) {
   return {asio::ip::address_v4(static_cast<std::uint32_t>(id >> 16)),
           static_cast<std::uint16_t>(id)};
@@ -43,11 +48,19 @@ void log_alarm(const Alarm& alarm) {
 }  // namespace
 
 struct RigServer::Impl {
-  // One bound socket and the datagram being received on it.
+  struct Datagram {
+    Nanos at = 0;  // when it came, though nobody looked
+    PeerId from = 0;
+    std::size_t size = 0;
+    std::array<std::uint8_t, 512> bytes{};
+    std::span<const std::uint8_t> span() const { return {bytes.data(), size}; }
+  };
+  // One bound socket and what was read from it: datagrams[taken .. waiting) are yet to be
+  // delivered.
   struct Port {
     udp::socket socket;
-    udp::endpoint from;
-    std::array<std::uint8_t, 512> buffer{};
+    std::array<Datagram, 64> datagrams{};
+    std::size_t waiting = 0, taken = 0;
   };
 
   explicit Impl(const RigOptions& rig_options) : options(rig_options) {}
@@ -56,6 +69,9 @@ struct RigServer::Impl {
     boost::system::error_code error;
     port.socket.open(at.protocol(), error);
     if (!error) port.socket.bind(at, error);
+    const int on = 1;
+    if (!error)
+      ::setsockopt(port.socket.native_handle(), SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof(on));
     if (!error) return Status::ok();
     boost::system::error_code ignored;
     port.socket.close(ignored);
@@ -63,32 +79,95 @@ struct RigServer::Impl {
                          std::to_string(at.port()) + ": " + error.message());
   }
 
-  template <typename OnDatagram>
-  void receive(Port& port, OnDatagram on_datagram) {
-    port.socket.async_receive_from(
-        asio::buffer(port.buffer), port.from,
-        [this, &port, on_datagram](const boost::system::error_code& error, std::size_t size) {
-          if (error == asio::error::operation_aborted) return;
-          // Any other error is a datagram of ours that found nobody.
-          if (!error) {
-            pump();
-            on_datagram(std::span<const std::uint8_t>(port.buffer.data(), size), id_of(port.from));
-          }
-          receive(port, on_datagram);
-        });
+  void receive(Port& port) {
+    port.socket.async_wait(udp::socket::wait_read,
+                           [this, &port](const boost::system::error_code& error) {
+                             if (error) return;
+                             pump();
+                             receive(port);
+                           });
+  }
+
+  // Reads what waits on a port.
+  void drain(Port& port) {
+    port.waiting = port.taken = 0;
+    while (port.waiting < port.datagrams.size() && read(port, port.datagrams[port.waiting])) {
+      ++port.waiting;
+    }
+  }
+
+  bool read(Port& port, Datagram& out) {
+    sockaddr_in from{};
+    iovec bytes{out.bytes.data(), out.bytes.size()};
+    alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(timespec))> control;
+    msghdr message{};
+    message.msg_name = &from;
+    message.msg_namelen = sizeof(from);
+    message.msg_iov = &bytes;
+    message.msg_iovlen = 1;
+    message.msg_control = control.data();
+    message.msg_controllen = control.size();
+    ssize_t size = -1;
+    // Any error but "nothing there" is a datagram of ours that found nobody.
+    do size = ::recvmsg(port.socket.native_handle(), &message, MSG_DONTWAIT);
+    while (size < 0 && errno != EAGAIN);
+    if (size < 0) return false;
+    out.size = static_cast<std::size_t>(size);
+    out.from = (PeerId{ntohl(from.sin_addr.s_addr)} << 16) | ntohs(from.sin_port);
+    const Nanos now = monotonic_now();
+    out.at = now;
+    for (cmsghdr* c = CMSG_FIRSTHDR(&message); c != nullptr; c = CMSG_NXTHDR(&message, c)) {
+      if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SCM_TIMESTAMPNS) continue;
+      timespec stamp{}, wall{};
+      std::memcpy(&stamp, CMSG_DATA(c), sizeof(stamp));
+      ::clock_gettime(CLOCK_REALTIME, &wall);
+      out.at = now - std::max<Nanos>(0, nanos(wall) - nanos(stamp));
+    }
+    return true;
+  }
+  static Nanos nanos(const timespec& t) { return t.tv_sec * kSecond + t.tv_nsec; }
+
+  // What came until `until`, to whom it is for.
+  void deliver_until(Nanos until) {
+    const auto due = [&](Port& port) {
+      return port.taken < port.waiting && port.datagrams[port.taken].at <= until;
+    };
+    for (; due(robot); ++robot.taken) {
+      const Datagram& in = robot.datagrams[robot.taken];
+      if (cable_out || away) {
+        rig->controller().missed(in.span());
+      } else {
+        rig->controller().on_datagram(in.span(), in.from);
+      }
+    }
+    for (; due(sensor); ++sensor.taken) {
+      const Datagram& in = sensor.datagrams[sensor.taken];
+      if (!cable_out && !away) rig->sensor().on_datagram(in.span(), in.from);
+    }
   }
 
   void send(Port& port, PeerId to, std::span<const std::uint8_t> bytes) {
+    if (cable_out) return;
     boost::system::error_code ignored;  // a datagram the system refuses is a lost one
     port.socket.send_to(asio::buffer(bytes.data(), bytes.size()), endpoint_of(to), 0, ignored);
   }
 
-  // Runs everything due and passes on what was sent.
+  // Runs everything due and passes on what was sent. However late, a cycle gets the datagrams that
+  // came before its time and no others; what came for cycles that are left out nobody hears.
   void pump() {
+    away = monotonic_now() - rig->next() > Rig::kPatience;
+    do {
+      drain(robot);
+      drain(sensor);
+      if (away) deliver_until(kForever);
+    } while (away && robot.waiting + sensor.waiting > 0);
+    away = false;
     for (;;) {
+      deliver_until(rig->next());
       const RigEvent event = rig->step(monotonic_now());
       if (event == RigEvent::kNone) break;
       if (event == RigEvent::kControl) {
+        if (tap.is_open()) tap.add(rig->controller(), rig->controlled_at(), cable_out);
         for (const auto& reply : rig->controller().replies()) send(robot, reply.to, reply.bytes());
         log_changes();
       } else if (const auto& record = rig->sensor().record()) {
@@ -123,21 +202,33 @@ struct RigServer::Impl {
   void wait_for_signal() {
     signals.async_wait([this](const boost::system::error_code& error, int signal) {
       if (error) return;
-      if (signal != SIGUSR1) return io.stop();
-      rig->controller().reset_alarm();
+      switch (signal) {
+        case SIGUSR1:
+          rig->controller().reset_alarm();
+          break;
+        case SIGUSR2:
+          cable_out = !cable_out;
+          spdlog::info("cables {}", cable_out ? "out" : "in again");
+          break;
+        default:
+          return io.stop();
+      }
       wait_for_signal();
     });
   }
 
   RigOptions options;
   asio::io_context io{1};
-  Port robot{udp::socket(io), {}, {}};
-  Port sensor{udp::socket(io), {}, {}};
+  Port robot{udp::socket(io)};
+  Port sensor{udp::socket(io)};
   asio::steady_timer timer{io};
   asio::signal_set signals{io};
   std::optional<Rig> rig;
   AlarmKind alarm = AlarmKind::kNone;
   std::optional<PeerId> session;
+  bool cable_out = false;
+  bool away = false;  // what waits came for cycles that are left out
+  Tap tap;
 };
 
 RigServer::RigServer(const RigOptions& options) : impl_(std::make_unique<Impl>(options)) {}
@@ -154,25 +245,25 @@ Status RigServer::open(const std::string& address, std::uint16_t robot_port,
   return impl_->bind(impl_->sensor, "sensor", {ip, sensor_port});
 }
 
+Status RigServer::open_tap(const std::string& path) {
+  return impl_->tap.open(path, impl_->options.controller.period);
+}
+
 std::uint16_t RigServer::robot_port() const { return impl_->robot.socket.local_endpoint().port(); }
 std::uint16_t RigServer::sensor_port() const {
   return impl_->sensor.socket.local_endpoint().port();
 }
 
 void RigServer::handle_signals() {
-  for (const int signal : {SIGINT, SIGTERM, SIGUSR1}) impl_->signals.add(signal);
+  for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGUSR2}) impl_->signals.add(signal);
   impl_->wait_for_signal();
 }
 
 void RigServer::run() {
   Impl& impl = *impl_;
   impl.rig.emplace(impl.options, monotonic_now());
-  impl.receive(impl.robot, [&impl](std::span<const std::uint8_t> bytes, PeerId from) {
-    impl.rig->controller().on_datagram(bytes, from);
-  });
-  impl.receive(impl.sensor, [&impl](std::span<const std::uint8_t> bytes, PeerId from) {
-    impl.rig->sensor().on_datagram(bytes, from);
-  });
+  impl.receive(impl.robot);
+  impl.receive(impl.sensor);
   impl.wake_at_next();
   impl.io.run();
 }

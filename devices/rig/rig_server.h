@@ -19,10 +19,14 @@ class RigServer {
   // Binds both sockets; port 0 takes any free one. `address` is IPv4. The error names what could
   // not be bound and why.
   Status open(const std::string& address, std::uint16_t robot_port, std::uint16_t sensor_port);
+  // From here on every control cycle is told in the file at `path`. Before run(). The error names
+  // file and cause.
+  Status open_tap(const std::string& path);
   std::uint16_t robot_port() const;
   std::uint16_t sensor_port() const;
 
-  // SIGINT and SIGTERM end run(); SIGUSR1 is the operator's alarm reset. Before run().
+  // SIGINT and SIGTERM end run(); SIGUSR1 is the operator's alarm reset; SIGUSR2 pulls both cables,
+  // the next one plugs them in: the rig goes on, and neither hears nor is heard. Before run().
   void handle_signals();
   // Serves until stop(); the rig's time begins with the call.
   void run();

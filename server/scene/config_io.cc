@@ -125,7 +125,9 @@ Problem check(const pb::SlaveConfig& c) {
 }
 
 Problem check(const pb::RigConfig& c) {
-  return first({check_ipv4("address", c.address()),
+  Problem tap;
+  if (c.has_tap() && c.tap().empty()) tap = FieldProblem{"tap", "empty, expected a file's name"};
+  return first({tap, check_ipv4("address", c.address()),
                 check_distinct({{"robot_port", c.address(), c.robot_port()},
                                 {"sensor_port", c.address(), c.sensor_port()}})});
 }
@@ -179,7 +181,9 @@ Result<pb::SlaveConfig> load_slave_config(const std::string& path) {
 
 Result<pb::RigConfig> load_rig_config(const std::string& path) {
   Result<pb::RigConfig> config = load<pb::RigConfig>(path);
-  if (config) resolve_scene_path(path, *config);
+  if (!config) return config;
+  resolve_scene_path(path, *config);
+  if (config->has_tap()) config->set_tap(from_folder_of(path, config->tap()));
   return config;
 }
 

@@ -101,7 +101,7 @@ TargetVerdict ControllerAudit::accepted(Nanos at, const JointVector& q, int lost
     choice[i].open = choice[i].open && (verdict[i].fine() || i == chosen);
   }
 
-  if (!standing_ && points_[0].q != points_[1].q) {
+  if (moving()) {
     held_ += static_cast<std::uint64_t>(std::max<Nanos>((gap + period_ / 2) / period_ - 1, 0));
   }
   readings_ = {choice[kKnown], choice[0], kinder(choice[1], choice[2])};
@@ -118,12 +118,15 @@ void ControllerAudit::until(Nanos now) noexcept {
 }
 
 void ControllerAudit::settle(Nanos now) noexcept {
-  if (points_[0].q != points_[1].q) {
-    held_ += static_cast<std::uint64_t>((now - points_[0].at) / period_);
-  }
+  if (moving()) held_ += static_cast<std::uint64_t>((now - points_[0].at) / period_);
   rest_ = at_rest();
   readings_ = {};
   standing_ = true;
+}
+
+// Standing still where the newest target is would be a halt.
+bool ControllerAudit::moving() const noexcept {
+  return !standing_ && at_rest().halts > best().halts;
 }
 
 std::uint64_t ControllerAudit::halts() const noexcept { return best().halts; }

@@ -90,6 +90,7 @@ class ControllerAudit {
   Reading ended(std::size_t reading) const noexcept;
   Reading at_rest() const noexcept;
   Reading best() const noexcept;
+  bool moving() const noexcept;
   void settle(Nanos now) noexcept;
 
   JointLimits limits_;

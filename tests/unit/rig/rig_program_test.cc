@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "devices/rig/tap.h"
 #include "tests/support/temp_folder.h"
 
 namespace handrail {
@@ -118,8 +119,39 @@ TEST_F(RigProgram, ChecksAConfigurationWithoutStarting) {
   expect_end({"--config", "/nowhere/rig.txtpb"}, 2, {"/nowhere/rig.txtpb"});
 }
 
+TEST_F(RigProgram, ATapIsReadWhileItRunsAndAfterItIsKilled) {
+  const std::string config = write_config("robot_port: 0 sensor_port: 0 tap: 'rig.tap'");
+  const std::string path = folder_.path() + "/rig.tap";
+  RigProcess rig({"--config", config});
+  EXPECT_EQ(rig.line().substr(0, 5), "READY");
+  // Until the newest record says `did`.
+  const auto wait_for = [&](std::uint32_t did) {
+    for (int i = 0; i < 1000; ++i) {
+      const auto tap = read_tap(path);
+      if (tap && !tap->records.empty() && tap->records.back().did == did) return true;
+      usleep(10'000);
+    }
+    return false;
+  };
+  EXPECT_TRUE(wait_for(0));
+  rig.send(SIGUSR2);
+  EXPECT_TRUE(wait_for(kTapCableOut));
+  rig.send(SIGUSR2);
+  EXPECT_TRUE(wait_for(0));
+  const std::size_t before = read_tap(path)->records.size();
+  rig.send(SIGKILL);
+  EXPECT_EQ(rig.finish(), -SIGKILL);
+  EXPECT_GE(read_tap(path)->records.size(), before);
+}
+
+TEST_F(RigProgram, SaysWhyATapCannotBeMade) {
+  expect_end({"--config", write_config("robot_port: 0 sensor_port: 0 tap: 'none/rig.tap'")}, 2,
+             {folder_.path() + "/none/rig.tap", "No such file"});
+  expect_end({"--check", "--config", write_config("tap: ''")}, 2, {"rig.txtpb:1", "tap", "empty"});
+}
+
 TEST_F(RigProgram, HelpsAndRefusesWhatItDoesNotKnow) {
-  expect_end({"--help"}, 0, {"usage: handrail-rig", "--config", "SIGUSR1"});
+  expect_end({"--help"}, 0, {"usage: handrail-rig", "--config", "SIGUSR1", "SIGUSR2"});
   expect_end({"--version"}, 0, {"handrail-rig "});
   expect_end({"--prot", "3"}, 2, {"'--prot'", "expected"});
 }

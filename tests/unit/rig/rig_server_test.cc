@@ -2,7 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <atomic>
 #include <thread>
+
+#include "devices/rig/tap.h"
+#include "devices/udp/udp_client.h"
+#include "server/base/clock.h"
+#include "server/base/pacer.h"
+#include "tests/support/temp_folder.h"
 
 namespace handrail {
 namespace {
@@ -37,6 +45,62 @@ TEST(RigServer, NamesAnAddressThatIsNone) {
   const Status opened = server.open("localhost", 0, 0);
   ASSERT_FALSE(opened);
   EXPECT_NE(opened.message().find("'localhost'"), std::string::npos) << opened.message();
+}
+
+// A rig whose thread stands still for a while, and a client that opens a session meanwhile.
+class LateRig : public ::testing::Test {
+ protected:
+  LateRig() {
+    EXPECT_TRUE(server.open("127.0.0.1", 0, 0));
+    EXPECT_TRUE(server.open_tap(path));
+    thread = std::thread([this] { server.run(); });
+  }
+  ~LateRig() override {
+    server.stop();
+    thread.join();
+  }
+  // When the opening packet was sent: `after` from the beginning of the stand.
+  Nanos open_while_it_stands(Nanos stand, Nanos after) {
+    std::atomic<bool> stands{false};
+    server.post([&](Rig&) {
+      stands = true;
+      sleep_until(monotonic_now() + stand);
+    });
+    while (!stands) sleep_until(monotonic_now() + kMillisecond);
+    sleep_until(monotonic_now() + after);
+    UdpClient client;
+    EXPECT_TRUE(client.open("127.0.0.1", server.robot_port(), 0));
+    std::array<std::uint8_t, kMxtLong> buffer;
+    const Nanos sent = monotonic_now();
+    client.send(encode_mxt(MxtPacket(), kMxtLong, buffer));
+    sleep_until(sent + stand + 200 * kMillisecond);
+    return sent;
+  }
+  // When the session began at the controller's clock; 0: it did not.
+  Nanos opened() const {
+    const auto tap = read_tap(path);
+    for (const TapRecord& r : tap->records) {
+      if (r.has(kTapOpened)) return r.at;
+    }
+    return 0;
+  }
+
+  TempFolder folder;
+  std::string path = folder.path() + "/rig.tap";
+  RigServer server{RigOptions{}};
+  std::thread thread;
+};
+
+TEST_F(LateRig, ADatagramIsOfTheCycleItCameIn) {
+  const Nanos sent = open_while_it_stands(80 * kMillisecond, 15 * kMillisecond);
+  ASSERT_NE(opened(), 0);
+  EXPECT_GE(opened(), sent);
+  EXPECT_LE(opened(), sent + kMxtPeriod + kMillisecond);
+}
+
+TEST_F(LateRig, NobodyHearsWhatCameInCyclesThatAreLeftOut) {
+  (void)open_while_it_stands(300 * kMillisecond, 100 * kMillisecond);
+  EXPECT_EQ(opened(), 0);
 }
 
 TEST(RigServer, RunsUntilItIsStopped) {

@@ -1,0 +1,135 @@
+#include "tests/storm/judge.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+
+#include "server/base/rv2a_limits.h"
+#include "server/base/units.h"
+#include "server/lab/faults/controller_audit.h"
+
+namespace handrail::storm {
+namespace {
+
+constexpr double kStandingStep = 1e-6;  // float32 tells no smaller one [rad]
+constexpr Nanos kOneCause = 200 * kMillisecond;
+constexpr Nanos kLatest = 200 * kMillisecond;  // that a rig on a busy machine is behind
+
+JointVector vector(const std::array<double, kJoints>& q) {
+  return Eigen::Map<const JointVector>(q.data());
+}
+
+// Violations of one kind, the first of each cause.
+class Recorder {
+ public:
+  explicit Recorder(std::vector<Violation>& out) : out_(out) {}
+  void add(Nanos at, const std::string& what) {
+    if (last_ < 0 || at - last_ > kOneCause) out_.push_back({at, what});
+    last_ = at;
+  }
+
+ private:
+  std::vector<Violation>& out_;
+  Nanos last_ = -1;
+};
+
+std::string breach_text(const TargetVerdict& v, Nanos gap, int lost, Nanos period) {
+  return fmt::format(
+      "J{} beyond its limits: {:.2f} of a step, {:.2f} of speed, {:.2f} of acceleration, {:.2f} of "
+      "jerk, {} {} cycles after the last step, {} targets lost since",
+      v.joint + 1, v.step, v.speed, v.acceleration, v.jerk,
+      v.from_rest ? "as a start from rest" : "as a motion that goes on",
+      (gap + period / 2) / period, lost);
+}
+
+}  // namespace
+
+void Figures::add(const Figures& other) {
+  targets += other.targets;
+  breaches += other.breaches;
+  step = std::max(step, other.step);
+  acceleration = std::max(acceleration, other.acceleration);
+  jerk = std::max(jerk, other.jerk);
+  held += other.held;
+  halts += other.halts;
+  hardest_halt = std::max(hardest_halt, other.hardest_halt);
+}
+
+Figures judge_tap(const TapFile& tap, const std::vector<Forbidden>& forbidden,
+                  std::vector<Violation>& violations) {
+  ControllerAudit audit(rv2a_limits(), tap.period);
+  Recorder limits(violations), motion(violations), alarms(violations);
+  JointVector held = JointVector::Zero();
+  Nanos last_target = 0;
+  int lost = 0;
+  for (std::size_t i = 0; i < tap.records.size(); ++i) {
+    const TapRecord& r = tap.records[i];
+    const JointVector q = vector(r.target);
+    if (i == 0) {
+      audit.place(q);
+      held = q;
+      last_target = r.at;
+    }
+    audit.until(r.at);
+    lost += r.lost;
+    if (r.has(kTapAccepted)) {
+      const TargetVerdict verdict = audit.accepted(r.at, q, lost);
+      if (!verdict.fine()) {
+        limits.add(r.at, breach_text(verdict, r.at - last_target, lost, tap.period));
+      }
+      if (q != held) {
+        last_target = r.at;
+        lost = 0;
+      }
+    }
+    const double moved = (q - held).cwiseAbs().maxCoeff();
+    held = q;
+    if (moved > kStandingStep) {
+      for (const Forbidden& span : forbidden) {
+        if (r.at <= span.from || r.at > span.to) continue;
+        motion.add(r.at, fmt::format("moved {:.0f} ms after it had to stand: {}",
+                                     1e3 * to_seconds(r.at - span.from), span.why));
+      }
+    }
+    if (r.has(kTapAlarm) && r.alarm != static_cast<std::uint8_t>(AlarmKind::kTimeOut)) {
+      alarms.add(r.at, fmt::format("alarm of the controller: J{} {}", r.joint,
+                                   describe(static_cast<AlarmKind>(r.alarm))));
+    }
+  }
+  Figures out;
+  out.targets = audit.targets();
+  out.breaches = audit.breaches();
+  out.step = audit.worst().step;
+  out.acceleration = audit.worst().acceleration;
+  out.jerk = audit.worst().jerk;
+  out.held = audit.held();
+  out.halts = audit.halts();
+  out.hardest_halt = audit.hardest_halt();
+  return out;
+}
+
+std::string trace(const TapFile& tap, Nanos at, int before, int after) {
+  std::string out;
+  for (const TapRecord& r : tap.records) {
+    if (r.at < at - before * tap.period || r.at > at + after * tap.period) continue;
+    out += fmt::format("  {:+9.1f} ms  {}{}{}{}{}{}  ", 1e3 * to_seconds(r.at - at),
+                       r.has(kTapAccepted) ? 'A' : '-', r.has(kTapSession) ? 'S' : '-',
+                       r.has(kTapOpened) ? 'O' : '-', r.has(kTapClosed) ? 'C' : '-',
+                       r.has(kTapAlarm) ? '!' : '-', r.has(kTapCableOut) ? 'X' : '-');
+    for (const double q : r.target) out += fmt::format(" {:9.4f}", q / kDeg);
+    out += '\n';
+  }
+  return out;
+}
+
+bool measured_at(const TapFile& tap, Nanos at, JointVector& q) {
+  bool found = false;
+  for (const TapRecord& r : tap.records) {
+    if (r.at > at) break;
+    q = vector(r.measured);
+    found = at - r.at < kLatest;
+  }
+  return found;
+}
+
+}  // namespace handrail::storm
