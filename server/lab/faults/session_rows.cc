@@ -123,7 +123,7 @@ FaultOutcome x4(const RowRun& row) {
   for (int i = 0; i < 1000; ++i) {
     mad.X_SU.p.y() += 1e-4;
     run.tick();
-    const std::uint32_t epoch =
+    const std::uint64_t epoch =
         row.index % 2 == 0 ? run.cell().master().link.stop_epoch : mad.stop_epoch;
     if (echo < 0 && run.cell().slave().stop_epoch == epoch) echo = run.now() - from;
   }
