@@ -69,10 +69,9 @@ FaultOutcome r1c(std::uint64_t seed, int index) {
   push.go_down();
   push.pass(5 * kSecond);
   const bool engaged = push.run.engaged();
-  const double force = push.run.true_force();
   FaultOutcome out = push.outcome();
   find(out, !engaged, "not engaged");
-  find(out, force < 30.0, "contact given up");
+  find(out, push.peak < 30.0, "no contact");
   return out;
 }
 
@@ -95,24 +94,25 @@ FaultOutcome s2d(std::uint64_t seed, int index) {
     push.retreat();
     push.pass(static_cast<Nanos>(5e9 * random.uniform()));
   }
-  const double alarms = static_cast<double>(push.run.auditor().report().stops);
   const bool engaged = push.run.engaged();
   FaultOutcome out = push.outcome();
-  find(out, alarms > 0.0, "false alarms");
   find(out, !engaged, "not engaged at the end");
   return out;
 }
 
-// A sensor without noise repeats itself in a contact that is gone into, left, or slid along: a stop
-// within 100 ms of what its load must have changed by.
+// A sensor without noise repeats itself in a contact that is gone into or left: a stop within 100
+// ms of what its load must have changed by. Where the tip slides as well, a surface that falls off
+// as the friction's cone does might explain it for a while: before the promise is passed.
 FaultOutcome s2e(std::uint64_t seed, int index) {
-  constexpr double kChanged = 35.0;  // half a millimetre and a cycle's way, at 57 N/mm [N]
+  // Half a millimetre, and four deviations of what the encoders are off, at 57 N/mm [N].
+  constexpr double kChanged = 45.0;
+  const bool leaves = index % 3 == 1, slides = index % 3 == 2;
   FaultOptions options;
   options.sensor_noise = false;
-  Push push(seed, index % 3 == 2, options);
+  Push push(seed, slides, options);
   if (!push.begin()) return not_engaged();
   if (push.pass_until(12.0 + 20.0 * push.run.random().uniform()) == kForever) return not_engaged();
-  if (index % 3 == 1) push.pass(5 * kSecond);
+  if (leaves) push.pass(5 * kSecond);
   const double force = push.run.true_force();
   Wrench last;
   bool have = false;
@@ -121,11 +121,12 @@ FaultOutcome s2e(std::uint64_t seed, int index) {
     last = f;
     have = true;
   };
-  if (index % 3 == 1) push.retreat();
-  for (int i = 0; i < 5000 && std::abs(push.run.true_force() - force) < kChanged; ++i) {
-    push.pass(kMillisecond);
-  }
-  push.run.auditor().must_stop(push.run.now() + 100 * kMillisecond);
+  if (leaves) push.retreat();
+  const auto changed = [&] {
+    return slides ? !push.run.engaged() : std::abs(push.run.true_force() - force) > kChanged;
+  };
+  for (int i = 0; i < 5000 && !changed(); ++i) push.pass(kMillisecond);
+  push.run.auditor().must_stop(push.run.now() + (slides ? 0 : 100 * kMillisecond));
   push.pass(3 * kSecond);
   const bool engaged = push.run.engaged();
   FaultOutcome out = push.outcome(true);
