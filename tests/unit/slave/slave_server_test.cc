@@ -191,11 +191,12 @@ TEST_F(SlaveServerTest, ScenesThatAlternateCostALookAndALineASecond) {
   }));
   const std::uint64_t answered = peer.snapshot().accepted;
   TearDown();
-  EXPECT_GT(asked, 1000u);
+  const auto seconds = static_cast<int>((monotonic_now() - start) / kSecond);
+  EXPECT_GT(asked, 100u);
   EXPECT_GE(looks, 3);
-  EXPECT_LE(looks, 4);
+  EXPECT_LE(looks, seconds + 1);
   EXPECT_LE(lines_with("scene"), looks);
-  EXPECT_GT(answered, 1000u) << "the link was served meanwhile";
+  EXPECT_GT(answered, 100u) << "the link was served meanwhile";
 }
 
 TEST_F(SlaveServerTest, AMissingSceneIsLoggedOnceHoweverOftenItIsLookedFor) {
