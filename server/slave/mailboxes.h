@@ -25,6 +25,7 @@ struct ForceReading {
 struct SlaveReport {
   SlaveState state;
   Nanos good_until = kForever;  // later it is no longer true: the loop stands still
+  std::uint64_t halts = 0;      // of an arm in motion, since the controller was not heard
 };
 
 struct SlaveMailboxes {

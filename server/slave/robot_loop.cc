@@ -169,6 +169,7 @@ void RobotLoop::publish(Nanos busy_for) {
   output_.link.cycles = cycles_;
   output_.link.silences = silences_;
   report_.state = output_.link;
+  report_.halts = state_.halts;
   report_.good_until = clock_() + kStateStands + busy_for;
   boxes_.report.publish(report_);
 }

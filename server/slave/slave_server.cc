@@ -26,9 +26,19 @@ struct SlaveServer::Impl {
     poll_sensor(now);
     known = boxes.report.take(report) || known;
     if (!known) return;
+    say_halts(now);
     SlaveState told = report.state;
     if (scene_missing && told.state == SessionState::kOff) told.reason = Reason::kSceneNotLoaded;
     link.send(now, told, report.good_until);
+  }
+
+  // At most a line a second.
+  void say_halts(Nanos now) {
+    if (report.halts == said_halts || now < next_halt_line) return;
+    spdlog::warn("the controller was not heard in time: the moving arm was halted, {} times so far",
+                 report.halts);
+    said_halts = report.halts;
+    next_halt_line = now + kSecond;
   }
 
   static void say(bool bad, const std::string& line) {
@@ -80,6 +90,8 @@ struct SlaveServer::Impl {
   LinkServer<SlaveState, MasterState> link{"robot", "master"};
   SlaveReport report;
   bool known = false;  // the robot loop has spoken
+  std::uint64_t said_halts = 0;
+  Nanos next_halt_line = -kForever;
   Nanos next_look = 0;         // for a scene
   MasterState tried;           // whose scene was looked for last
   std::string scene_problem;   // last one logged

@@ -78,7 +78,7 @@ TEST(MelfaRobot, ReportsGarbageOnceAndWaitsOnForTheReply) {
   robot.end();
 }
 
-TEST(MelfaRobot, SendsTheHeldTargetAgainWhenTheControllerIsSilent) {
+TEST(MelfaRobot, SendsNothingByItselfWhenTheControllerIsSilent) {
   ScriptedMxtPeer peer;
   peer.expect(golden::null_long()).reply(golden::reply_long());
   peer.expect(golden::move_long(1));
@@ -89,10 +89,12 @@ TEST(MelfaRobot, SendsTheHeldTargetAgainWhenTheControllerIsSilent) {
   ASSERT_TRUE(robot.connect(kNoHurry, reply));
   robot.send(golden::kTarget);
   EXPECT_EQ(robot.wait(reply), RobotEvent::kSilence);
-  EXPECT_EQ(robot.counters().repeats, 1u);
+  EXPECT_EQ(robot.counters().silences, 1u);
+  EXPECT_EQ(robot.counters().sent, 2u);
+  robot.send(golden::kTarget);
 }
 
-TEST(MelfaRobot, LosesTheSessionAfterAHundredSilences) {
+TEST(MelfaRobot, LosesTheSessionOfAControllerThatStaysSilent) {
   ScriptedMxtPeer silent;
   silent.ignore_the_rest().play();
   MelfaRobot robot(options_for(silent, 100 * kMicrosecond));
@@ -101,10 +103,10 @@ TEST(MelfaRobot, LosesTheSessionAfterAHundredSilences) {
   EXPECT_FALSE(connected);
   EXPECT_NE(connected.message().find(std::to_string(silent.port())), std::string::npos)
       << connected.message();
-  EXPECT_EQ(robot.counters().repeats, 99u);
+  EXPECT_EQ(robot.counters().silences, 210u);
   EXPECT_EQ(robot.wait(reply), RobotEvent::kLost);
   robot.send(golden::kTarget);
-  EXPECT_EQ(robot.counters().sent, 100u);
+  EXPECT_EQ(robot.counters().sent, 211u);
 }
 
 TEST(MelfaRobot, NamesAddressAndCauseWhenItCannotConnect) {

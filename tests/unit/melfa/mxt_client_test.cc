@@ -49,55 +49,114 @@ TEST_F(MxtClientTest, SpeaksTheShortFormToOldControllers) {
   EXPECT_EQ(copy(client.end()), golden::end_short(2));
 }
 
-TEST_F(MxtClientTest, RepeatsTheSameTargetAfterTwoPeriodsOfSilence) {
+TEST_F(MxtClientTest, ACycleWithoutAReplyIsToldWhileAPacketCanStillCome) {
   open();
   client_.send(golden::kTarget);
-  EXPECT_EQ(client_.poll(3 * kPeriod - 1), std::nullopt);
-  EXPECT_EQ(client_.poll(3 * kPeriod), RobotEvent::kSilence);
-  EXPECT_EQ(copy(client_.packet()), golden::move_long(2));
-  EXPECT_EQ(client_.poll(5 * kPeriod - 1), std::nullopt);
-  EXPECT_EQ(client_.poll(5 * kPeriod), RobotEvent::kSilence);
-  EXPECT_EQ(copy(client_.packet()), golden::move_long(3));
-  EXPECT_EQ(client_.counters().repeats, 2u);
+  const Nanos deadline = 3 * kPeriod - kPeriod / 8;
+  EXPECT_EQ(client_.deadline(), deadline);
+  EXPECT_EQ(client_.poll(deadline - 1, reply_), std::nullopt);
+  EXPECT_EQ(client_.poll(deadline, reply_), RobotEvent::kSilence);
+  EXPECT_FALSE(reply_.fresh);
+  EXPECT_EQ(reply_.cycles, 1);
+  EXPECT_EQ(client_.poll(deadline, reply_), std::nullopt) << "one event a cycle";
+  EXPECT_EQ(client_.poll(deadline + kPeriod, reply_), RobotEvent::kSilence);
+  EXPECT_EQ(client_.counters().silences, 2u);
 }
 
-TEST_F(MxtClientTest, RepeatsTheOpeningPacketUntilTheFirstCommand) {
+TEST_F(MxtClientTest, AsksAgainUntilTheFirstReply) {
   client_.start(0);
   Packet again = golden::null_long();
   again[60] = 1;
-  EXPECT_EQ(client_.poll(2 * kPeriod), RobotEvent::kSilence);
+  EXPECT_EQ(client_.poll(2 * kPeriod, reply_), RobotEvent::kSilence);
+  EXPECT_TRUE(client_.opening());
   EXPECT_EQ(copy(client_.packet()), again);
   EXPECT_EQ(client_.on_datagram(golden::reply_long(), 3 * kPeriod, reply_), RobotEvent::kReply);
-  EXPECT_EQ(client_.poll(5 * kPeriod), RobotEvent::kSilence);
-  again[60] = 2;
-  EXPECT_EQ(copy(client_.packet()), again) << "no MOVE before the first send()";
+  EXPECT_FALSE(client_.opening());
 }
 
-TEST_F(MxtClientTest, EndsTheSessionAfterAHundredLosses) {
+TEST_F(MxtClientTest, AReplyThatComesAfterItsCyclesPacketIsNoOtherCycle) {
+  open();
+  ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
+  // Of the cycle that begins at 2 kPeriod, late by all but a microsecond of a period.
+  EXPECT_EQ(client_.on_datagram(golden::reply_long(), 3 * kPeriod - 1000, reply_), std::nullopt);
+  EXPECT_EQ(client_.counters().late, 1u);
+  EXPECT_EQ(client_.on_datagram(golden::reply_long(), 3 * kPeriod + 1000, reply_),
+            RobotEvent::kReply);
+  EXPECT_EQ(reply_.cycles, 1);
+}
+
+TEST_F(MxtClientTest, ALateReplyIsFreshInTheNextCycle) {
+  open();
+  ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
+  ASSERT_EQ(client_.on_datagram(golden::reply_long(), 3 * kPeriod - 1000, reply_), std::nullopt);
+  EXPECT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
+  EXPECT_TRUE(reply_.fresh);
+}
+
+TEST_F(MxtClientTest, CountsTheCyclesThatPassedWhileNobodyAsked) {
+  open();
+  EXPECT_EQ(client_.on_datagram(golden::reply_long(), 704 * kPeriod + 1000, reply_),
+            RobotEvent::kReply);
+  EXPECT_EQ(reply_.cycles, 703);
+  EXPECT_EQ(client_.poll(client_.deadline() + 9 * kPeriod, reply_), RobotEvent::kSilence);
+  EXPECT_EQ(reply_.cycles, 10);
+}
+
+TEST_F(MxtClientTest, KeepsUpWithAControllerOf711MillisecondsAndOneAsFast) {
+  for (const Nanos period : {7'110 * kMicrosecond, 7'090 * kMicrosecond}) {
+    open();
+    for (int i = 1; i <= 2000; ++i) {
+      const Nanos now = kPeriod + i * period;
+      if (now >= client_.deadline()) {
+        ADD_FAILURE() << "silent in cycle " << i;
+      }
+      ASSERT_EQ(client_.on_datagram(golden::reply_long(), now, reply_), RobotEvent::kReply) << i;
+      ASSERT_EQ(reply_.cycles, 1) << i;
+    }
+    client_.end();
+  }
+}
+
+TEST_F(MxtClientTest, AQuestionMovesNothingAndAsksForTheTarget) {
+  open();
+  Packet question = golden::null_long();
+  question[60] = 1;
+  EXPECT_EQ(copy(client_.ask()), question);
+  MxtClient old{MxtClientOptions{.packet_bytes = kMxtShort}};
+  old.start(0);
+  ASSERT_EQ(old.on_datagram(golden::reply_short(), kPeriod, reply_), RobotEvent::kReply);
+  EXPECT_FALSE(reply_.has_commanded);
+  MxtPacket packet;
+  ASSERT_EQ(decode_mxt_request(old.ask(), packet), MxtParse::kOk);
+  EXPECT_EQ(packet.command, MxtCommand::kNull);
+  EXPECT_EQ(packet.type[0], MxtType::kJoint);
+}
+
+TEST_F(MxtClientTest, EndsTheSessionAfterASecondAndAHalfOfSilence) {
   open();
   client_.send(golden::kTarget);
-  for (int loss = 1; loss < 100; ++loss) {
-    ASSERT_EQ(client_.poll(client_.deadline()), RobotEvent::kSilence) << loss;
+  for (int loss = 1; loss < 211; ++loss) {
+    ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence) << loss;
   }
-  EXPECT_EQ(client_.poll(client_.deadline()), RobotEvent::kLost);
+  EXPECT_NEAR(to_seconds(client_.deadline()), 1.5, 0.02);
+  EXPECT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kLost);
   EXPECT_FALSE(client_.open());
   EXPECT_TRUE(client_.send(golden::kTarget).empty());
+  EXPECT_TRUE(client_.ask().empty());
   EXPECT_EQ(client_.on_datagram(golden::reply_long(), kForever, reply_), RobotEvent::kLost);
-  EXPECT_EQ(client_.poll(kForever), RobotEvent::kLost);
+  EXPECT_EQ(client_.poll(kForever, reply_), RobotEvent::kLost);
   EXPECT_TRUE(client_.end().empty());
 }
 
 TEST_F(MxtClientTest, AReplyStartsTheCountOfLossesAnew) {
   open();
-  client_.send(golden::kTarget);
-  for (int loss = 0; loss < 99; ++loss) client_.poll(client_.deadline());
-  const Nanos now = client_.deadline() - 1;
-  EXPECT_EQ(client_.on_datagram(golden::reply_long(), now, reply_), RobotEvent::kReply);
-  EXPECT_EQ(client_.deadline(), now + 2 * kPeriod);
-  for (int loss = 1; loss < 100; ++loss) {
-    ASSERT_EQ(client_.poll(client_.deadline()), RobotEvent::kSilence) << loss;
+  for (int loss = 0; loss < 210; ++loss) client_.poll(client_.deadline(), reply_);
+  EXPECT_EQ(client_.on_datagram(golden::reply_long(), client_.deadline() - 1, reply_),
+            RobotEvent::kReply);
+  for (int loss = 1; loss < 211; ++loss) {
+    ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence) << loss;
   }
-  EXPECT_EQ(client_.poll(client_.deadline()), RobotEvent::kLost);
+  EXPECT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kLost);
 }
 
 TEST_F(MxtClientTest, DropsWrongPacketsWithoutTouchingTheReplyOrTheDeadline) {
@@ -126,8 +185,7 @@ TEST_F(MxtClientTest, TwoRepliesInOneCycleAreOneOccasionToCommand) {
   twin[58] = 0;
   EXPECT_EQ(client_.on_datagram(twin, kPeriod + kMillisecond, reply_), std::nullopt);
   EXPECT_EQ(reply_.missed_cycles, 0u) << "the newest values are the ones to use";
-  EXPECT_EQ(client_.deadline(), 3 * kPeriod);
-  EXPECT_EQ(client_.counters().twins, 1u);
+  EXPECT_EQ(client_.counters().late, 1u);
   EXPECT_EQ(client_.on_datagram(twin, 2 * kPeriod, reply_), RobotEvent::kReply);
 }
 
@@ -155,7 +213,7 @@ TEST_F(MxtClientTest, FindsTheFeedbackInWhicheverBlockCarriesIt) {
 TEST_F(MxtClientTest, StartsANewSessionAfterALostOne) {
   open();
   client_.send(golden::kTarget);
-  while (client_.poll(client_.deadline()) != RobotEvent::kLost) {
+  while (client_.poll(client_.deadline(), reply_) != RobotEvent::kLost) {
   }
   EXPECT_EQ(copy(client_.start(kForever)), golden::null_long());
   EXPECT_EQ(client_.on_datagram(golden::reply_long(), kForever, reply_), RobotEvent::kReply);
@@ -167,7 +225,7 @@ TEST_F(MxtClientTest, DoesNotAllocate) {
   client_.start(0);
   client_.on_datagram(reply, kPeriod, reply_);
   client_.send(golden::kTarget);
-  client_.poll(client_.deadline());
+  client_.poll(client_.deadline(), reply_);
   client_.end();
 }
 

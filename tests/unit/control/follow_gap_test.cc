@@ -1,0 +1,222 @@
+// Time that the slave did not see: which targets it may send, when the arm is halted, how it goes
+// on.
+#include "server/control/follow_gap.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/control/follow_rig.h"
+
+namespace handrail {
+namespace {
+
+using test::FollowRig;
+using test::home;
+
+JointVector all(double q) { return JointVector::Constant(q); }
+
+TEST(CommandTrain, OnlyWhatIsInAStepOfAllThatMayBeHeldMayBeSent) {
+  CommandTrain train;
+  const JointVector step = all(1.0);
+  train.restart(all(0.0));
+  EXPECT_TRUE(train.may_send(all(1.0), step));
+  EXPECT_FALSE(train.may_send(all(1.01), step));
+  train.add(all(0.6));
+  EXPECT_FALSE(train.may_send(all(1.2), step)) << "the controller may still hold 0";
+  EXPECT_FALSE(train.may_send(all(-0.5), step)) << "or already 0.6";
+  EXPECT_TRUE(train.confirm(all(0.6), step));
+  EXPECT_TRUE(train.may_send(all(1.2), step));
+}
+
+TEST(CommandTrain, AnOlderAnswerTakesNothingBack) {
+  CommandTrain train;
+  const JointVector step = all(1.0);
+  train.restart(all(0.0));
+  train.add(all(0.5));
+  train.add(all(0.9));
+  EXPECT_TRUE(train.confirm(all(0.5), step));
+  EXPECT_EQ(train.unconfirmed(), 1u);
+  EXPECT_TRUE(train.confirm(all(0.0), step)) << "late; what it said before stands";
+  EXPECT_EQ(train.confirmed(), all(0.5));
+}
+
+TEST(CommandTrain, AControllerThatHoldsSomethingElseIsFound) {
+  CommandTrain train;
+  train.restart(all(0.0));
+  train.add(all(0.1));
+  EXPECT_FALSE(train.confirm(all(1.5), all(1.0)));
+  EXPECT_EQ(train.unconfirmed(), 1u);
+}
+
+TEST(CommandTrain, TellsWhatIsRoundedToThirtyTwoBitsApart) {
+  CommandTrain train;
+  const double q = 1.0 / 3.0;
+  train.restart(all(q));
+  train.add(all(q + 1e-5));
+  EXPECT_TRUE(train.confirm(all(static_cast<float>(q)), all(0.01)));
+  EXPECT_EQ(train.unconfirmed(), 1u);
+  EXPECT_TRUE(train.confirm(all(static_cast<float>(q + 1e-5)), all(0.01)));
+  EXPECT_EQ(train.unconfirmed(), 0u);
+}
+
+TEST(CommandTrain, IsNeverFullerThanItIsLong) {
+  CommandTrain train;
+  train.restart(all(0.0));
+  int sent = 0;
+  for (int i = 1; i < 200; ++i) {
+    const JointVector q = all(1e-3 * i);
+    if (!train.may_send(q, all(1.0))) break;
+    train.add(q);
+    ++sent;
+  }
+  EXPECT_EQ(sent, 63);
+  EXPECT_TRUE(train.may_send(train.newest(), all(1.0)));
+}
+
+// An engaged arm that is led away from home, with a controller that says what it holds.
+class FollowGap : public ::testing::Test {
+ protected:
+  FollowGap() {
+    rig.in.has_commanded = true;
+    rig.in.q_commanded = rig.joints();
+    rig.engage();
+    target = rig.state.motion.X_ST;
+    target.p.z() += 0.3;
+  }
+
+  // One cycle; `heard`: the controller took the target and said so.
+  void cycle(bool heard = true) {
+    rig.in.answer = heard ? Answer::kOnTime : Answer::kNone;
+    rig.in.master.X_SU = target;
+    rig.in.master_age = 0;
+    rig.in.q_measured = rig.in.q_commanded = held;
+    follow_step(rig.settings, rig.in, rig.state, rig.out);
+    step = (rig.out.q_target - held).cwiseAbs().maxCoeff();
+    if (heard && rig.out.send == Send::kTarget) held = rig.out.q_target;
+  }
+  void cycles(int count, bool heard = true) {
+    for (int i = 0; i < count; ++i) cycle(heard);
+  }
+
+  FollowRig rig;
+  Pose target;
+  JointVector held = rig.joints();
+  double step = 0.0;  // of the newest target, from where the controller holds the arm [rad]
+};
+
+TEST_F(FollowGap, AnArmInMotionIsHaltedWhereTheNextTargetIsBeyondARatedStep) {
+  cycles(60);
+  const double rated = rated_step(rig.settings).minCoeff();
+  ASSERT_GT(step, 0.1 * rated);
+  int sent = 0;
+  for (; sent < 64; ++sent) {
+    cycle(false);
+    if (rig.out.send != Send::kTarget) break;
+    ASSERT_TRUE(
+        ((rig.out.q_target - held).cwiseAbs().array() <= rated_step(rig.settings).array()).all());
+  }
+  EXPECT_GT(sent, 0);
+  EXPECT_LT(sent, 10);
+  EXPECT_TRUE(rig.state.gap);
+  EXPECT_EQ(rig.state.halts, 1u);
+  EXPECT_EQ(rig.out.send, Send::kQuestion);
+  EXPECT_EQ(rig.out.link.reason, Reason::kRobotSilent);
+}
+
+TEST_F(FollowGap, GoesOnFromRestFromWhereTheControllerHoldsTheArm) {
+  cycles(60);
+  cycles(40, false);
+  ASSERT_TRUE(rig.state.gap);
+  double fastest = 0.0, change = 0.0, last = 0.0;
+  const double dt = rig.settings.motion.dt;
+  for (int i = 0; i < 30; ++i) {
+    const JointVector before = held;
+    cycle();
+    const double moved = (held - before).cwiseAbs().maxCoeff();
+    change = std::max(change, std::abs(moved - last));
+    fastest = std::max(fastest, last = moved);
+  }
+  EXPECT_FALSE(rig.state.gap);
+  EXPECT_GT(fastest, 0.0);
+  EXPECT_LE(change, rig.settings.motion.limits.max_acceleration.maxCoeff() * dt * dt);
+}
+
+TEST_F(FollowGap, AStopDuringTheSilenceStands) {
+  cycles(60);
+  cycles(10, false);
+  rig.in.master.stop_epoch = 1;
+  cycles(10, false);
+  EXPECT_EQ(rig.state.session, SessionState::kFault);
+  const JointVector before = held;
+  cycles(50);
+  EXPECT_EQ(held, before);
+  EXPECT_EQ(rig.state.fault, Reason::kStopRequested);
+}
+
+TEST_F(FollowGap, APauseLongerThanAFewCyclesIsAGap) {
+  cycles(60);
+  rig.in.cycles = 5;
+  cycle();
+  EXPECT_TRUE(rig.state.gap);
+  EXPECT_EQ(rig.out.send, Send::kQuestion);
+  rig.in.cycles = 1;
+  cycle();
+  EXPECT_FALSE(rig.state.gap);
+}
+
+TEST_F(FollowGap, AShortPauseIsPlannedThroughWhereAStepAllowsIt) {
+  cycles(6);
+  const double before = step;
+  rig.in.cycles = 2;
+  cycle();
+  EXPECT_FALSE(rig.state.gap);
+  EXPECT_GT(step, 1.5 * before) << "two cycles' way";
+}
+
+TEST_F(FollowGap, WhatTheMasterSaidIsAsOldAsThePause) {
+  cycles(10);
+  rig.in.unseen = kSecond;
+  cycle();
+  EXPECT_EQ(rig.state.session, SessionState::kFault);
+  EXPECT_EQ(rig.state.fault, Reason::kLinkLost);
+}
+
+TEST_F(FollowGap, AControllerThatQueuesIsLeftToWorkOff) {
+  cycles(60);
+  // It takes one of the targets a cycle later than it is sent.
+  JointVector queued = held;
+  int left_out = 0;
+  for (int i = 0; i < 6; ++i) {
+    const JointVector next = queued;
+    rig.in.answer = Answer::kOnTime;
+    rig.in.q_measured = rig.in.q_commanded = held;
+    follow_step(rig.settings, rig.in, rig.state, rig.out);
+    held = next;
+    if (rig.out.send == Send::kTarget) queued = rig.out.q_target;
+    left_out += rig.out.send == Send::kNothing;
+  }
+  EXPECT_GE(left_out, 1);
+  EXPECT_EQ(rig.state.halts, 0u);
+}
+
+TEST_F(FollowGap, AMasterInHoldLeadsNobody) {
+  cycles(60);
+  rig.in.master.state = SessionState::kHold;
+  for (int i = 0; i < 60; ++i) {
+    target.p.z() += 1e-3;
+    cycle();
+  }
+  EXPECT_TRUE(standing(rig.state.motion));
+  EXPECT_EQ(rig.out.link.reason, Reason::kLinkHold);
+  EXPECT_EQ(rig.state.session, SessionState::kEngaged) << "and goes on with it";
+}
+
+TEST_F(FollowGap, AnArmThatReadsBeyondItsRangeIsAFaultOfThatJoint) {
+  cycles(10);
+  held[4] = rig.settings.rated.upper[4] + 0.05;
+  cycles(5);
+  EXPECT_EQ(rig.state.fault, Reason::kEncoderInvalid);
+  EXPECT_EQ(rig.out.link.ledger.joint, 4);
+}
+
+}  // namespace
+}  // namespace handrail
