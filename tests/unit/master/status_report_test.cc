@@ -79,6 +79,7 @@ TEST_F(StatusReportTest, SaysWhatTheSessionIs) {
 
 TEST_F(StatusReportTest, NamesTheMasterThatLeadsTheSlave) {
   report.out.reason = Reason::kLinkLost;
+  link.received_at = now - 2 * kSecond;
   link.refused_at = now - kSecond;
   link.refusal = {1, false, 47001, 11 * kSecond};
   EXPECT_EQ(status().reason(),

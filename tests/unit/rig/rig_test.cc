@@ -131,7 +131,7 @@ TEST(Rig, AnAlarmLooksLikeALostControllerToTheClient) {
   session.q_target[0] += 1.0;
   session.run(kSecond);
   ASSERT_EQ(session.rig.controller().alarm().kind, AlarmKind::kOverSpeed);
-  EXPECT_GT(session.robot.counters().repeats, 40u);
+  EXPECT_GT(session.robot.counters().silences, 40u);
   const std::uint64_t replies = session.robot.counters().replies;
   session.run(kSecond);
   EXPECT_EQ(session.robot.counters().replies, replies);
