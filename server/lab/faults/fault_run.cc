@@ -205,6 +205,14 @@ void FaultRun::judge_halt(const std::vector<JointVector>& maybe_held, const Join
   if (std::none_of(maybe_held.begin(), maybe_held.end(), beyond)) ++halts_in_vain_;
 }
 
+// A slave that starts has where the arm is held from the controller, in 32 bits: that is no step.
+JointVector FaultRun::as_before(const JointVector& q) const {
+  const auto rounded = [](const JointVector& v) {
+    return JointVector(v.cast<float>().cast<double>());
+  };
+  return q == rounded(targets_[0]) ? targets_[0] : q;
+}
+
 void FaultRun::sent_target(const JointVector& q) {
   ++sent_since_;
   maybe_held_.push_back(q);
@@ -229,7 +237,8 @@ void FaultRun::feed_auditor() {
   if (!cell_->targets().empty()) {
     take(cell_->target_at());
     if (true_force() > 0.0) auditor_.touched(normal());
-    for (const JointVector& q : cell_->targets()) {
+    for (const JointVector& target : cell_->targets()) {
+      const JointVector q = as_before(target);
       auditor_.commanded(q, cell_->target_at());
       sent_target(q);
     }

@@ -126,6 +126,7 @@ class FaultRun {
   void feed_controller_audit();
   void judge_halt(const std::vector<JointVector>& maybe_held, const JointVector& next);
   void sent_target(const JointVector& q);
+  JointVector as_before(const JointVector& q) const;
   void hear_controller(const RobotReply& reply);
   JointVector as_sent(const JointVector& q);
   std::vector<JointVector>::iterator nearest_held(const JointVector& q);
