@@ -79,6 +79,8 @@ const char* reason_text(const Share& share) {
   return smooths && share.size() > 0.0 ? "smoothing" : describe(share.why);
 }
 
+constexpr Nanos kHeard = 200 * kMillisecond;  // of the slave lately: less than a lost link
+
 // Why the arm holds; kNone while it follows the hand.
 Reason holding(const HapticReport& report, const SlaveState& slave, const LinkSnapshot& link,
                Nanos now) {
@@ -92,7 +94,11 @@ Reason holding(const HapticReport& report, const SlaveState& slave, const LinkSn
   if (out.link.state == SessionState::kClutched) {
     return out.reason == Reason::kNone ? Reason::kClutched : out.reason;
   }
-  if (out.reason == Reason::kPeerFault && slave.fault != Reason::kNone) return slave.fault;
+  // A slave in fault is engaged by nobody, also by a master that has not tried.
+  const bool in_fault = slave.state == SessionState::kFault && link.age(now) <= kHeard;
+  const bool its_fault =
+      out.reason == Reason::kPeerFault || (out.reason == Reason::kNotEngaged && in_fault);
+  if (its_fault && slave.fault != Reason::kNone) return slave.fault;
   if (out.reason != Reason::kNone) return out.reason;
   if (link.peer_epoch == 0) return Reason::kNoPeer;
   return slave.reason != Reason::kNone ? slave.reason : Reason::kNotEngaged;

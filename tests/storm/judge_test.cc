@@ -76,7 +76,7 @@ TEST(StormJudge, NamesALimitOnceACauseWithItsPlace) {
 }
 
 TEST(StormJudge, AStartWhoseFirstTargetsWereLostIsOne) {
-  for (const std::uint16_t lost : {0, 1}) {
+  for (const std::uint16_t lost : std::initializer_list<std::uint16_t>{0, 1}) {
     Drive d;
     d.sound();
     for (int i = 0; i < 40; ++i) d.add(0.0, kTapSession);

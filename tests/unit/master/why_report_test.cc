@@ -93,6 +93,19 @@ TEST_F(WhyReportTest, AnArmThatHoldsSaysWhyBeforeAnyNumber) {
   EXPECT_EQ(why().sentence(), std::string("the arm holds: ") + describe(Reason::kThreadStalled));
 }
 
+TEST_F(WhyReportTest, AMasterThatHasJustStartedNamesTheFaultThatItsSlaveIsIn) {
+  report.out.link.state = SessionState::kOff;
+  report.out.reason = Reason::kNotEngaged;
+  EXPECT_EQ(why().way_out(), "engage");
+  slave.state = SessionState::kFault;
+  slave.fault = Reason::kLinkLost;
+  link.received_at = now;
+  EXPECT_EQ(why().sentence(), std::string("the arm holds: ") + describe(Reason::kLinkLost));
+  EXPECT_EQ(why().way_out(), "reset, then engage");
+  slave.fault = Reason::kRobotLost;
+  EXPECT_TRUE(why().way_out().starts_with("at the controller: "));
+}
+
 TEST_F(WhyReportTest, NamesTheMasterThatLeadsTheSlaveAndTheWayOut) {
   report.out.link.state = SessionState::kFault;
   report.out.reason = Reason::kLinkLost;
