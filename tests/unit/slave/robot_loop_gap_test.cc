@@ -27,8 +27,8 @@ TEST_F(RobotLoopTest, CyclesWithoutAReplyAreCountedAndDoNotHaltASlowArm) {
 
 TEST_F(RobotLoopTest, AnArmThatIsNotHeardIsHaltedAskedForAndGoesOnFromRest) {
   engage();
-  news.state.X_SU.p.z() += 0.2;
-  for (int i = 0; i < 30; ++i) turn();
+  news.state.X_SU.p.z() -= 0.1;
+  for (int i = 0; i < 20; ++i) turn();
   const double speed = robot.largest_step;
   robot.deaf = true;
   robot.script.assign(60, RobotEvent::kSilence);
@@ -39,7 +39,7 @@ TEST_F(RobotLoopTest, AnArmThatIsNotHeardIsHaltedAskedForAndGoesOnFromRest) {
   const JointVector held = robot.q;
   robot.largest_step = 0.0;
   for (int i = 0; i < 4; ++i) turn();
-  EXPECT_LT(robot.largest_step, 0.2 * speed) << "from rest, from where the controller holds it";
+  EXPECT_LT(robot.largest_step, 0.5 * speed) << "from rest, from where the controller holds it";
   EXPECT_NE(robot.q, held);
   for (int i = 0; i < 300; ++i) turn();
   EXPECT_NEAR(state.X_ST_command.p.z(), news.state.X_SU.p.z(), 1e-6);
