@@ -60,6 +60,13 @@ void Controller::missed(std::span<const std::uint8_t> bytes) noexcept {
   counters_.lost_moves += move ? 1 : 0;
 }
 
+void Controller::leave_out() noexcept {
+  for (std::size_t i = 0; i < incoming_count_; ++i) {
+    counters_.lost_moves += incoming_[i].packet.command == MxtCommand::kMove ? 1 : 0;
+  }
+  incoming_count_ = 0;
+}
+
 void Controller::pass(Nanos now) noexcept {
   arm_.advance(to_seconds(now - arm_at_.value_or(now)));
   arm_at_ = now;

@@ -80,6 +80,8 @@ class Controller {
   void on_datagram(std::span<const std::uint8_t> bytes, PeerId from) noexcept;
   // A datagram that was sent and never arrived: counted, for who judges what did.
   void missed(std::span<const std::uint8_t> bytes) noexcept;
+  // Cycles are left out: what waited for them is as lost as what nobody heard.
+  void leave_out() noexcept;
   // One control cycle at `now`, which never goes backward. The arm moves by the time since it moved
   // last.
   void tick(Nanos now) noexcept;

@@ -51,7 +51,9 @@ Rig::Rig(const RigOptions& options, Nanos start) noexcept
 }
 
 RigEvent Rig::step(Nanos now) noexcept {
+  const std::uint64_t before = skipped_;
   skip_late(now, control_period_, control_next_);
+  if (skipped_ != before) controller_.leave_out();
   skip_late(now, sensor_period_, sensor_next_);
   if (next() > now) return RigEvent::kNone;
   if (control_next_ <= sensor_next_) {

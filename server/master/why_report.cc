@@ -191,8 +191,9 @@ std::string way_out_of(Reason reason, int joint, const JointVector& q) {
     case Reason::kContactUnrelieved:
       return "check the force sensor, then reset and engage";
     case Reason::kNoPeer:
-    case Reason::kSessionClosed:
       return "start the slave, or check the network, then engage";
+    case Reason::kSessionClosed:
+      return "start the slave if it does not run, then reset and engage";
     case Reason::kLinkStale:
     case Reason::kLinkHold:
     case Reason::kLinkQuality:
