@@ -1,8 +1,9 @@
 #include "server/link/frame.h"
 
+#include <zlib.h>
+
 #include <algorithm>
 #include <array>
-#include <boost/crc.hpp>
 
 #include "server/link/codec.h"
 
@@ -13,10 +14,10 @@ constexpr std::array<std::uint8_t, 4> kMagic = {'H', 'R', 'L', 'K'};
 constexpr std::size_t kCheckedHeader = 8;
 
 std::uint32_t checksum(std::span<const std::uint8_t> datagram) {
-  boost::crc_32_type crc;
-  crc.process_bytes(datagram.data(), kCheckedHeader);
-  crc.process_bytes(datagram.data() + kFrameBytes, datagram.size() - kFrameBytes);
-  return crc.checksum();
+  const auto header = crc32(0, datagram.data(), kCheckedHeader);
+  const auto payload = datagram.subspan(kFrameBytes);
+  return static_cast<std::uint32_t>(
+      crc32(header, payload.data(), static_cast<uInt>(payload.size())));
 }
 
 }  // namespace

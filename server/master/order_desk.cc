@@ -70,7 +70,10 @@ void OrderDesk::obey(const pb::Request& request, ReplyTo reply) {
       give_up_engaging();
       return order(plain(OrderKind::kStop), std::move(reply), Until::kSlaveStopped);
     case pb::Request::kReset:
-      return order(plain(OrderKind::kReset), std::move(reply), Until::kSlaveReset);
+      if (reset_waits_) reset_waits_(refused("another reset came after this one"));
+      reset_waits_ = std::move(reply);
+      reset_since_ = now_;
+      return send_reset();
     case pb::Request::kTool:
       return tool(request.tool(), request.approach(), std::move(reply));
     case pb::Request::kToolOff: {
@@ -180,6 +183,7 @@ void OrderDesk::tick(Nanos now, const SlaveState& slave, const LinkSnapshot& lin
   if (!report_) return;
   watch_lease();
   watch_stops();
+  send_reset();
   watch_hold();
   retry_engaging();
   call_scene_tools();
@@ -362,9 +366,24 @@ void OrderDesk::watch_stops() {
   });
 }
 
+// A stop that the slave has not answered is one of its faults to come. A reset that overtook it
+// would be for the fault before, and the stop would stand.
+bool OrderDesk::stop_on_its_way() const {
+  const auto stops = [](const auto& entry) { return entry.second.until == Until::kSlaveStopped; };
+  if (std::any_of(waiting_.begin(), waiting_.end(), stops)) return true;
+  if (!report_ || report_->walls.present || link_.age(now_) > kHeard) return false;
+  const MasterState& said = report_->out.link;
+  return said.stop_epoch != said.released_epoch && said.stop_epoch != slave_.stop_epoch;
+}
+
+void OrderDesk::send_reset() {
+  if (!reset_waits_ || (stop_on_its_way() && now_ - reset_since_ <= kStopPatience)) return;
+  order(plain(OrderKind::kReset), std::exchange(reset_waits_, nullptr), Until::kSlaveReset);
+}
+
 void OrderDesk::watch_reset() {
   if (!resetting_) return;
-  if (link_.age(now_) > 200 * kMillisecond || report_->walls.present) {
+  if (link_.age(now_) > kHeard || report_->walls.present) {
     std::exchange(resetting_, nullptr)(done(unheard()));
   } else if (slave_.state != SessionState::kFault) {
     std::exchange(resetting_, nullptr)(done());

@@ -34,6 +34,7 @@ class OrderDesk : public OperatorHandler {
   static constexpr Nanos kLinkPatience = 3 * kSecond;  // for a link good enough to engage over
   static constexpr Nanos kStopPatience = kSecond;
   static constexpr Nanos kResetPatience = kSecond;
+  static constexpr Nanos kHeard = 200 * kMillisecond;   // the slave, lately: else its link is lost
   static constexpr Nanos kScenePatience = 3 * kSecond;  // a slave looks once a second
 
   // The mailboxes must outlive the desk. `scene` is the one the loop has.
@@ -86,6 +87,8 @@ class OrderDesk : public OperatorHandler {
   // That no slave hears this master, and why.
   std::string unheard() const;
   void watch_engaging();
+  bool stop_on_its_way() const;
+  void send_reset();
   void watch_reset();
   void watch_scene();
   void call_scene_tools();
@@ -116,6 +119,8 @@ class OrderDesk : public OperatorHandler {
   int scene_tools_ = 0;        // called, not answered yet
   std::string tools_refused_;  // of the scene's own, why
 
+  ReplyTo reset_waits_;  // who wants a reset once the slave has answered the last stop
+  Nanos reset_since_ = 0;
   ReplyTo resetting_;  // who waits for the slave to leave its fault
   Nanos reset_until_ = 0;
 

@@ -27,7 +27,7 @@ void OrderDesk::watch_scene() {
   if (text_of(report_->out.link.scene) != scene_.name) return;
   load_shown_ = std::min(load_shown_, now_);
   if (report_->walls.present) return std::exchange(loading_, nullptr)(done());
-  if (link_.age(now_) > 200 * kMillisecond) {
+  if (link_.age(now_) > kHeard) {
     std::exchange(loading_, nullptr)(done("no slave is connected: it loads the scene when it is"));
     return;
   }

@@ -67,5 +67,42 @@ TEST_F(UnheardDeskTest, AResetThatMeetsTheSameCauseAgainIsRefusedAtOnceWithIt) {
             std::string("refused: the slave stays in fault: ") + describe(Reason::kStopInput));
 }
 
+// The stop makes a new fault of the slave's. A reset that overtook it would be for the old one.
+TEST_F(UnheardDeskTest, AResetWaitsUntilTheSlaveHasTheStopBeforeIt) {
+  slave.state = SessionState::kFault;
+  tick();
+  const Answer stop = ask("stop: true");
+  const Answer reset = ask("reset: true");
+  report.out.link.stop_epoch = 7;
+  report.out.link.released_epoch = 6;
+  for (int i = 0; i < 10; ++i) {
+    loop();
+    EXPECT_EQ(last_order(), OrderKind::kStop);
+    tick();
+  }
+  slave.stop_epoch = 7;
+  tick();
+  loop();
+  EXPECT_EQ(last_order(), OrderKind::kReset);
+  slave.state = SessionState::kOff;
+  tick();
+  EXPECT_EQ(text(reset), "done: ");
+}
+
+TEST_F(UnheardDeskTest, AStopThatIsNeverAnsweredHoldsNoResetUp) {
+  report.out.link.stop_epoch = 7;
+  report.out.link.released_epoch = 6;
+  tick();
+  const Answer first = ask("reset: true");
+  const Answer second = ask("reset: true");
+  EXPECT_EQ(text(first), "refused: another reset came after this one");
+  tick(OrderDesk::kStopPatience);
+  loop();
+  EXPECT_TRUE(taken.empty());
+  tick(1);
+  loop();
+  EXPECT_EQ(last_order(), OrderKind::kReset);
+}
+
 }  // namespace
 }  // namespace handrail
