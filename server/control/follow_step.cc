@@ -193,7 +193,7 @@ Reason follow(const FollowSettings& settings, const FollowInput& in, FollowState
   s.oldest_applied = std::max(s.oldest_applied, age_of_master(in));
   s.applied_sequence = in.master_sequence;
   if (s.session == SessionState::kEngaged) {
-    s.tube.close(settings.catch_up, settings.catch_up_rotation, s.motion.X_ST.p,
+    s.tube.close(settings.catch_up, settings.catch_up_rotation, in.master.X_SU.p, s.motion.X_ST.p,
                  settings.motion.dt);
   }
   const Pose X_SN = s.tube.project(in.master.X_SU, s.motion.X_ST);

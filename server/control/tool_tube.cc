@@ -1,6 +1,7 @@
 #include "server/control/tool_tube.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "server/base/deletable.h"
 #include "server/base/fnv.h"
@@ -28,22 +29,26 @@ std::uint64_t tools_hash(const ToolDefinition& position,
   return Fnv().u64(hash_of(position)).u64(hash_of(orientation)).value();
 }
 
-void ToolTube::take_position(const ToolDefinition& tool, const Pose& X_ST) noexcept {
+void ToolTube::take_position(const ToolDefinition& tool, const Pose& X_ST,
+                             const Pose& X_SU) noexcept {
   position_ = tool;
   position_hash_ = hash_of(tool);
   radius_ = distance(X_ST.p);
+  pace_ = std::max(way_to(X_ST.p), way_to(X_SU.p));
 }
 
-void ToolTube::take_orientation(const ToolDefinition& tool, const Pose& X_ST) noexcept {
+void ToolTube::take_orientation(const ToolDefinition& tool, const Pose& X_ST,
+                                const Pose& X_SU) noexcept {
   orientation_ = OrientationTool(tool);
   orientation_hash_ = hash_of(tool);
   orientation_.start(X_ST.q);
   angle_ = orientation_.deviation(X_ST.q);
+  turn_pace_ = std::max(angle_, orientation_.deviation(X_SU.q));
 }
 
 void ToolTube::restart(const MasterState& master, const Pose& X_ST) noexcept {
-  take_position(master.position_tool, X_ST);
-  take_orientation(master.orientation_tool, X_ST);
+  take_position(master.position_tool, X_ST, X_ST);
+  take_orientation(master.orientation_tool, X_ST, X_ST);
   hash_ = tools_hash(position_, orientation_.definition());
 }
 
@@ -55,16 +60,18 @@ Reason ToolTube::take(const MasterState& master, const Pose& X_ST) noexcept {
                      (o.epoch == orientation_epoch() && hash_of(o) != orientation_hash_);
   if (stale) return Reason::kHashTools;
   if (p.epoch == position_epoch() && o.epoch == orientation_epoch()) return Reason::kNone;
-  if (p.epoch != position_epoch()) take_position(p, X_ST);
-  if (o.epoch != orientation_epoch()) take_orientation(o, X_ST);
+  if (p.epoch != position_epoch()) take_position(p, X_ST, master.X_SU);
+  if (o.epoch != orientation_epoch()) take_orientation(o, X_ST, master.X_SU);
   hash_ = tools_hash(position_, orientation_.definition());
   return Reason::kNone;
 }
 
-void ToolTube::close(double catch_up, double catch_up_rotation, const Vec3& p_ST,
+void ToolTube::close(double catch_up, double catch_up_rotation, const Vec3& p_SU, const Vec3& p_ST,
                      double dt) noexcept {
-  radius_ = std::min(let_go(radius_, catch_up, dt), distance(p_ST));
-  angle_ = let_go(angle_, catch_up_rotation, dt);
+  pace_ = let_go(pace_, catch_up, dt);
+  radius_ = std::min({radius_, pace_, std::max(distance(p_ST), distance(p_SU))});
+  turn_pace_ = let_go(turn_pace_, catch_up_rotation, dt);
+  angle_ = std::min(angle_, turn_pace_);
 }
 
 Vec3 ToolTube::across(const Vec3& p) const noexcept {
@@ -79,6 +86,12 @@ Vec3 ToolTube::across(const Vec3& p) const noexcept {
     default:
       return Vec3::Zero();
   }
+}
+
+double ToolTube::way_to(const Vec3& p) const noexcept {
+  const double travel = (p - position_.p_SA).dot(position_.direction_S);
+  const double beyond = position_.has_end ? std::max(travel - position_.end, 0.0) : 0.0;
+  return std::hypot(distance(p), beyond);
 }
 
 TipSpace ToolTube::space(double room) const noexcept {

@@ -11,7 +11,9 @@ namespace handrail {
 
 // Keeps commands on the tools the master has defined. Where a tool is called away from the tip, the
 // tip rides to it: commands may then be off the tool by a distance and an angle that start as the
-// tip's own and only shrink, by the law the master eases with (blend.h). Real-time safe.
+// tip's own and only shrink. They shrink as a command that is eased by the master's law (blend.h)
+// comes nearer from where the first one was: a tip that did not stand where it was commanded, out
+// of reach for instance, is not taken ahead of the command. Real-time safe.
 class ToolTube {
  public:
   // Takes over what `master` defines, whatever was before; `X_ST`: the tip as commanded.
@@ -22,9 +24,11 @@ class ToolTube {
   Reason take(const MasterState& master, const Pose& X_ST) noexcept;
 
   // Shrinks what commands may be off, for `dt` [s] by at most `catch_up` [m/s] and
-  // `catch_up_rotation` [rad/s], and to where the tip at `p_ST` has come nearer. To be called while
-  // the hand drives.
-  void close(double catch_up, double catch_up_rotation, const Vec3& p_ST, double dt) noexcept;
+  // `catch_up_rotation` [rad/s], and to where both the command at `p_SU` and the tip at `p_ST` have
+  // come nearer. The tip alone would not do: one that cannot reach its command slides along the end
+  // of its reach, and would go after a bound that goes with it. To be called while the hand drives.
+  void close(double catch_up, double catch_up_rotation, const Vec3& p_SU, const Vec3& p_ST,
+             double dt) noexcept;
 
   // `X_SU` on the tools as far as they must be; on a one-way tool never behind the tip, and not
   // beyond an end. A command within a nanometre passes bit for bit.
@@ -49,8 +53,10 @@ class ToolTube {
 
  private:
   Vec3 across(const Vec3& p) const noexcept;
-  void take_position(const ToolDefinition& tool, const Pose& X_ST) noexcept;
-  void take_orientation(const ToolDefinition& tool, const Pose& X_ST) noexcept;
+  // Way from `p` to the nearest place on the position tool and before its end [m].
+  double way_to(const Vec3& p) const noexcept;
+  void take_position(const ToolDefinition& tool, const Pose& X_ST, const Pose& X_SU) noexcept;
+  void take_orientation(const ToolDefinition& tool, const Pose& X_ST, const Pose& X_SU) noexcept;
 
   ToolDefinition position_;
   OrientationTool orientation_;
@@ -58,7 +64,9 @@ class ToolTube {
   std::uint64_t orientation_hash_ = 0;
   std::uint64_t hash_ = 0;
   double radius_ = 0.0;
+  double pace_ = 0.0;  // what a command may be off that is eased from where the first one was [m]
   double angle_ = 0.0;
+  double turn_pace_ = 0.0;  // [rad]
 };
 
 // Hash of a pair of tools, the same on both sides; 0 while neither slot has ever held one.

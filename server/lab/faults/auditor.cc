@@ -266,11 +266,12 @@ double Auditor::way_to_rest() const noexcept {
 }
 
 // A tip beside its tool only ever comes nearer, but for its own stop: what it was when the tool
-// came, and at each command since. Once on it, it stays.
+// came, and at each command since that was no further off itself. Once on it, it stays.
 void Auditor::reach_of_tool() noexcept {
   if (space_.everything()) return;
   const double reach = space_.distance(tips_[0]) + way_to_rest();
-  tool_reach_ = tool_new_ ? reach : std::min(tool_reach_, reach);
+  const double asked = newest_.has_command ? space_.distance(newest_.X_SU.p) : 0.0;
+  tool_reach_ = tool_new_ ? reach : std::min(tool_reach_, std::max(reach, asked));
   tool_new_ = false;
 }
 
