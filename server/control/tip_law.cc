@@ -12,7 +12,6 @@ namespace {
 using Matrix = Eigen::Matrix<double, 6, 6>;
 
 constexpr double kDamping = 3e-5;     // keeps the inverse bounded at singular poses
-constexpr double kAcrossShare = 0.7;  // of the acceleration toward the target, for bends
 constexpr double kTogether = 0.3;     // [s]
 constexpr double kLeastTop = 0.02;    // [m/s], [rad/s times kTurnLength]
 constexpr double kSpeedShare = 0.95;  // of the joints' speed
@@ -56,16 +55,11 @@ TipProposal::TipProposal(const PlanLimits& limits, const TipSpace& space, const 
   const auto turn = [](const Vec3& v) { return six({Vec3::Zero(), v}); };
   set(place(way_.linear), place(from.tip_step.linear), place(from.tip_change.linear), place_);
   set(turn(way_.angular), turn(from.tip_step.angular), turn(from.tip_change.angular), turn_);
-  set_share_and_top();
+  set_top();
 }
 
-void TipProposal::set_share_and_top() noexcept {
-  for (std::size_t k = 0; k < place_.size(); ++k) {
-    const double across = k == 0 ? 1.0 : kAcrossShare;
-    place_[k].share = across;
-    turn_[k].share = across;
-    place_[k].top = law_.tip_speed * law_.dt;
-  }
+void TipProposal::set_top() noexcept {
+  for (Axis& axis : place_) axis.top = law_.tip_speed * law_.dt;
   // What takes long by its way or by its turn goes both together: the straight way.
   const double cycles = std::max(place_[0].ahead / slowest(place_[0]).value,
                                  turn_[0].ahead / slowest(turn_[0]).value);
@@ -101,8 +95,8 @@ AxisLimits TipProposal::limits_of(const Axis& axis, double share) const noexcept
   for (int i = 0; i < kJoints; ++i) {
     const AxisLimits& l = limits_.axis[static_cast<std::size_t>(i)];
     const double rate = axis.rate[i] + 1e-12;
-    out.acceleration = std::min(out.acceleration, share * axis.share * l.acceleration / rate);
-    out.jerk = std::min(out.jerk, share * axis.share * l.jerk / rate);
+    out.acceleration = std::min(out.acceleration, share * l.acceleration / rate);
+    out.jerk = std::min(out.jerk, share * l.jerk / rate);
   }
   return out;
 }
@@ -138,7 +132,7 @@ Verdict TipProposal::limiting() const noexcept {
   if (axis.step > kNear * top.value * law_.speed_share) {
     return {top.joint < 0 ? Reason::kTipSpeed : Reason::kJointSpeed, top.joint};
   }
-  const bool hard = std::abs(axis.change) > 0.8 * axis.share * weak.value;
+  const bool hard = std::abs(axis.change) > 0.8 * weak.value;
   return {hard ? Reason::kJointAcceleration : Reason::kJointJerk, weak.joint};
 }
 

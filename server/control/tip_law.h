@@ -39,11 +39,12 @@ class TipProposal {
     Vector6 unit = Vector6::Zero();
     JointVector rate = JointVector::Zero();  // joint turns per unit, absolute
     double ahead = 0.0, step = 0.0, change = 0.0;
-    double share = 1.0;  // of the joints' acceleration
-    double top = 1e9;    // speed beside the joints' own, a cycle
+    double top = 1e9;  // speed beside the joints' own, a cycle
   };
-  using Axes =
-      std::array<Axis, 3>;  // along the motion, toward what it misses of the target, the rest
+  // Toward the target, what moves across that way, the rest. All with the same share: an orbit
+  // round the target turns faster than the jerk lets the change toward it turn, which then points
+  // ahead and feeds the orbit; what brakes across must take as much as that can give.
+  using Axes = std::array<Axis, 3>;
   // By which joint, and what a unit of it costs.
   struct Weakest {
     double value;
@@ -52,7 +53,7 @@ class TipProposal {
   Weakest slowest(const Axis& axis) const noexcept;
   Weakest weakest(const Axis& axis) const noexcept;
   double cycles(const Axis& axis) const noexcept;
-  void set_share_and_top() noexcept;
+  void set_top() noexcept;
   AxisLimits limits_of(const Axis& axis, double share) const noexcept;
 
   const PlanLimits& limits_;

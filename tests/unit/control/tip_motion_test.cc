@@ -186,6 +186,68 @@ TEST(TipMotion, KeepsOffTheFacesOfTheWorkspaceMovesAlongThemAndComesBack) {
   }
 }
 
+// On its way as three commands left it, with a stop planned.
+MotionRig moving(const JointVector& q, const JointVector& step, const JointVector& change) {
+  MotionRig rig(q);
+  const auto tip = [&](const JointVector& at) { return forward(rig.settings.arm, at); };
+  const auto between = [](const Pose& from, const Pose& to) {
+    return Twist{to.p - from.p, rotation_log(to.q * from.q.conjugate())};
+  };
+  MotionState& state = rig.state;
+  state.joints.step = step;
+  state.joints.change = change;
+  const Pose before = tip(q - step), first = tip(q - step - (step - change));
+  state.tip_step = between(before, state.X_ST);
+  const Twist last = between(first, before);
+  state.tip_change = {state.tip_step.linear - last.linear, state.tip_step.angular - last.angular};
+  Verdict why;
+  EXPECT_TRUE(plan_stop(PlanLimits(rig.settings.guard()), rig.space, state, 2e-3, state.stop, why));
+  return rig;
+}
+
+// Cycles until the tip moves no more.
+int cycles_to_rest(MotionRig& rig, const Pose& target) {
+  constexpr double kStill = 1e-6;  // a cycle [m]
+  int last = 0;
+  for (int k = 1; k <= 200; ++k) {
+    rig.follow(target);
+    if (rig.state.tip_step.linear.norm() > kStill) last = k;
+  }
+  return last;
+}
+
+// A tip that passes its place at 60 mm/s, 0.8 mm beside it. To stop and to go back, half of the way
+// faster and half of it slower, takes no longer than three stops.
+TEST(TipMotion, ComesToRestOnATargetThatStandsBesideItsWayInsteadOfOrbitingIt) {
+  JointVector q, step, change;
+  q << 0.0772123, -0.1044514, 1.6750691, -0.0938873, 1.5114434, 0.0799931;
+  step << -1.02417e-3, 1.06782e-3, -1.39033e-3, 6.25e-5, 2.2504e-4, -1.05175e-3;
+  change << -3.8664e-4, -1.5517e-4, 3.0971e-4, 2.191e-5, -1.9008e-4, -3.7119e-4;
+  MotionRig rig = moving(q, step, change);
+  const double bound = 3.0 * rig.stop_bound();
+  const Pose target{Vec3(0.34247676, -0.00205152, 0.42904866), rig.state.X_ST.q};
+  EXPECT_LT(cycles_to_rest(rig, target), bound);
+  EXPECT_LT((rig.state.X_ST.p - target.p).norm(), 1e-6);
+  EXPECT_EQ(rig.guarded, 0);
+}
+
+// Up to 3 mm to any side of a tip that moves at up to 0.15 m/s, all over the arm's reach.
+TEST(TipMotion, IsAtRestWithinHalfASecondWhereverBesideItsWayTheTargetStands) {
+  Random random(5);
+  for (int run = 0; run < 400; ++run) {
+    JointVector q = joints_deg(0, 0, 90, 0, 60, 0);
+    for (int i = 0; i < kJoints; ++i) q[i] += between(random, -0.3, 0.3);
+    MotionRig rig(q);
+    const Pose start = rig.state.X_ST;
+    const Vec3 way = between(random, 0.02, 0.15) * rig.settings.dt * normal(random).normalized();
+    for (int k = 0; k < 40; ++k) rig.follow({start.p + k * way, start.q});
+    const Vec3 beside = between(random, 0.0002, 0.003) * normal(random).normalized();
+    const Pose target{rig.state.X_ST.p + beside, start.q};
+    ASSERT_LT(cycles_to_rest(rig, target) * rig.settings.dt, 0.5) << run;
+    ASSERT_LT((rig.state.X_ST.p - target.p).norm(), 1e-6) << run;
+  }
+}
+
 struct Push {
   const char* name;
   JointVector q;     // where it starts
