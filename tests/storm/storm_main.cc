@@ -152,6 +152,7 @@ int main(int argc, char** argv) {
   handrail::catch_interrupts();
   if (!arguments.json) {
     fmt::print("storm: {} sequences from seed {}\n", arguments.sequences, arguments.seed);
+    std::fflush(stdout);
   }
   Summary all;
   {
