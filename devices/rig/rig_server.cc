@@ -10,6 +10,7 @@
 #include <csignal>
 #include <cstring>
 #include <ctime>
+#include <limits>
 #include <optional>
 #include <span>
 #include <utility>
@@ -134,7 +135,7 @@ struct RigServer::Impl {
     };
     for (; due(robot); ++robot.taken) {
       const Datagram& in = robot.datagrams[robot.taken];
-      if (cable_out || away) {
+      if (cable_out || in.at <= away_until) {
         rig->controller().missed(in.span());
       } else {
         rig->controller().on_datagram(in.span(), in.from);
@@ -142,7 +143,7 @@ struct RigServer::Impl {
     }
     for (; due(sensor); ++sensor.taken) {
       const Datagram& in = sensor.datagrams[sensor.taken];
-      if (!cable_out && !away) rig->sensor().on_datagram(in.span(), in.from);
+      if (!cable_out && in.at > away_until) rig->sensor().on_datagram(in.span(), in.from);
     }
   }
 
@@ -155,16 +156,14 @@ struct RigServer::Impl {
   // Runs everything due and passes on what was sent. However late, a cycle gets the datagrams that
   // came before its time and no others; what came for cycles that are left out nobody hears.
   void pump() {
-    away = monotonic_now() - rig->next() > Rig::kPatience;
-    do {
-      drain(robot);
-      drain(sensor);
-      if (away) deliver_until(kForever);
-    } while (away && robot.waiting + sensor.waiting > 0);
-    away = false;
+    drain(robot);
+    drain(sensor);
     for (;;) {
-      deliver_until(rig->next());
-      const RigEvent event = rig->step(monotonic_now());
+      // Asked before every cycle: the program may be paused anywhere.
+      const Nanos now = monotonic_now();
+      if (now - rig->next() > Rig::kPatience) away_until = now;
+      deliver_until(std::max(rig->next(), away_until));
+      const RigEvent event = rig->step(now);
       if (event == RigEvent::kNone) break;
       if (event == RigEvent::kControl) {
         if (tap.is_open()) tap.add(rig->controller(), rig->controlled_at(), cable_out);
@@ -227,7 +226,7 @@ struct RigServer::Impl {
   AlarmKind alarm = AlarmKind::kNone;
   std::optional<PeerId> session;
   bool cable_out = false;
-  bool away = false;  // what waits came for cycles that are left out
+  Nanos away_until = std::numeric_limits<Nanos>::min();  // what came before nobody hears
   Tap tap;
 };
 

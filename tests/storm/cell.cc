@@ -7,15 +7,18 @@
 
 #include "server/base/clock.h"
 #include "server/base/pacer.h"
+#include "tests/storm/drive.h"
 
 namespace handrail::storm {
 namespace {
 
 constexpr Nanos kPatience = 20 * kSecond;  // for a program to start or end on a busy machine
 
-// A fast hand: three times its way, with little smoothing.
-constexpr char kScene[] =
-    "name: 'storm' mapping { scale: 3 } smoother { form: LENGTH samples: 40 }\n";
+// A fast hand with little smoothing.
+std::string scene() {
+  return fmt::format(
+      "name: 'storm' mapping {{ scale: {} }} smoother {{ form: LENGTH samples: 40 }}\n", kScale);
+}
 
 int number_after(const std::string& output, const std::string& part) {
   const std::size_t at = output.find(part);
@@ -24,7 +27,9 @@ int number_after(const std::string& output, const std::string& part) {
 
 }  // namespace
 
-Cell::Cell(const Sequence& sequence) : sequence_(sequence) { folder_.write("storm.scene", kScene); }
+Cell::Cell(const Sequence& sequence) : sequence_(sequence) {
+  folder_.write("storm.scene", scene());
+}
 
 Status Cell::start(Who who) {
   const std::string number = std::to_string(++starts_);

@@ -1,6 +1,7 @@
 #include "tests/storm/results.h"
 
 #include <spdlog/fmt/fmt.h>
+#include <spdlog/fmt/ranges.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -72,6 +73,52 @@ Result<Line> from_line(const std::string& line) {
     return Status::error(fmt::format("'{}...', expected a line of results", line.substr(0, 40)));
   }
   return r;
+}
+
+std::string for_people(const Line& r) {
+  const Figures& f = r.figures;
+  return fmt::format(
+      "{}: {} in {:.1f} s; step {:.2f}, acceleration {:.2f}, jerk {:.2f} of the limits; {} cycles "
+      "held, {} halts up to {:.1f}; {}{}{}\n",
+      r.seed, r.ok ? "ok" : "VIOLATED", r.seconds, f.step, f.acceleration, f.jerk, f.held, f.halts,
+      f.hardest_halt, r.done, r.ok ? "" : "\n    ", r.violated);
+}
+
+void Summary::add(const Line& line) {
+  ++ran;
+  if (!line.ok) red.push_back(line.seed);
+  figures.add(line.figures);
+}
+
+double Summary::bound() const {
+  return ran == 0 ? 1.0 : std::min(1.0, 3.0 / static_cast<double>(ran));
+}
+
+std::string for_people(const Summary& all) {
+  const Figures& f = all.figures;
+  std::string out = fmt::format(
+      "storm: {} of {} sequences violated; of {} targets {} beyond a limit, up to {:.2f} of a "
+      "step, {:.2f} of acceleration, {:.2f} of jerk; {} cycles held in motion, {} halts up to "
+      "{:.1f} of acceleration\n",
+      all.red.size(), all.ran, f.targets, f.breaches, f.step, f.acceleration, f.jerk, f.held,
+      f.halts, f.hardest_halt);
+  if (all.red.empty()) {
+    out += fmt::format("storm: with 95 % confidence fewer than {:.1f} % of such sequences are\n",
+                       100.0 * all.bound());
+  } else {
+    out += fmt::format("storm: violated at seeds {}\n", fmt::join(all.red, ", "));
+  }
+  return out;
+}
+
+std::string to_json(const Summary& all) {
+  const Figures& f = all.figures;
+  return fmt::format(
+      "{{\"sequences\": {}, \"violated\": {}, \"seeds_with_violations\": [{}], \"targets\": {}, "
+      "\"beyond_a_limit\": {}, \"step\": {:.6g}, \"acceleration\": {:.6g}, \"jerk\": {:.6g}, "
+      "\"held_cycles\": {}, \"halts\": {}, \"hardest_halt\": {:.6g}}}\n",
+      all.ran, all.red.size(), fmt::join(all.red, ", "), f.targets, f.breaches, f.step,
+      f.acceleration, f.jerk, f.held, f.halts, f.hardest_halt);
 }
 
 Status Results::open(const std::string& path) {

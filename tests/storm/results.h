@@ -5,6 +5,7 @@
 #include <fstream>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "server/base/status.h"
 #include "tests/storm/run.h"
@@ -26,6 +27,22 @@ Line line_of(const Sequence& sequence, const Outcome& outcome);
 std::string to_line(const Line& line);
 // The error names what is wrong with the line.
 Result<Line> from_line(const std::string& line);
+
+// What a person reads of one sequence, a line.
+std::string for_people(const Line& line);
+
+// All sequences together.
+struct Summary {
+  std::uint64_t ran = 0;
+  std::vector<std::uint64_t> red;  // seeds of the violated ones
+  Figures figures;
+
+  void add(const Line& line);
+  // Of sequences that are violated, with 95 % confidence, when none of those was: rule of three.
+  double bound() const;
+};
+std::string for_people(const Summary& all);
+std::string to_json(const Summary& all);
 
 class Results {
  public:

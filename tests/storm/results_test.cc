@@ -58,5 +58,24 @@ TEST(StormResults, NamesALineThatIsNone) {
   EXPECT_FALSE(from_line(to_line(some(7, true)).insert(0, 1, 'x')));
 }
 
+TEST(StormResults, TheSummaryNamesTheSeedsThatWereViolated) {
+  Summary all;
+  all.add(some(7, true));
+  EXPECT_THAT(for_people(all), HasSubstr("fewer than 100.0 %"));
+  all.add(some(8, false));
+  all.add(some(9, true));
+  EXPECT_THAT(for_people(all), HasSubstr("1 of 3 sequences violated; of 2100 targets 2 beyond"));
+  EXPECT_THAT(for_people(all), HasSubstr("violated at seeds 8\n"));
+  EXPECT_EQ(
+      to_json(all),
+      "{\"sequences\": 3, \"violated\": 1, \"seeds_with_violations\": [8], \"targets\": 2100, "
+      "\"beyond_a_limit\": 2, \"step\": 0.5, \"acceleration\": 19, \"jerk\": 0.97, "
+      "\"held_cycles\": 12, \"halts\": 3, \"hardest_halt\": 7}\n");
+  // Rule of three.
+  Summary green;
+  for (std::uint64_t seed = 0; seed < 300; ++seed) green.add(some(seed, true));
+  EXPECT_DOUBLE_EQ(green.bound(), 0.01);
+}
+
 }  // namespace
 }  // namespace handrail::storm

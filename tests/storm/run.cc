@@ -9,7 +9,6 @@
 #include "server/base/clock.h"
 #include "server/base/pacer.h"
 #include "server/base/units.h"
-#include "server/control/mapping.h"
 #include "server/kinematics/rv2a.h"
 
 namespace handrail::storm {
@@ -22,53 +21,11 @@ constexpr Nanos kRecoverPatience = 10 * kSecond;  // a lost robot takes 1.4 s, a
 // From what ends a motion to its end: 20 ms until it is noticed, a cycle, v/a + 2.5 a/j = 0.2 s of
 // the slowest joint, and 70 ms for a machine that schedules nobody in time.
 constexpr Nanos kStopTime = 300 * kMillisecond;
-// Where the hand leads the tip: to any side of where it stands at first, free of any limit [m].
-const Vec3 kBox(0.040, 0.060, 0.040);
-const Vec3 kHandRange(0.070, 0.050, 0.030);   // of the device, 5 mm inside [m]
-constexpr double kScale = 3.0;                // of the scene
-constexpr double kTurn = 0.3;                 // of the tip to any side [rad]
-constexpr double kCheckWay = 0.030;           // that the arm is led to see that it follows [m]
-constexpr double kFollowed = 0.001;           // from the command, at rest [m]
-constexpr Nanos kRestPatience = 3 * kSecond;  // for the arm to be there
-
-MappingSettings mapping() {
-  MappingSettings out;
-  out.scale = kScale;
-  return out;
-}
-
-Pose pose(const pb::PoseMm& in) {
-  Pose out;
-  if (in.position_mm_size() == 3) {
-    out.p = kMm * Vec3(in.position_mm(0), in.position_mm(1), in.position_mm(2));
-  }
-  if (in.quaternion_size() == 4) {
-    out.q = Quat(in.quaternion(0), in.quaternion(1), in.quaternion(2), in.quaternion(3));
-  }
-  return out;
-}
-
-// Which way the hand is to go for the tip to go by `d_S`; no further than the device reaches.
-Vec3 hand_way(const pb::Status& status, const Vec3& d_S) {
-  const Vec3 hand = pose(status.hand()).p;
-  const Vec3 goal = hand + Engagement(mapping(), Pose(), Pose()).to_hand(d_S);
-  return goal.cwiseMax(-kHandRange).cwiseMin(kHandRange) - hand;
-}
-
-// Where the rig's arm stands at first.
-Pose start_of_tip() { return forward(ArmGeometry(), ServoArmOptions::default_start()); }
-
-std::string hand_order(const Vec3& way_M, const Vec3& turn_M, double seconds) {
-  return fmt::format(
-      "hand {{ displacement_mm: [{}, {}, {}] rotation_deg: [{}, {}, {}] duration_s: {} }}",
-      way_M.x() / kMm, way_M.y() / kMm, way_M.z() / kMm, turn_M.x() / kDeg, turn_M.y() / kDeg,
-      turn_M.z() / kDeg, seconds);
-}
-
-Vec3 rotation_vector(const Quat& q) {
-  const Eigen::AngleAxisd turn(q);
-  return turn.angle() * turn.axis();
-}
+constexpr Nanos kLeadPatience = 10 * kSecond;  // for hand and arm to be where they are led
+constexpr double kLed = 0.010;       // of the command from its goal: friction, 2.5 mm of hand [m]
+constexpr double kSettled = 0.0002;  // of the command between two looks, 50 ms apart [m]
+constexpr double kFollowed = 0.001;  // of the arm from the command, at rest [m]
+constexpr double kTurned = 0.5 * kDeg;  // and how far turned from it
 
 bool led(const pb::Status& s) { return s.state() == "engaged" && s.slave_state() == "engaged"; }
 bool left(const std::string& state) { return state == "off" || state == "fault"; }
@@ -239,69 +196,86 @@ void Run::follow_way_out(const std::string& way) {
   }
 }
 
-// Until the hand rests and the arm is where it is led, by its own encoders; nothing when it is not
-// led any more.
-std::optional<Run::Rest> Run::at_rest() {
-  const Nanos give_up = monotonic_now() + kRestPatience;
-  live(monotonic_now() + 500 * kMillisecond);
+// With the clutch held, so that the device then reaches all of the region.
+bool Run::bring_hand_home() {
+  std::string said;
+  if (!order("clutch: true", said)) return false;
+  const Nanos give_up = monotonic_now() + kLeadPatience;
+  while (!over() && monotonic_now() < give_up) {
+    const auto now = status();
+    if (now && (left(now->state()) || left(now->slave_state()))) return false;
+    if (now && !now->hand_moving()) {
+      if (kScale * pose_of(now->hand()).p.norm() < kLed) return order("clutch: false", said);
+      (void)order(order_home(*now, 0.2), said);
+    }
+    live(monotonic_now() + 20 * kMillisecond);
+  }
+  if (!over()) violated("the hand does not come to the middle of its device");
+  return false;
+}
+
+// By the encoders, as the tap has them; nothing when it has nothing of the present.
+std::optional<Pose> Run::measured_tip() const {
+  const Result<TapFile> tap = read_tap(cell_.taps().back());
+  JointVector q;
+  if (!tap || !measured_at(*tap, monotonic_now(), q)) return std::nullopt;
+  return forward(ArmGeometry(), q);
+}
+
+// Until the command is at the goal and the arm, by its own encoders, at the command; false when it
+// is not led any more.
+bool Run::lead_to(const Pose& goal) {
+  const Nanos give_up = monotonic_now() + kLeadPatience;
+  Vec3 before = Vec3::Constant(1e3);  // of the command
+  std::string why, said;
+  bool asked = false;
   while (!over()) {
     const auto now = status();
-    if (now && (left(now->state()) || left(now->slave_state()))) return std::nullopt;
-    const Result<TapFile> tap = read_tap(cell_.taps().back());
-    JointVector q;
-    std::string why = "the master does not answer, or the tap has nothing of the last 0.2 s";
-    if (now && tap && measured_at(*tap, monotonic_now(), q)) {
-      const Rest rest{*now, forward(ArmGeometry(), q).p};
-      const double off = (rest.tip - pose(now->command()).p).norm();
-      if (led(*now) && !now->hand_moving() && off < kFollowed) return rest;
-      why = fmt::format("master {}, slave {}, {:.1f} mm from the command: {}", now->state(),
-                        now->slave_state(), off / kMm, now->ledger().sentence());
+    if (now && (left(now->state()) || left(now->slave_state()))) return false;
+    if (!now) {
+      why = "the master does not answer";
+    } else if (!led(*now)) {
+      why = fmt::format("master {}, slave {}: {}", now->state(), now->slave_state(),
+                        now->ledger().sentence());
+    } else if (const Pose command = pose_of(now->command());
+               !asked || (!now->hand_moving() && (command.p - before).norm() < kSettled)) {
+      const double missing = (goal.p - command.p).norm();
+      const auto tip = measured_tip();
+      if (!asked || missing > kLed) {
+        why = fmt::format("the command is {:.1f} mm from where the hand leads it: {}",
+                          missing / kMm, now->ledger().sentence());
+        asked = order(order_to(goal, *now, 0.25), said);
+      } else if (!tip) {
+        why = "the tap has nothing of the last 0.2 s";
+      } else {
+        const double off = (tip->p - command.p).norm(), turned = tip->q.angularDistance(command.q);
+        if (off < kFollowed && turned < kTurned) return true;
+        why = fmt::format("{:.1f} mm and {:.1f} deg from the command: {}", off / kMm, turned / kDeg,
+                          now->ledger().sentence());
+      }
+    } else {
+      before = command.p;
+      why = "the hand does not come to rest";
     }
     if (monotonic_now() > give_up) {
       violated("engaged, but does not follow: " + why);
-      return std::nullopt;
+      return false;
     }
-    live(monotonic_now() + 100 * kMillisecond);
+    live(monotonic_now() + 50 * kMillisecond);
   }
-  return std::nullopt;
+  return false;
 }
 
-// Toward the middle of what hand and arm can do.
-Vec3 Run::way_to_check(const pb::Status& s) const {
-  Vec3 way = Vec3::Zero();
-  double least = 1e9;
-  for (int i = 0; i < 6; ++i) {
-    const Vec3 d = (i < 3 ? kCheckWay : -kCheckWay) * Vec3::Unit(i % 3);
-    const Vec3 hand = pose(s.hand()).p + Engagement(mapping(), Pose(), Pose()).to_hand(d);
-    const Vec3 tip = pose(s.command()).p + d - start_of_tip().p;
-    const double off = std::max(tip.cwiseQuotient(kBox).cwiseAbs().maxCoeff(),
-                                hand.cwiseQuotient(kHandRange).cwiseAbs().maxCoeff());
-    if (off < least) way = d;
-    least = std::min(least, off);
-  }
-  return way;
-}
-
+// From wherever the arm stands to the middle of what it reaches, and from there to somewhere far
+// from it.
 bool Run::follow() {
   driving_ = false;
-  const auto before = at_rest();
-  if (!before) return false;
-  std::string said;
-  const Vec3 way_M = hand_way(before->status, way_to_check(before->status));
-  if (!order(hand_order(way_M, Vec3::Zero(), 0.4), said)) return false;
-  const auto after = at_rest();
-  if (!after) return false;
-  const Vec3 asked = pose(after->status.command()).p - pose(before->status.command()).p;
-  const Vec3 moved = after->tip - before->tip;
-  const std::string what = fmt::format("the command went {:.1f} mm, the arm {:.1f} mm",
-                                       asked.norm() / kMm, moved.norm() / kMm);
-  // The device's friction keeps some of what the hand means to do.
-  if (asked.norm() < 0.5 * kCheckWay || moved.norm() < 0.5 * kCheckWay) {
-    violated(fmt::format("engaged, but does not follow: of {:.0f} mm {}: {}", kCheckWay / kMm, what,
-                         after->status.ledger().sentence()));
+  const auto side = [this] { return random_.uniform() < 0.5 ? -0.7 : 0.7; };
+  const Vec3 place(side(), side(), side()), turn(side(), side(), side());
+  if (!bring_hand_home() || !lead_to(region_.middle()) || !lead_to(region_.at(place, turn))) {
     return false;
   }
-  tell("follows: " + what);
+  tell("follows");
   return true;
 }
 
@@ -335,20 +309,11 @@ void Run::observe(const pb::Status& s) {
   }
 }
 
-// To anywhere in the box, turned anyhow, fast.
+// To anywhere in the region, fast.
 void Run::steer(const pb::Status& s) {
-  const auto any = [this] {
-    return Vec3(2.0 * random_.uniform() - 1.0, 2.0 * random_.uniform() - 1.0,
-                2.0 * random_.uniform() - 1.0);
-  };
-  const Pose U = pose(s.command());
-  const Vec3 way = hand_way(s, start_of_tip().p + any().cwiseProduct(kBox) - U.p);
-  const Vec3 turn = kTurn * any();
-  const Quat goal = Quat(Eigen::AngleAxisd(turn.norm(), turn.normalized())) * start_of_tip().q;
-  const Vec3 turn_S = rotation_vector(goal * U.q.conjugate());
-  const Vec3 turn_M = Engagement(mapping(), Pose(), Pose()).turn_to_hand(turn_S);
   std::string said;
-  (void)order(hand_order(way, turn_M, 0.15 + 0.25 * random_.uniform()), said);
+  const Pose goal = region_.any(random_);
+  (void)order(order_to(goal, s, 0.15 + 0.25 * random_.uniform()), said);
 }
 
 std::optional<pb::Status> Run::status() {

@@ -8,6 +8,7 @@
 
 #include "client/api/operator_client.h"
 #include "tests/storm/cell.h"
+#include "tests/storm/drive.h"
 #include "tests/storm/judge.h"
 
 namespace handrail::storm {
@@ -37,14 +38,10 @@ class Run {
   void restart(const Act& act);
   void stop();
   bool recover();
-  // The arm by its encoders, at rest where it is led.
-  struct Rest {
-    pb::Status status;
-    Vec3 tip = Vec3::Zero();
-  };
-  std::optional<Rest> at_rest();
-  Vec3 way_to_check(const pb::Status& status) const;
   bool follow();
+  bool bring_hand_home();
+  bool lead_to(const Pose& goal);
+  std::optional<Pose> measured_tip() const;
 
   // Drives, watches and looks at the status until then.
   void live(Nanos until);
@@ -67,6 +64,7 @@ class Run {
   Cell cell_;
   OperatorClient client_;
   Random random_;
+  DriveRegion region_;
   Outcome outcome_;
   std::vector<Forbidden> forbidden_;
   std::optional<Forbidden> forbidden_now_;

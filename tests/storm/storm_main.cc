@@ -1,6 +1,7 @@
 // handrail-storm: the real programs, paused, cut off, ended and started anew at random while the
 // hand drives at speed; judged at the clock of the rig's controller.
 #include <spdlog/fmt/fmt.h>
+#include <unistd.h>
 
 #include <charconv>
 #include <cstdio>
@@ -11,41 +12,49 @@
 #include <string>
 
 #include "client/cli/interrupt.h"
+#include "server/lab/console.h"
 #include "tests/storm/results.h"
 
 namespace {
 
-using handrail::storm::Figures;
 using handrail::storm::Outcome;
 using handrail::storm::Results;
 using handrail::storm::Run;
 using handrail::storm::Sequence;
-
-constexpr int kViolated = 1, kBadInput = 2, kInterrupted = 130;
+using handrail::storm::Summary;
 
 const char kUsage[] =
-    "usage: handrail-storm [--sequences N] [--seed S] [--results FILE] [--keep FOLDER]\n"
+    "usage: handrail-storm [--sequences N] [--seed S] [--results FILE] [--keep FOLDER] [--json]\n"
     "\n"
     "Starts rig, slave and master, drives at speed, pauses, cuts off, ends and restarts them at\n"
     "random, follows `handrail why` out of it and drives again. In every sequence the arm keeps "
     "its\n"
     "limits at the controller's clock, stands after a stop until reset and engage, and follows "
     "again\n"
-    "in the end. One line a sequence; exit code 1 when anything was violated.\n"
+    "in the end. One line a sequence. Exit codes: 0 nothing was violated, 1 something was, 2 "
+    "usage\n"
+    "or bad file, 130 stopped.\n"
     "\n"
     "  --sequences N    seeds S to S+N-1 (50)\n"
     "  --seed S         of the first; drawn and printed when absent\n"
     "  --results FILE   a line a sequence; those in it are not run again\n"
-    "  --keep FOLDER    of each violated sequence: taps, outputs, story and traces\n";
+    "  --keep FOLDER    of each violated sequence: taps, outputs, story and traces (handrail-storm "
+    "in\n"
+    "                   the folder for temporary files)\n"
+    "  --json           the summary alone, for programs\n";
 
 struct Arguments {
   std::uint64_t sequences = 50, seed = 0;
-  std::string results, keep;
+  std::string results;
+  // Named here, before the taps go elsewhere.
+  std::filesystem::path keep =
+      std::filesystem::temp_directory_path() / ("handrail-storm-" + std::to_string(::getuid()));
+  bool json = false;
 };
 
 int complain(const std::string& text) {
   std::fprintf(stderr, "handrail-storm: %s\n", text.c_str());
-  return kBadInput;
+  return handrail::kUsage;
 }
 
 bool read_number(const std::string& text, std::uint64_t low, std::uint64_t& out) {
@@ -58,6 +67,10 @@ int read_arguments(int argc, char** argv, Arguments& out) {
   bool seeded = false;
   for (int i = 1; i < argc; ++i) {
     const std::string name = argv[i];
+    if (name == "--json") {
+      out.json = true;
+      continue;
+    }
     if (i + 1 == argc) return complain("'" + name + "': unknown, or its value is missing");
     const std::string value = argv[++i];
     if (name == "--sequences") {
@@ -72,7 +85,9 @@ int read_arguments(int argc, char** argv, Arguments& out) {
     } else if (name == "--keep") {
       out.keep = value;
     } else {
-      return complain("'" + name + "': unknown; expected --sequences, --seed, --results or --keep");
+      return complain("'" + name +
+                      "': unknown; expected --sequences, --seed, --results, "
+                      "--keep or --json");
     }
   }
   // Small enough to be typed.
@@ -80,16 +95,16 @@ int read_arguments(int argc, char** argv, Arguments& out) {
   return 0;
 }
 
-void keep(const std::string& folder, const Sequence& sequence, const Outcome& outcome,
+// Copies what a sequence left, into a folder of its own.
+void keep(const std::filesystem::path& to, const Sequence& sequence, const Outcome& outcome,
           const Run& run) {
   using namespace handrail;
-  const std::filesystem::path to = std::filesystem::path(folder) / std::to_string(sequence.seed);
   std::error_code error;
+  std::filesystem::remove_all(to, error);
   std::filesystem::create_directories(to, error);
   for (const auto& entry : std::filesystem::directory_iterator(run.cell().folder().path(), error)) {
     if (!entry.is_regular_file()) continue;
-    std::filesystem::copy_file(entry.path(), to / entry.path().filename(),
-                               std::filesystem::copy_options::overwrite_existing, error);
+    std::filesystem::copy_file(entry.path(), to / entry.path().filename(), error);
   }
   std::ofstream story(to / "story.txt");
   story << text(sequence) << "\n\n";
@@ -108,14 +123,11 @@ void keep(const std::string& folder, const Sequence& sequence, const Outcome& ou
   }
 }
 
-void print(const handrail::storm::Line& r) {
-  const Figures& f = r.figures;
-  fmt::print(
-      "{}: {} in {:.1f} s; step {:.2f}, acceleration {:.2f}, jerk {:.2f} of the limits; {} cycles "
-      "held, {} halts up to {:.1f}; {}{}{}\n",
-      r.seed, r.ok ? "ok" : "VIOLATED", r.seconds, f.step, f.acceleration, f.jerk, f.held, f.halts,
-      f.hardest_halt, r.done, r.ok ? "" : "\n    ", r.violated);
-  std::fflush(stdout);
+// How to see a violated sequence again.
+std::string again(std::uint64_t seed, const std::filesystem::path& kept) {
+  const bool there = std::filesystem::exists(kept);
+  return fmt::format("    again: handrail-storm --sequences 1 --seed {}; {}\n", seed,
+                     there ? "kept: " + kept.string() : "nothing of it in " + kept.string());
 }
 
 }  // namespace
@@ -128,6 +140,9 @@ int main(int argc, char** argv) {
   }
   Arguments arguments;
   if (const int code = read_arguments(argc, argv, arguments); code != 0) return code;
+  std::error_code error;
+  std::filesystem::create_directories(arguments.keep, error);
+  if (error) return complain(arguments.keep.string() + ": " + error.message());
   Results results;
   if (const auto opened = results.open(arguments.results); !opened) {
     return complain(opened.message());
@@ -135,41 +150,47 @@ int main(int argc, char** argv) {
   // Taps and sockets lie in memory where there is such a folder: no disk holds a control thread.
   if (std::filesystem::is_directory("/dev/shm")) ::setenv("TMPDIR", "/dev/shm", 0);
   handrail::catch_interrupts();
-  fmt::print("storm: {} sequences from seed {}\n", arguments.sequences, arguments.seed);
-  std::uint64_t ran = 0, violated = 0;
-  Figures all;
-  for (std::uint64_t i = 0; i < arguments.sequences && !handrail::interrupted(); ++i) {
-    const std::uint64_t seed = arguments.seed + i;
-    if (!results.has(seed)) {
-      const Sequence sequence = handrail::storm::draw(seed);
-      Run run(sequence, handrail::interrupted);
-      const Outcome outcome = run.go();
-      if (!outcome.complete) break;
-      if (!outcome.violations.empty() && !arguments.keep.empty()) {
-        keep(arguments.keep, sequence, outcome, run);
+  if (!arguments.json) {
+    fmt::print("storm: {} sequences from seed {}\n", arguments.sequences, arguments.seed);
+    std::fflush(stdout);
+  }
+  Summary all;
+  {
+    handrail::Progress progress;
+    for (std::uint64_t i = 0; i < arguments.sequences && !handrail::interrupted(); ++i) {
+      const std::uint64_t seed = arguments.seed + i;
+      const auto kept = arguments.keep / std::to_string(seed);
+      progress.show(
+          fmt::format("{} of {} sequences, {} violated", i, arguments.sequences, all.red.size()));
+      if (!results.has(seed)) {
+        const Sequence sequence = handrail::storm::draw(seed);
+        Run run(sequence, handrail::interrupted);
+        const Outcome outcome = run.go();
+        if (!outcome.complete) break;
+        if (!outcome.violations.empty()) keep(kept, sequence, outcome, run);
+        if (const auto added = results.add(line_of(sequence, outcome)); !added) {
+          return complain(added.message());
+        }
       }
-      if (const auto added = results.add(line_of(sequence, outcome)); !added) {
-        return complain(added.message());
-      }
+      const auto& line = results.of(seed);
+      all.add(line);
+      progress.clear();
+      std::FILE* const to = arguments.json ? stderr : stdout;
+      if (!arguments.json || !line.ok) std::fputs(for_people(line).c_str(), to);
+      if (!line.ok) std::fputs(again(seed, kept).c_str(), to);
+      std::fflush(to);
     }
-    const auto& result = results.of(seed);
-    print(result);
-    ++ran;
-    violated += result.ok ? 0 : 1;
-    all.add(result.figures);
   }
-  fmt::print(
-      "storm: {} of {} sequences violated; of {} targets {} beyond a limit, up to {:.2f} of a "
-      "step, "
-      "{:.2f} of acceleration, {:.2f} of jerk; {} cycles held in motion, {} halts up to {:.1f} of "
-      "acceleration\n",
-      violated, ran, all.targets, all.breaches, all.step, all.acceleration, all.jerk, all.held,
-      all.halts, all.hardest_halt);
-  if (violated == 0 && ran > 0) {
-    // Rule of three.
-    fmt::print("storm: with 95 % confidence fewer than {:.1f} % of such sequences are\n",
-               std::min(100.0, 300.0 / static_cast<double>(ran)));
+  if (all.ran < arguments.sequences) {
+    (void)complain(
+        fmt::format("stopped after {} of {} sequences, {} violated; {}", all.ran,
+                    arguments.sequences, all.red.size(),
+                    arguments.results.empty()
+                        ? std::string("with --results FILE it could go on")
+                        : fmt::format("--sequences {} --seed {} --results {} goes on",
+                                      arguments.sequences, arguments.seed, arguments.results)));
+    return handrail::kCancelled;
   }
-  if (handrail::interrupted()) return kInterrupted;
-  return violated == 0 ? 0 : kViolated;
+  std::fputs((arguments.json ? to_json(all) : for_people(all)).c_str(), stdout);
+  return all.red.empty() ? handrail::kDone : handrail::kFailed;
 }
