@@ -15,6 +15,13 @@ void hear_controller(const FollowSettings& settings, const FollowInput& in,
 // targets that is cannot be known, so none is sent again. Real-time safe.
 void begin_gap(const FollowSettings& settings, FollowState& state) noexcept;
 
+// The motion has come to its end, and no answer says that the controller holds it. An arm that does
+// not would take the end, said again, as a step from rest, however long it has stood. Real-time
+// safe.
+inline bool ends_unheard(const FollowInput& in, const FollowState& state) noexcept {
+  return in.answer == Answer::kNone && standing(state.motion) && state.train.unconfirmed() > 0;
+}
+
 // In a gap: whether to ask in this cycle. Real-time safe.
 bool asks_now(FollowState& state) noexcept;
 

@@ -270,7 +270,8 @@ Reason move_commands(const FollowSettings& settings, const FollowInput& in, Foll
   if (!s.gap) {
     if (controller_has_enough(in, s)) return Reason::kNone;
     for (int i = 0; i < in.cycles; ++i) intervention = move_once(settings, in, s, ledger);
-    if (!s.train.may_send(s.motion.joints.q, rated_step(settings))) begin_gap(settings, s);
+    const bool too_far = !s.train.may_send(s.motion.joints.q, rated_step(settings));
+    if (too_far || ends_unheard(in, s)) begin_gap(settings, s);
   }
   if (s.gap) {
     if (asks_now(s)) send = Send::kQuestion;

@@ -310,7 +310,10 @@ Moved move_toward(const MotionSettings& settings, const TipSpace& space, const P
   moved.limit = singular ? Verdict{Reason::kSingularity, -1} : planner.refused();
   const Ways ways{wanted, state.tip_step + proposal.change(0.35 * kShare, 0.15 * kShare, 1.0),
                   planner.next_of_stop()};
-  if (direct && state.sliding == 0) {
+  // Joints that go their own ways bend the tip's. Where only their limits are in the way, and no
+  // end of reach, the tip comes back to the straight way by going slower.
+  const bool stuck = blocked(moved.limit.reason);
+  if (direct && (state.sliding == 0 || !stuck)) {
     const double hard = kHardest / most;
     const Twist go = state.tip_step + proposal.change(0.75 * kShare, 0.22 * kShare, hard);
     const Twist both = state.tip_step + proposal.change(0.5 * kShare, 0.35 * kShare, hard);
@@ -318,7 +321,6 @@ Moved move_toward(const MotionSettings& settings, const TipSpace& space, const P
   }
   // Slowed into first, then slid along; and before the stop would end, so that the arm never waits.
   const bool ends = state.stop.next + 2 >= state.stop.size;
-  const bool stuck = blocked(moved.limit.reason);
   if (free && ends && !stuck && planner.by_joints(reached.q, share, kUnheld)) return moved;
   const bool slow = tip_speed(state) < (stuck ? kSlow : kStanding) * settings.dt;
   const bool slides = state.sliding > 0 || slow || (free && ends);

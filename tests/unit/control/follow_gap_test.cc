@@ -152,6 +152,20 @@ TEST_F(FollowGap, AStopDuringTheSilenceStands) {
   EXPECT_EQ(rig.state.fault, Reason::kStopRequested);
 }
 
+// The whole stop is within a rated step of what the controller holds: nothing halts it.
+TEST_F(FollowGap, AnEndThatNobodyHeardOfIsNotSentToAnArmThatHasStood) {
+  cycles(4);
+  rig.in.master.stop_epoch = 1;
+  cycles(40, false);
+  ASSERT_TRUE(standing(rig.state.motion));
+  EXPECT_EQ(rig.state.halts, 0u);
+  ASSERT_NE(rig.state.motion.joints.q, held);
+  const JointVector before = held;
+  cycles(40);
+  EXPECT_EQ(held, before);
+  EXPECT_EQ(rig.state.motion.joints.q, held);
+}
+
 TEST_F(FollowGap, APauseLongerThanAFewCyclesIsAGap) {
   cycles(60);
   rig.in.cycles = 5;
