@@ -34,6 +34,14 @@ enum class Check : std::uint8_t {
   kRelief,        // a force that backing off does not relieve
   kHashes,        // the slave's own look at the master's scene
   kToolReach,     // no tool is called further from the tip than the scene says
+  kReach,         // a target is a rated step from all that the controller may hold
+  kUnseen,        // after time that passed unseen nothing known is younger
+  kMasterHold,    // a master in hold leads nobody
+  kArmRange,      // an arm is nowhere beyond its ranges
+  kEpochs,        // a program's epochs begin at a number of its own
+  kResetSeen,     // a reset counts for the fault it has seen
+  kOneMaster,     // another master waits until the present one is silent
+  kLag,           // a promise reckons with how late the arm may be
   kCount
 };
 

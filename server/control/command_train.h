@@ -8,6 +8,7 @@
 
 #include <array>
 
+#include "server/base/deletable.h"
 #include "server/base/joints.h"
 
 namespace handrail {
@@ -54,6 +55,7 @@ class CommandTrain {
   // Whether `q` is within `step` of all that the controller may hold [rad].
   bool may_send(const JointVector& q, const JointVector& step) const noexcept {
     if (full() && q != newest()) return false;
+    if (!kept(Check::kReach)) return true;
     for (std::size_t i = 0; i < size_; ++i) {
       if (((q - sent_[i]).cwiseAbs().array() > step.array()).any()) return false;
     }

@@ -1,5 +1,7 @@
 #include "server/control/follow_gap.h"
 
+#include "server/base/deletable.h"
+
 namespace handrail {
 namespace {
 
@@ -61,6 +63,7 @@ bool controller_has_enough(const FollowInput& in, FollowState& s) noexcept {
 }
 
 int joint_out_of_range(const FollowSettings& settings, const JointVector& q) noexcept {
+  if (!kept(Check::kArmRange)) return -1;
   const double room = 2.0 * settings.following.room;
   for (int i = 0; i < kJoints; ++i) {
     if (!(q[i] >= settings.rated.lower[i] - room && q[i] <= settings.rated.upper[i] + room)) {

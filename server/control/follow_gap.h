@@ -40,7 +40,7 @@ int joint_out_of_range(const FollowSettings& settings, const JointVector& q) noe
 
 // How old what the master said is, at least. Real-time safe.
 inline Nanos age_of_master(const FollowInput& in) noexcept {
-  return in.unseen > kUnseenAge ? std::max(in.master_age, in.unseen) : in.master_age;
+  return age_after(in.unseen, in.master_age);
 }
 
 }  // namespace handrail

@@ -35,6 +35,11 @@ bool stop_stands(const FollowInput& in) {
          in.master.stop_epoch != in.master.released_epoch;
 }
 
+// A master in hold leads nobody: it hears nothing of the arm.
+bool leads(SessionState master) {
+  return follows(master) || (master == SessionState::kHold && !kept(Check::kMasterHold));
+}
+
 // `obstacle`: why this side cannot be engaged now.
 void advance_session(const FollowSettings& settings, const FollowInput& in, FollowState& s,
                      Reason own_fault, Reason obstacle) {
@@ -176,9 +181,8 @@ double most_yielding(const FollowSettings& settings) {
 // Moves toward the newest command and says by which stages; returns what intervened.
 Reason follow(const FollowSettings& settings, const FollowInput& in, FollowState& s,
               FollowLedger& ledger) {
-  // Engaged before its master knows, a slave stands: what comes is not yet driven by a hand. Nor is
-  // what a master in hold says, which hears nothing of the arm.
-  if (!follows(in.master.state)) {
+  // Engaged before its master knows, a slave stands: what comes is not yet driven by a hand.
+  if (!leads(in.master.state)) {
     brake(settings.motion, s.motion);
     return in.master.state == SessionState::kHold ? Reason::kLinkHold : Reason::kNotEngaged;
   }
@@ -202,7 +206,7 @@ Reason follow(const FollowSettings& settings, const FollowInput& in, FollowState
   contact.f_E_S = s.f_E_S;
   contact.fresh = s.invalid_wrenches == 0;
   contact.p_ST = s.p_measured;
-  contact.delay = s.lag.lag() + settings.bumper.sensor_lag;
+  contact.delay = settings.bumper.sensor_lag + (kept(Check::kLag) ? s.lag.lag() : 0.0);
   contact.dt = settings.motion.dt;
   const bool published = settings.bumper.form == BumperSettings::Form::kPublished;
   contact.p_last = published ? s.motion.X_ST.p : bumped_from(settings, s);
@@ -285,8 +289,9 @@ Reason move_commands(const FollowSettings& settings, const FollowInput& in, Foll
 }  // namespace
 
 bool released(const FollowInput& in, const FollowState& state) noexcept {
+  const bool seen = in.master.fault_reset == state.fault_epoch || !kept(Check::kResetSeen);
   return state.session == SessionState::kFault && in.master_known && in.link.confirmed &&
-         !stop_stands(in) && in.master.fault_reset == state.fault_epoch;
+         !stop_stands(in) && seen;
 }
 
 void place(const FollowSettings& settings, const JointVector& q, FollowState& state) noexcept {

@@ -261,6 +261,7 @@ void fill_link(const HapticSettings& settings, const HapticState& s, MasterState
 }  // namespace
 
 void begin_epochs(std::uint64_t unique, HapticState& state) noexcept {
+  if (!kept(Check::kEpochs)) return;
   state.stop_epoch = state.released_epoch = state.engagement_epoch = unique;
 }
 
@@ -281,8 +282,7 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
   }
 
   const std::uint32_t epochs_before = tool_epochs(s);
-  const Nanos slave_age =
-      in.unseen > kUnseenAge ? std::max(in.slave_age, in.unseen) : in.slave_age;
+  const Nanos slave_age = age_after(in.unseen, in.slave_age);
   const LadderStep ladder =
       ladder_step(settings.ladder, in.slave_known, slave_age, in.link, dt, s.ladder);
   see_presence(settings, in, dt, s);

@@ -1,5 +1,7 @@
 #include "server/control/session.h"
 
+#include <algorithm>
+
 #include "server/base/deletable.h"
 
 namespace handrail {
@@ -12,6 +14,9 @@ constexpr SessionState kClutched = SessionState::kClutched;
 constexpr SessionState kHold = SessionState::kHold;
 constexpr SessionState kFault = SessionState::kFault;
 constexpr SessionState kHoming = SessionState::kHoming;
+
+// Of age_after() [ns].
+constexpr Nanos kUnseenAge = 20 * kMillisecond;
 
 bool flowing(LinkRung link) { return link == LinkRung::kFresh || link == LinkRung::kSlow; }
 bool lost(LinkRung link) {
@@ -45,6 +50,10 @@ Reason reason_of(LinkRung link) noexcept {
       return Reason::kSessionClosed;
   }
   return Reason::kNone;
+}
+
+Nanos age_after(Nanos unseen, Nanos age) noexcept {
+  return unseen > kUnseenAge && kept(Check::kUnseen) ? std::max(age, unseen) : age;
 }
 
 LinkRung rung_of(bool ever, Nanos age) noexcept {

@@ -8,9 +8,10 @@ namespace handrail {
 // How old the newest datagram is, in the words of the degradation ladder.
 enum class LinkRung : std::uint8_t { kNone, kFresh, kSlow, kHold, kLost, kClosed };
 
-// Time between two steps of a loop from which on nothing it knows is younger: as long as the other
-// side would take an equally old datagram for alive [ns].
-inline constexpr Nanos kUnseenAge = 20 * kMillisecond;
+// How old what the other side has said is, at least: `age` [ns], but after a time `unseen` [ns]
+// between two steps of a loop of over 20 ms, as long as an equally old datagram would be taken for
+// alive, nothing the loop knows is younger than that. Real-time safe.
+Nanos age_after(Nanos unseen, Nanos age) noexcept;
 
 // What the ladder says of `age` [ns]: fresh to 5 ms, slow to 20 ms, hold to 200 ms, lost to 1 s,
 // then closed; kNone when no datagram has come yet (`ever` false). Real-time safe.

@@ -43,7 +43,8 @@ Reject PeerCore::accept_session(const DatagramHeader& header, Nanos now) const n
   // Who is here for less has not had the time to answer.
   const bool unproven = !answered() && now - replaced_at_ > kTakeoverSilence;
   const bool silent = snapshot_.age(now) > kTakeoverSilence;
-  return silent || unproven ? Reject::kNone : Reject::kSessionBusy;
+  const bool free = silent || unproven || !kept(Check::kOneMaster);
+  return free ? Reject::kNone : Reject::kSessionBusy;
 }
 
 void PeerCore::remember_present() noexcept {

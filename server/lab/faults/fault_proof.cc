@@ -24,10 +24,10 @@ constexpr std::array kProofs = {
     FaultProof{Check::kAcceleration, "acceleration", "X2a", 2, "joint acceleration"},
     FaultProof{Check::kJerk, "jerk", "X2a", 2, "joint jerk"},
     FaultProof{Check::kFollowing, "following", "S5", 9, "not found"},
-    FaultProof{Check::kSensor, "sensor", "S1a", 8, "stopped late"},
+    FaultProof{Check::kSensor, "sensor", "S1a", 8, "more than a cycle held"},
     FaultProof{Check::kStuck, "stuck", "S2a", 2, "not found"},
     FaultProof{Check::kUnchanged, "unchanged", "S2e", 3, "not found"},
-    FaultProof{Check::kEncoder, "encoder", "S1b", 8, "stopped late"},
+    FaultProof{Check::kEncoder, "encoder", "S1b", 8, "not engaged after one bad reading"},
     FaultProof{Check::kWatchdog, "watchdog", "N10a", 10, "stopped late"},
     FaultProof{Check::kLatch, "latch", "N9", 10, "moved without being led"},
     FaultProof{Check::kSequence, "sequence", "N5", 3, "not the newest applied"},
@@ -45,6 +45,15 @@ constexpr std::array kProofs = {
     FaultProof{Check::kRelief, "relief", "S3e", 3, "not found", bit(Check::kSensorSign)},
     FaultProof{Check::kHashes, "hashes", "D3", 8, "ms engaged with another scene"},
     FaultProof{Check::kToolReach, "tool-reach", "X2c", 1, "further than a tool may be called"},
+    FaultProof{Check::kReach, "reach", "R1a", 5, "target further away"},
+    FaultProof{Check::kUnseen, "unseen", "R4", 7, "engaged after a long pause"},
+    FaultProof{Check::kMasterHold, "master-hold", "N10b", 2, "stopped late"},
+    FaultProof{Check::kArmRange, "arm-range", "R5", 4, "engaged with a blind arm",
+               bit(Check::kFollowing)},
+    FaultProof{Check::kEpochs, "epochs", "P8", 2, "stops confirmed before they can have arrived"},
+    FaultProof{Check::kResetSeen, "reset-seen", "P8", 2, "released without a reset that saw it"},
+    FaultProof{Check::kOneMaster, "one-master", "X9a", 1, "datagrams of the second master applied"},
+    FaultProof{Check::kLag, "lag", "R1c", 4, "over the promised force"},
 };
 static_assert(kProofs.size() == static_cast<std::size_t>(Check::kCount));
 

@@ -35,22 +35,44 @@ FaultOutcome judge_controller(FaultRun& run) {
 // What happens while the controller is not heard.
 enum class Meanwhile { kNothing, kStop, kStopCircuit, kCount };
 
-// The slave stops for 5 ms to a minute, alone or with the master: the computer sleeps.
+// The slave stops for 5 ms to a minute, alone or with the master: the computers sleep. Every other
+// time the way between them is so long that what was sent before still comes after they wake, and
+// is read before the first step.
 FaultOutcome paused(const RowRun& row, bool both) {
   constexpr std::array<int, 7> kSpans = {5, 12, 20, 60, 250, 5000, 60'000};
   const Nanos span = row.level(kSpans) * kMillisecond;
   FaultRun run(row.seed, robot_options(row, kSpans.size()));
+  const bool far = both && row.index % 2 == 0;
+  if (far) {
+    LinkFaults way;
+    way.delay = 300 * kMillisecond;
+    run.set_network(way);
+  }
   if (!run.engage()) return not_engaged();
   run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
   run.let_pause();
-  run.cell().net()->stop_slave(true);
-  if (both) run.cell().net()->stop_master(true);
+  CellNet& net = *run.cell().net();
+  const auto sleep = [&](bool asleep) {
+    net.stop_slave(asleep);
+    if (both) net.stop_master(asleep);
+    if (far) net.deliver(run.now());
+  };
+  sleep(true);
   run.run(span);
-  run.cell().net()->stop_slave(false);
-  run.cell().net()->stop_master(false);
-  run.run(kSecond);
+  if (far) {
+    // What waits is dropped; what comes in the next millisecond looks new.
+    sleep(false);
+    sleep(true);
+    run.tick();
+  }
+  sleep(false);
+  run.run(2 * kPeriod);
   // Nobody engages: longer than the link may be silent, both have let go.
-  const bool went_on = span > Auditor::kLatch && run.engaged();
+  bool went_on = false;
+  for (int i = 0; i < 1000; ++i) {
+    went_on = went_on || (span > Auditor::kLatch && run.engaged());
+    run.tick();
+  }
   run.drive(6 * kSecond);
   const bool engaged = run.engaged();
   FaultOutcome out = judge_controller(run);
