@@ -273,7 +273,9 @@ Reason move_commands(const FollowSettings& settings, const FollowInput& in, Foll
   Reason intervention = Reason::kNone;
   if (!s.gap) {
     if (controller_has_enough(in, s)) return Reason::kNone;
-    for (int i = 0; i < in.cycles; ++i) intervention = move_once(settings, in, s, ledger);
+    // A standing arm has nothing to make up for: it sets out with the step of one cycle.
+    const int cycles = standing(s.motion) ? std::min(in.cycles, 1) : in.cycles;
+    for (int i = 0; i < cycles; ++i) intervention = move_once(settings, in, s, ledger);
     const bool too_far = !s.train.may_send(s.motion.joints.q, rated_step(settings));
     if (too_far || ends_unheard(in, s)) begin_gap(settings, s);
   }

@@ -172,6 +172,7 @@ std::string way_out_of(Reason reason, int joint, const JointVector& q) {
       return "engage";
     case Reason::kStopRequested:
     case Reason::kLinkLost:
+    case Reason::kPeerFault:  // of a slave that has been started anew since
     case Reason::kFollowingError:
       return "reset, then engage";
     case Reason::kRobotLost:
@@ -190,6 +191,15 @@ std::string way_out_of(Reason reason, int joint, const JointVector& q) {
     case Reason::kSensorSign:
     case Reason::kContactUnrelieved:
       return "check the force sensor, then reset and engage";
+    case Reason::kHashTools:
+    case Reason::kHashMapping:
+    case Reason::kHashLimits:
+    case Reason::kHashRobot:
+    case Reason::kSceneDiffers:
+    case Reason::kSceneNotLoaded:
+      return "give both sides the same scene and version, then reset and engage";
+    case Reason::kDeviceInvalid:
+      return "check the haptic device, then engage";
     case Reason::kNoPeer:
       return "start the slave, or check the network, then engage";
     case Reason::kSessionClosed:

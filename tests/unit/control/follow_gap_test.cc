@@ -186,6 +186,19 @@ TEST_F(FollowGap, AShortPauseIsPlannedThroughWhereAStepAllowsIt) {
   EXPECT_GT(step, 1.5 * before) << "two cycles' way";
 }
 
+TEST_F(FollowGap, AStandingArmSetsOutWithOneCyclesStepHoweverManyHavePassed) {
+  const FollowState before = rig.state;
+  const JointVector q = held;
+  cycle();
+  const double one = step;
+  ASSERT_GT(one, 0.0);
+  rig.state = before;
+  held = q;
+  rig.in.cycles = 3;
+  cycle();
+  EXPECT_EQ(step, one);
+}
+
 TEST_F(FollowGap, WhatTheMasterSaidIsAsOldAsThePause) {
   cycles(10);
   rig.in.unseen = kSecond;

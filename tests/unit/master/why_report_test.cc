@@ -89,6 +89,9 @@ TEST_F(WhyReportTest, AnArmThatHoldsSaysWhyBeforeAnyNumber) {
   report.out.reason = Reason::kPeerFault;
   slave.fault = Reason::kStopInput;
   EXPECT_EQ(why().sentence(), std::string("the arm holds: ") + describe(Reason::kStopInput));
+  slave.fault = Reason::kNone;  // started anew
+  EXPECT_EQ(why().sentence(), std::string("the arm holds: ") + describe(Reason::kPeerFault));
+  EXPECT_EQ(why().way_out(), "reset, then engage");
   report.good_until = now - 1;
   EXPECT_EQ(why().sentence(), std::string("the arm holds: ") + describe(Reason::kThreadStalled));
 }
