@@ -35,6 +35,7 @@ enum class Check : std::uint8_t {
   kHashes,        // the slave's own look at the master's scene
   kToolReach,     // no tool is called further from the tip than the scene says
   kReach,         // a target is a rated step from all that the controller may hold
+  kHeardEnd,      // a motion's end that the controller was not heard to hold is not sent again
   kUnseen,        // after time that passed unseen nothing known is younger
   kMasterHold,    // a master in hold leads nobody
   kArmRange,      // an arm is nowhere beyond its ranges

@@ -17,7 +17,8 @@ constexpr int kQueuedFor = 2;
 }  // namespace
 
 void begin_gap(const FollowSettings& settings, FollowState& s) noexcept {
-  if (!s.gap && !standing(s.motion)) ++s.halts;
+  s.halted = !standing(s.motion);
+  s.halts += s.halted ? 1 : 0;
   s.motion = standing_at(settings.motion.arm, s.train.newest());
   s.gap = true;
   s.waited = 0;
@@ -53,7 +54,10 @@ void hear_controller(const FollowSettings& settings, const FollowInput& in,
   // holds what was sent last.
   if ((elsewhere || s.train.unconfirmed() > 0) && s.owed-- > 0) return;
   const JointVector q = elsewhere ? in.q_commanded : s.train.confirmed();
-  if (joint_out_of_range(settings, q) < 0) place(settings, q, s);
+  if (joint_out_of_range(settings, q) >= 0) return;
+  // The controller did not get the end of a motion that had ended here.
+  if (!s.halted && q != s.train.newest()) ++s.halts;
+  place(settings, q, s);
 }
 
 bool controller_has_enough(const FollowInput& in, FollowState& s) noexcept {

@@ -2,6 +2,7 @@
 // to begin anew.
 #pragma once
 
+#include "server/base/deletable.h"
 #include "server/control/follow_step.h"
 
 namespace handrail {
@@ -19,7 +20,8 @@ void begin_gap(const FollowSettings& settings, FollowState& state) noexcept;
 // not would take the end, said again, as a step from rest, however long it has stood. Real-time
 // safe.
 inline bool ends_unheard(const FollowInput& in, const FollowState& state) noexcept {
-  return in.answer == Answer::kNone && standing(state.motion) && state.train.unconfirmed() > 0;
+  return in.answer == Answer::kNone && standing(state.motion) && state.train.unconfirmed() > 0 &&
+         kept(Check::kHeardEnd);
 }
 
 // In a gap: whether to ask in this cycle. Real-time safe.

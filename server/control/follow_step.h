@@ -80,10 +80,11 @@ struct FollowState {
   MotionState motion;
   bool placed = false;  // motion stands on a pose the controller confirmed
   CommandTrain train;   // what was sent, from what the controller has confirmed on
-  bool gap = false;    // the arm was halted; it goes on from rest, from where the controller has it
-  int waited = 0;      // cycles since then
-  int owed = 0;        // answers to what was sent before the first question
-  int queued_for = 0;  // answers in a row that show the controller keeps targets for later
+  bool gap = false;  // the arm was halted; it goes on from rest, from where the controller has it
+  bool halted = false;      // the motion was not over then
+  int waited = 0;           // cycles since then
+  int owed = 0;             // answers to what was sent before the first question
+  int queued_for = 0;       // answers in a row that show the controller keeps targets for later
   std::uint64_t halts = 0;  // of an arm in motion
   std::uint64_t stop_epoch = 0;
   std::uint64_t fault_epoch = 0;  // the program begins it at a random number of its own

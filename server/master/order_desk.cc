@@ -269,7 +269,9 @@ void OrderDesk::watch_engaging() {
     // Whoever engages learns which of the scene's tools do not hold the arm.
     if (scene_tools_ == 0) std::exchange(engaging_, nullptr)(done(tools_refused_));
   } else if (now_ > engage_until_ || out.link.desired == Desired::kOff) {
-    std::string why = describe(out.reason != Reason::kNone ? out.reason : slave_.reason);
+    // Of a slave that gets ready, what it waits for.
+    const bool its = out.reason == Reason::kNone || out.reason == Reason::kHoming;
+    std::string why = describe(its && slave_.reason != Reason::kNone ? slave_.reason : out.reason);
     if (out.reason == Reason::kPeerFault) why += std::string(": ") + describe(slave_.fault);
     std::exchange(engaging_, nullptr)(refused(why));
     order(plain(OrderKind::kDisengage), [](pb::Reply) {});

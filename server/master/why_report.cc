@@ -94,11 +94,13 @@ Reason holding(const HapticReport& report, const SlaveState& slave, const LinkSn
   if (out.link.state == SessionState::kClutched) {
     return out.reason == Reason::kNone ? Reason::kClutched : out.reason;
   }
-  // A slave in fault is engaged by nobody, also by a master that has not tried.
-  const bool in_fault = slave.state == SessionState::kFault && link.age(now) <= kHeard;
-  const bool its_fault =
-      out.reason == Reason::kPeerFault || (out.reason == Reason::kNotEngaged && in_fault);
-  if (its_fault && slave.fault != Reason::kNone) return slave.fault;
+  // What keeps the slave from being engaged does so whether the master has tried or not.
+  const bool idle = out.reason == Reason::kNotEngaged && link.age(now) <= kHeard;
+  const bool in_fault = idle && slave.state == SessionState::kFault;
+  if ((out.reason == Reason::kPeerFault || in_fault) && slave.fault != Reason::kNone) {
+    return slave.fault;
+  }
+  if (idle && slave.reason != Reason::kNone) return slave.reason;
   if (out.reason != Reason::kNone) return out.reason;
   if (link.peer_epoch == 0) return Reason::kNoPeer;
   return slave.reason != Reason::kNone ? slave.reason : Reason::kNotEngaged;

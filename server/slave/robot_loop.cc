@@ -118,7 +118,7 @@ void RobotLoop::connect() {
     next_attempt_ = clock_() + kRetry;
     if (status.message() != last_problem_) spdlog::warn("{}; trying again", status.message());
     last_problem_ = status.message();
-    return;
+    return publish();
   }
   last_problem_.clear();
   connected_ = true;

@@ -46,6 +46,7 @@ constexpr std::array kProofs = {
     FaultProof{Check::kHashes, "hashes", "D3", 8, "ms engaged with another scene"},
     FaultProof{Check::kToolReach, "tool-reach", "X2c", 1, "further than a tool may be called"},
     FaultProof{Check::kReach, "reach", "R1a", 5, "target further away"},
+    FaultProof{Check::kHeardEnd, "heard-end", "R2", 15, "moved after it had stood"},
     FaultProof{Check::kUnseen, "unseen", "R4", 7, "engaged after a long pause"},
     FaultProof{Check::kMasterHold, "master-hold", "N10b", 2, "stopped late"},
     FaultProof{Check::kArmRange, "arm-range", "R5", 4, "engaged with a blind arm",

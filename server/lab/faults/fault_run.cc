@@ -101,6 +101,9 @@ FaultRun::FaultRun(std::uint64_t seed, const FaultOptions& options)
     hand_[3] *= 2.0;
     hand_[7] *= 2.0;
   }
+  if (options.gentle) {
+    for (std::size_t k = 0; k < 4; ++k) hand_[k] *= 0.1;
+  }
   layers_.heard = [this](const RobotReply& reply) { hear_controller(reply); };
   cell_->set_tap(&layers_);
 }
@@ -191,10 +194,13 @@ std::vector<JointVector>::iterator FaultRun::nearest_held(const JointVector& q) 
 // The slave says when it halts the arm; whether it had to is judged here, by what the controller
 // might have held before this tick and the target that was `next`.
 void FaultRun::judge_halt(const std::vector<JointVector>& maybe_held, const JointVector& next) {
-  const std::uint64_t halts = cell_->follow_state().halts;
-  const bool halted = halts != told_halts_;
-  told_halts_ = halts;
-  if (!halted || paused_) return;
+  const FollowState& slave = cell_->follow_state();
+  const bool told = slave.halts != told_halts_;
+  told_halts_ = slave.halts;
+  // A motion that was over was not halted by the slave, which says that its end did not arrive.
+  if (!told || !slave.halted || paused_) return;
+  // Nor is it in vain when nothing was heard for as long as a plan may go on.
+  if (maybe_held.size() >= ControllerAudit::kMostLost) return;
   const double dt = to_seconds(kMxtPeriod);
   // What the arm gained in the cycles that were not answered is not in `next`: at most four.
   const JointVector room =

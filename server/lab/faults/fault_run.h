@@ -37,8 +37,9 @@ struct FaultOptions {
   // A surface of 57 N/mm, with what gives way in the arm, kGap under the tip where it starts;
   // approached slowly enough for 200 N. The hand stands, but for `layers().hand`.
   bool contact = false;
-  bool queues = false;  // the controller works off one packet a cycle, the rest wait
-  bool brisk = false;   // the hand turns up to 0.3 rad, twice as often
+  bool queues = false;       // the controller works off one packet a cycle, the rest wait
+  bool brisk = false;        // the hand turns up to 0.3 rad, twice as often
+  bool gentle = false;       // the hand goes a tenth of its way
   bool sensor_noise = true;  // in contact
 };
 

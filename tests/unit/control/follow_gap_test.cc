@@ -164,6 +164,7 @@ TEST_F(FollowGap, AnEndThatNobodyHeardOfIsNotSentToAnArmThatHasStood) {
   cycles(40);
   EXPECT_EQ(held, before);
   EXPECT_EQ(rig.state.motion.joints.q, held);
+  EXPECT_EQ(rig.state.halts, 1u) << "where it is known that the arm did not get there";
 }
 
 TEST_F(FollowGap, APauseLongerThanAFewCyclesIsAGap) {

@@ -104,5 +104,17 @@ TEST_F(UnheardDeskTest, AStopThatIsNeverAnsweredHoldsNoResetUp) {
   EXPECT_EQ(last_order(), OrderKind::kReset);
 }
 
+TEST_F(UnheardDeskTest, AnEngageWhoseSlaveGetsReadyIsToldWhatItWaitsFor) {
+  tick();
+  const Answer answer = ask("engage: true");
+  loop();
+  stand(SessionState::kAligning, Desired::kEngaged, Reason::kHoming);
+  slave.reason = Reason::kRobotNotConnected;
+  tick();
+  tick(OrderDesk::kEngagePatience);
+  tick(1);
+  EXPECT_EQ(text(answer), std::string("refused: ") + describe(Reason::kRobotNotConnected));
+}
+
 }  // namespace
 }  // namespace handrail

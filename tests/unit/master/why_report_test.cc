@@ -109,6 +109,18 @@ TEST_F(WhyReportTest, AMasterThatHasJustStartedNamesTheFaultThatItsSlaveIsIn) {
   EXPECT_TRUE(why().way_out().starts_with("at the controller: "));
 }
 
+TEST_F(WhyReportTest, ASlaveThatIsNotReadySaysWhyBeforeAnybodyEngages) {
+  report.out.link.state = SessionState::kOff;
+  report.out.reason = Reason::kNotEngaged;
+  slave.reason = Reason::kRobotNotConnected;
+  link.received_at = now;
+  EXPECT_EQ(why().sentence(),
+            std::string("the arm holds: ") + describe(Reason::kRobotNotConnected));
+  EXPECT_TRUE(why().way_out().starts_with("at the controller: "));
+  link.received_at = now - kSecond;  // what it said is old
+  EXPECT_EQ(why().way_out(), "engage");
+}
+
 TEST_F(WhyReportTest, NamesTheMasterThatLeadsTheSlaveAndTheWayOut) {
   report.out.link.state = SessionState::kFault;
   report.out.reason = Reason::kLinkLost;

@@ -25,7 +25,7 @@ class ScriptedRobot : public Robot {
   Status connect(Nanos patience, RobotReply& first) override {
     ++connects;
     if (!present) {
-      now_value += patience;
+      now_value += patience + kPeriod;  // the last wait goes on for a cycle
       return Status::error("no answer");
     }
     open = true;

@@ -26,8 +26,8 @@ TEST_F(RobotLoopTest, WhatItSaysStandsForARoundAndThroughTheWaitForAController) 
   const Nanos asked = now_value;
   loop.turn();
   ASSERT_TRUE(boxes.report.take(report));
-  EXPECT_EQ(now_value, asked + RobotLoop::kConnectPatience) << "it waited for the controller";
-  EXPECT_GE(report.good_until, now_value);
+  EXPECT_EQ(now_value, asked + RobotLoop::kConnectPatience + kPeriod) << "it waited";
+  EXPECT_EQ(report.good_until, now_value + kStateStands);
 }
 
 TEST_F(RobotLoopTest, SaysThatNoRobotIsConnectedAndTriesEverySecond) {
