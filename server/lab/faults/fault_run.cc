@@ -101,9 +101,7 @@ FaultRun::FaultRun(std::uint64_t seed, const FaultOptions& options)
     hand_[3] *= 2.0;
     hand_[7] *= 2.0;
   }
-  if (options.gentle) {
-    for (std::size_t k = 0; k < 4; ++k) hand_[k] *= 0.1;
-  }
+  for (std::size_t k = 0; options.gentle && k < 4; ++k) hand_[k] *= 0.1;
   layers_.heard = [this](const RobotReply& reply) { hear_controller(reply); };
   cell_->set_tap(&layers_);
 }
@@ -213,10 +211,8 @@ void FaultRun::judge_halt(const std::vector<JointVector>& maybe_held, const Join
 
 // A slave that starts has where the arm is held from the controller, in 32 bits: that is no step.
 JointVector FaultRun::as_before(const JointVector& q) const {
-  const auto rounded = [](const JointVector& v) {
-    return JointVector(v.cast<float>().cast<double>());
-  };
-  return q == rounded(targets_[0]) ? targets_[0] : q;
+  const JointVector rounded = targets_[0].cast<float>().cast<double>();
+  return q == rounded ? targets_[0] : q;
 }
 
 void FaultRun::sent_target(const JointVector& q) {
