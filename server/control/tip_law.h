@@ -15,8 +15,8 @@ struct TipLaw {
   double speed_share = 1.0;  // 0..1: of the speed, for a link that ages
 };
 
-// What place and turn may do toward their target and across that way; worked out once a cycle.
-// The turn gets what the place leaves of what the joints can do.
+// What place and turn may do toward their target and across that way; worked out once a cycle. Each
+// as if the joints were there for it alone: where they cannot do both, the step is refused.
 class TipProposal {
  public:
   TipProposal(const PlanLimits& limits, const TipSpace& space, const TipLaw& law,
