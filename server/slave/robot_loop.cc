@@ -83,7 +83,9 @@ Nanos RobotLoop::turn_unconnected() {
     finish();
     return 0;
   }
-  step(now, Reason::kNone);
+  // A reset of another fault meets this one.
+  const bool in_fault = !lost_ && state_.session == SessionState::kFault;
+  step(now, in_fault ? Reason::kRobotNotConnected : Reason::kNone);
   publish();
   // A reset calls a lost controller once. One that does not answer is lost anew.
   const bool again = lost_ && released(input_, state_);

@@ -44,6 +44,25 @@ TEST_F(RobotLoopTest, SaysThatNoRobotIsConnectedAndTriesEverySecond) {
   EXPECT_TRUE(loop.connected());
 }
 
+TEST_F(RobotLoopTest, AResetOfAStopWithoutARobotNamesTheRobot) {
+  robot.present = false;
+  for (int i = 0; i < 5; ++i) turn();
+  news.state.stop_epoch = 1;
+  for (int i = 0; i < 5; ++i) turn();
+  EXPECT_EQ(state.fault, Reason::kStopRequested);
+  news.state.released_epoch = 1;
+  news.state.fault_reset = state.fault_epoch;
+  for (int i = 0; i < 5; ++i) turn();
+  EXPECT_EQ(state.state, SessionState::kFault);
+  EXPECT_EQ(state.fault, Reason::kRobotNotConnected);
+  EXPECT_EQ(state.fault_epoch, news.state.fault_reset + 1);
+  robot.present = true;
+  for (int i = 0; i < 1000 && !loop.connected(); ++i) turn();
+  news.state.fault_reset = state.fault_epoch;
+  for (int i = 0; i < 5; ++i) turn();
+  EXPECT_EQ(state.state, SessionState::kOff);
+}
+
 TEST_F(RobotLoopTest, ConnectingMovesNothing) {
   const JointVector before = robot.q;
   for (int i = 0; i < 50; ++i) turn(false);
