@@ -39,7 +39,7 @@ void CellNet::deliver(Nanos now) noexcept {
 void CellNet::send_master(Nanos now, const MasterState& state, Nanos made) noexcept {
   if (master_stopped_) return;
   link_.at(now);
-  master_pump_->send(master_now(now), state, master_now(made) + kStateStands);
+  master_pump_->send(master_now(now), state, master_now(made) + kHapticStateSent);
 }
 
 void CellNet::send_slave(Nanos now, const SlaveState& state, Nanos made) noexcept {

@@ -42,12 +42,13 @@ class LinkServer {
   const Remote& newest() const { return peer_.newest(); }
   const LinkSnapshot& snapshot() const { return peer_.snapshot(); }
 
-  // Sends `state` if a datagram is due and it is still true.
-  void send(Nanos now, const Local& state, Nanos good_until) {
+  // Sends `state` if a datagram is due, until `sent_until`. After `good_until` the loop that made
+  // it is said to stand still.
+  void send(Nanos now, const Local& state, Nanos sent_until, Nanos good_until) {
     speaking_ = true;
     log_stall(now, good_until);
     const std::uint64_t unsendable = snapshot().unsendable;
-    pump_.send(now, state, good_until);
+    pump_.send(now, state, sent_until);
     if (unsendable == 0 && snapshot().unsendable != 0) {
       hooks_.say(true,
                  std::string("own state cannot be sent: ") + describe(peer_.last_unsendable()));

@@ -52,10 +52,10 @@ class LinkPump {
     return changed;
   }
 
-  // Sends `state` if a datagram is due and it is still true: a loop that stands still falls silent,
+  // Sends `state` if a datagram is due, until `sent_until`: a loop that stands still falls silent,
   // and the other side's ladder does the rest.
-  void send(Nanos now, const Local& state, Nanos good_until = kForever) noexcept {
-    if (now > good_until && kept(Check::kStaleSend)) return peer_.withhold(now);
+  void send(Nanos now, const Local& state, Nanos sent_until = kForever) noexcept {
+    if (now > sent_until && kept(Check::kStaleSend)) return peer_.withhold(now);
     const std::size_t size = peer_.poll(now, state, buffer_);
     if (size != 0) (void)transport_.send(std::span(buffer_).first(size));
   }

@@ -5,9 +5,14 @@
 
 namespace handrail {
 
-// How long what a loop says stands without being renewed: as long as the other side would take an
-// equally old datagram for alive.
+// How long what a loop says stands without being renewed, before the loop is said to stand still:
+// as long as the other side would take an equally old datagram for alive.
 inline constexpr Nanos kStateStands = 20 * kMillisecond;
+
+// How long what the haptic loop says is sent: two of its rounds, since two clocks of 1 kHz that
+// drift past each other send one state twice. The slave waits kStateStands from the last datagram
+// on, so what is sent for longer makes it notice a stall later.
+inline constexpr Nanos kHapticStateSent = 2 * kMillisecond;
 
 // Asked about every tick of the IO thread, by the clock of that thread. Real-time safe.
 class StallWatch {

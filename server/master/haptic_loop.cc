@@ -129,6 +129,7 @@ OrderTicket HapticLoop::next_order() noexcept {
 }
 
 void HapticLoop::publish(Nanos now) noexcept {
+  report_.sent_until = now + kHapticStateSent;
   report_.good_until = now + kStateStands;
   report_.X_MH = state_.X_MH;
   const SteerableHand* hand = device_.hand();

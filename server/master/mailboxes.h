@@ -56,6 +56,7 @@ struct HapticReport {
   Nanos late_p99 = 0;
   Nanos late_p999 = 0;
   Nanos late_max = 0;
+  Nanos sent_until = kForever;  // later the slave is no longer told
   Nanos good_until = kForever;  // later it is no longer true: the loop stands still
 };
 

@@ -19,7 +19,7 @@ struct MasterServer::Impl {
     log_change(report.out.link.state, report.out.reason);
     // Where no robot takes part, a slave is left to another master.
     if (report.walls.present) return link.keep_silent(now);
-    link.send(now, report.out.link, report.good_until);
+    link.send(now, report.out.link, report.sent_until, report.good_until);
   }
 
   static void say(bool bad, const std::string& line) {

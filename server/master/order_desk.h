@@ -12,6 +12,7 @@
 #include "server/master/mailboxes.h"
 #include "server/master/operator_server.h"
 #include "server/master/status_report.h"
+#include "server/master/why_report.h"
 #include "server/scene/scene.h"
 
 namespace handrail {
@@ -34,7 +35,6 @@ class OrderDesk : public OperatorHandler {
   static constexpr Nanos kLinkPatience = 3 * kSecond;  // for a link good enough to engage over
   static constexpr Nanos kStopPatience = kSecond;
   static constexpr Nanos kResetPatience = kSecond;
-  static constexpr Nanos kHeard = 200 * kMillisecond;   // the slave, lately: else its link is lost
   static constexpr Nanos kScenePatience = 3 * kSecond;  // a slave looks once a second
 
   // The mailboxes must outlive the desk. `scene` is the one the loop has.

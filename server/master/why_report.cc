@@ -79,8 +79,6 @@ const char* reason_text(const Share& share) {
   return smooths && share.size() > 0.0 ? "smoothing" : describe(share.why);
 }
 
-constexpr Nanos kHeard = 200 * kMillisecond;  // of the slave lately: less than a lost link
-
 // Why the arm holds; kNone while it follows the hand.
 Reason holding(const HapticReport& report, const SlaveState& slave, const LinkSnapshot& link,
                Nanos now) {

@@ -29,7 +29,7 @@ struct SlaveServer::Impl {
     say_halts(now);
     SlaveState told = report.state;
     if (scene_missing && told.state == SessionState::kOff) told.reason = Reason::kSceneNotLoaded;
-    link.send(now, told, report.good_until);
+    link.send(now, told, report.good_until, report.good_until);
   }
 
   // At most a line a second.

@@ -23,6 +23,7 @@ TEST_F(HapticLoopTest, ReadsTheDeviceOnceATickAndWritesWhatItReports) {
 TEST_F(HapticLoopTest, WhatItReportsStandsForTwentyMilliseconds) {
   tick();
   EXPECT_EQ(report.good_until, now + 20 * kMillisecond);
+  EXPECT_EQ(report.sent_until, now + 2 * kMillisecond);
 }
 
 TEST_F(HapticLoopTest, AnswersEveryOrderByItsIdAndTakesOneATick) {
