@@ -1,7 +1,5 @@
 #include "server/control/follow_gap.h"
 
-#include "server/base/deletable.h"
-
 namespace handrail {
 namespace {
 

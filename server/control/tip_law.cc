@@ -17,6 +17,9 @@ constexpr double kLeastTop = 0.02;    // [m/s], [rad/s times kTurnLength]
 constexpr double kSpeedShare = 0.95;  // of the joints' speed
 constexpr double kMoving = 1e-6;      // [m], [rad times kTurnLength] a cycle
 constexpr double kTowards = 1e-9;
+// Of the speed along. More across is flown past a target that turns away: measured, 0.1 and 0.2 do
+// the same, at 0.5 and 1 a tip at the end of its reach goes 3 and 5 mm further beyond.
+constexpr double kAcross = 0.1;
 
 // What is left of `v` beside `e`, and its unit in `axis` if it is worth one.
 Vector6 beside(const Vector6& v, const Vector6& e) { return v - e.dot(v) * e; }
@@ -101,14 +104,17 @@ AxisLimits TipProposal::limits_of(const Axis& axis, double share) const noexcept
   return out;
 }
 
-Twist TipProposal::change(double place, double turn, double hard) const noexcept {
+Twist TipProposal::change(double place, double turn, double hard, bool faster) const noexcept {
   Vector6 out = Vector6::Zero();
   const auto add = [&](const Axes& axes, double share) {
     for (std::size_t k = 0; k < axes.size(); ++k) {
       const Axis& axis = axes[k];
       if (axis.unit.isZero(0.0)) continue;
-      double change =
-          track_change(limits_of(axis, share), {0.0, axis.step, axis.change}, axis.ahead, hard);
+      AxisLimits limits = limits_of(axis, share);
+      if (k == 0 && !faster && axes[1].step > kAcross * axis.step) {
+        limits.speed = std::min(limits.speed, std::max(axis.step, kLeastTop * law_.dt));
+      }
+      double change = track_change(limits, {0.0, axis.step, axis.change}, axis.ahead, hard);
       // Braking that began with a larger share still does not turn back from what lies ahead.
       if (k == 0 && axis.ahead >= 0.0) change = std::max(change, -std::max(axis.step, 0.0));
       out += change * axis.unit;

@@ -24,8 +24,10 @@ class TipProposal {
 
   // The change of the tip's step with the share 0..1 of the joints' acceleration for the place and
   // for the turn: toward the target, never beyond where it can stop. `hard`: by so much more it
-  // brakes where the share turns out not to do. Real-time safe.
-  Twist change(double place, double turn, double hard) const noexcept;
+  // brakes where the share turns out not to do. `faster`: false where the joints cannot do all of
+  // it: a tip that also goes across its way gains no speed along it until that is braked. Real-time
+  // safe.
+  Twist change(double place, double turn, double hard, bool faster = true) const noexcept;
 
   Twist way() const noexcept { return way_; }
   // About how many cycles the straight way takes.

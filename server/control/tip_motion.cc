@@ -308,16 +308,22 @@ Moved move_toward(const MotionSettings& settings, const TipSpace& space, const P
   if (free && reached.arm && planner.by_joints(reached.q, share, kUnheld)) return moved;
   const bool singular = !direct || near_singular(settings.arm, state.joints.q);
   moved.limit = singular ? Verdict{Reason::kSingularity, -1} : planner.refused();
-  const Ways ways{wanted, state.tip_step + proposal.change(0.35 * kShare, 0.15 * kShare, 1.0),
+  const Ways ways{wanted,
+                  state.tip_step + proposal.change(0.35 * kShare, 0.15 * kShare, 1.0, false),
                   planner.next_of_stop()};
   // Joints that go their own ways bend the tip's. Where only their limits are in the way, and no
   // end of reach, the tip comes back to the straight way by going slower.
   const bool stuck = blocked(moved.limit.reason);
   if (direct && (state.sliding == 0 || !stuck)) {
     const double hard = kHardest / most;
-    const Twist go = state.tip_step + proposal.change(0.75 * kShare, 0.22 * kShare, hard);
-    const Twist both = state.tip_step + proposal.change(0.5 * kShare, 0.35 * kShare, hard);
-    if (planner.slower(ways, go, both)) return moved;
+    const auto with = [&](double place, double turn) {
+      return state.tip_step + proposal.change(place, turn, hard, false);
+    };
+    if (planner.straight(with(most, most)) ||
+        planner.slower(ways, with(0.75 * kShare, 0.22 * kShare),
+                       with(0.5 * kShare, 0.35 * kShare))) {
+      return moved;
+    }
   }
   // Slowed into first, then slid along; and before the stop would end, so that the arm never waits.
   const bool ends = state.stop.next + 2 >= state.stop.size;

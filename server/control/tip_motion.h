@@ -48,7 +48,7 @@ struct Moved {
 // place 5 mm inside. Where the straight way does not
 // fit the joints, as near singular poses, the tip is slowed, then goes on by what the joints can
 // do: it keeps its place, and its orientation lags. `share` 0..1 slows the approach. Real-time
-// safe, at most 14 stop plans, mostly one.
+// safe, at most 15 stop plans, mostly one.
 Moved move_toward(const MotionSettings& settings, const TipSpace& space, const Pose& target,
                   double share, MotionState& state) noexcept;
 
