@@ -266,12 +266,14 @@ double Auditor::way_to_rest() const noexcept {
 }
 
 // A tip beside its tool only ever comes nearer, but for its own stop: what it was when the tool
-// came, and at each command since that was no further off itself. Once on it, it stays.
+// came, and at each command since that was no further off itself. Its way there closes behind it no
+// faster than it is eased along it, and not while nobody leads it. Once on it, it stays.
 void Auditor::reach_of_tool() noexcept {
   if (space_.everything()) return;
   const double reach = space_.distance(tips_[0]) + way_to_rest();
   const double asked = newest_.has_command ? space_.distance(newest_.X_SU.p) : 0.0;
-  tool_reach_ = tool_new_ ? reach : std::min(tool_reach_, std::max(reach, asked));
+  const double eased = tool_reach_ - (led_ ? limits_.catch_up * dt_ : 0.0);
+  tool_reach_ = tool_new_ ? reach : std::min(tool_reach_, std::max({reach, asked, eased}));
   tool_new_ = false;
 }
 

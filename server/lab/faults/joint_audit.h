@@ -16,6 +16,7 @@ struct AuditLimits {
   ArmGeometry arm;
   Vec3 low = Vec3::Constant(-2.0);  // where the tip may be, frame S [m]
   Vec3 high = Vec3::Constant(2.0);
+  double catch_up = 0.060;              // at most, of a tip onto a tool that is called [m/s]
   double force = 3.3;                   // on the hand [N]
   Nanos period = 7'100 * kMicrosecond;  // of the commands
 };

@@ -150,7 +150,7 @@ FaultOutcome r1b(const RowRun& row) {
   return out;
 }
 
-// The controller is silent for 30 ms to 1.4 s, or only the way to it or back is dark. In every
+// The controller is silent for 10 ms to 1.4 s, or only the way to it or back is dark. In every
 // other run the hand goes so gently that a whole stop is within a step of the last target heard.
 FaultOutcome r2(const RowRun& row) {
   constexpr std::array<int, 5> kSpans = {10, 30, 100, 500, 1400};

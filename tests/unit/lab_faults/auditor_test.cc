@@ -282,9 +282,23 @@ TEST(AuditorTest, ATipThatHasComeNearerItsToolMayNotLeaveAgain) {
   s.change_speed(kFast);
   s.coast(5);
   s.change_speed(0.0);
-  s.coast(3);
+  s.coast(130);  // 0.05 m at the speed of easing
   EXPECT_EQ(s.report().of(Breach::kOffTool), 0u);
   s.change_speed(-kFast);
+  EXPECT_GT(s.report().of(Breach::kOffTool), 0u);
+}
+
+// What it may still do while it is eased there: come nearer faster, and back as far as that goes.
+TEST(AuditorTest, TheWayToAToolClosesBehindATipAsItIsEased) {
+  AuditLimits slow = limits();
+  slow.catch_up = 1e-5;
+  Stream s(slow);
+  s.state.position_tool = line_through(forward(limits().arm, s.q).p + Vec3(0.0, 0.05, 0.0));
+  s.coast(3);
+  for (const double speed : {kFast, 0.0, -kFast, 0.0}) s.change_speed(speed);
+  EXPECT_EQ(s.report().of(Breach::kOffTool), 0u);
+  s.change_speed(-kFast);
+  s.coast(5);
   EXPECT_GT(s.report().of(Breach::kOffTool), 0u);
 }
 
