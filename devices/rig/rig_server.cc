@@ -138,6 +138,7 @@ struct RigServer::Impl {
       if (cable_out || in.at <= away_until) {
         rig->controller().missed(in.span());
       } else {
+        robot_came = in.at;
         rig->controller().on_datagram(in.span(), in.from);
       }
     }
@@ -166,7 +167,9 @@ struct RigServer::Impl {
       const RigEvent event = rig->step(now);
       if (event == RigEvent::kNone) break;
       if (event == RigEvent::kControl) {
-        if (tap.is_open()) tap.add(rig->controller(), rig->controlled_at(), cable_out);
+        if (tap.is_open()) {
+          tap.add(rig->controller(), rig->controlled_at(), robot_came, cable_out);
+        }
         for (const auto& reply : rig->controller().replies()) send(robot, reply.to, reply.bytes());
         log_changes();
       } else if (const auto& record = rig->sensor().record()) {
@@ -227,6 +230,7 @@ struct RigServer::Impl {
   std::optional<PeerId> session;
   bool cable_out = false;
   Nanos away_until = std::numeric_limits<Nanos>::min();  // what came before nobody hears
+  Nanos robot_came = 0;                                  // the newest packet for the controller
   Tap tap;
 };
 

@@ -57,16 +57,18 @@ Status Tap::open(const std::string& path, Nanos period) {
   memory_ = static_cast<std::byte*>(memory);
   header = TapHeader();
   header.capacity = kCapacity;
-  header.period = period;
+  header.period = period_ = period;
   std::memcpy(memory_, &header, sizeof(header));
   return Status::ok();
 }
 
-void Tap::add(const Controller& controller, Nanos at, bool cable_out) noexcept {
+void Tap::add(const Controller& controller, Nanos at, Nanos came, bool cable_out) noexcept {
   TapRecord record;
   record.number = ++number_;
   record.at = at;
-  const auto bit = [&record](bool on, TapBit which) { record.did |= on ? which : 0U; };
+  const auto bit = [&record](bool on, TapBit which) {
+    if (on) record.did = static_cast<std::uint16_t>(record.did | which);
+  };
   const std::optional<PeerId> session = controller.session();
   bit(controller.accepted(), kTapAccepted);
   bit(session.has_value(), kTapSession);
@@ -75,6 +77,8 @@ void Tap::add(const Controller& controller, Nanos at, bool cable_out) noexcept {
   bit(controller.alarm().kind != AlarmKind::kNone, kTapAlarm);
   bit(cable_out, kTapCableOut);
   session_ = session;
+  record.came = static_cast<std::uint16_t>(
+      std::clamp<Nanos>((came - (at - period_)) / kMicrosecond, 0, 0xffff));
   record.alarm = static_cast<std::uint8_t>(controller.alarm().kind);
   record.joint = static_cast<std::uint8_t>(controller.alarm().joint);
   const std::uint64_t lost = controller.counters().lost_moves;

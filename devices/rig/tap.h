@@ -20,7 +20,7 @@
 namespace handrail {
 
 struct TapHeader {
-  std::array<char, 8> magic{'H', 'D', 'R', 'L', 'T', 'A', 'P', '1'};
+  std::array<char, 8> magic{'H', 'D', 'R', 'L', 'T', 'A', 'P', '2'};
   std::uint32_t record_bytes = 128;
   std::uint32_t capacity = 0;  // records
   Nanos period = 0;            // of the controller's cycle [ns]
@@ -29,7 +29,7 @@ struct TapHeader {
 static_assert(sizeof(TapHeader) == 64);
 
 // What happened in a cycle, one bit each.
-enum TapBit : std::uint32_t {
+enum TapBit : std::uint16_t {
   kTapAccepted = 1,   // a target was taken over
   kTapSession = 2,    // under external control; without kTapAccepted: held for want of a target
   kTapOpened = 4,     // a session began
@@ -41,7 +41,8 @@ enum TapBit : std::uint32_t {
 struct TapRecord {
   std::uint64_t number = 0;
   Nanos at = 0;                            // of the cycle, the machine's monotonic clock
-  std::uint32_t did = 0;                   // sum of TapBits
+  std::uint16_t did = 0;                   // sum of TapBits
+  std::uint16_t came = 0;                  // the newest packet, after the cycle before [us]
   std::uint8_t alarm = 0;                  // AlarmKind
   std::uint8_t joint = 0;                  // 1 to 6: to blame for the alarm; 0: none
   std::uint16_t lost = 0;                  // commands to move that were sent since the last record
@@ -71,11 +72,13 @@ class Tap {
   Status open(const std::string& path, Nanos period);
   bool is_open() const noexcept { return memory_ != nullptr; }
 
-  // The cycle that `controller` ran at `at`. Open. Real-time safe as said above.
-  void add(const Controller& controller, Nanos at, bool cable_out) noexcept;
+  // The cycle that `controller` ran at `at`; its newest packet came at `came`. Open. Real-time safe
+  // as said above.
+  void add(const Controller& controller, Nanos at, Nanos came, bool cable_out) noexcept;
 
  private:
   std::byte* memory_ = nullptr;
+  Nanos period_ = 0;
   std::uint64_t number_ = 0;
   std::uint64_t lost_ = 0;
   std::optional<PeerId> session_;

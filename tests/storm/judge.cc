@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "server/base/rv2a_limits.h"
 #include "server/base/units.h"
@@ -33,6 +34,57 @@ class Recorder {
   Nanos last_ = -1;
 };
 
+// A slave sends without a reply only when an eighth of the cycle is left, so what came earlier
+// after a cycle without a packet was on its way when that cycle ran.
+bool came_late(const TapFile& tap, std::size_t i, int lost) {
+  if (i < 2 || lost != 0) return false;
+  const TapRecord &now = tap.records[i], &before = tap.records[i - 1];
+  return now.has(kTapAccepted) && !before.has(kTapAccepted) && before.has(kTapSession) &&
+         tap.records[i - 2].has(kTapAccepted) && now.at - before.at == tap.period &&
+         8 * now.came * kMicrosecond < 7 * tap.period;
+}
+
+// The audit of one arm. A command that came late may be read as one in time, if that alone makes
+// sound what follows.
+class Judge {
+ public:
+  explicit Judge(Nanos period) : audit_(rv2a_limits(), period) {}
+
+  void place(const JointVector& q) { audit_.place(q); }
+  void until(Nanos now) {
+    audit_.until(now);
+    if (in_time_) in_time_->until(now);
+  }
+  TargetVerdict accepted(const TapRecord& r, const JointVector& q, int lost, bool late) {
+    if (late) {
+      in_time_ = audit_;
+      in_time_->came_late();
+      open_ = kOpen;
+    }
+    const TargetVerdict verdict = audit_.accepted(r.at, q, lost);
+    if (!in_time_) return verdict;
+    const TargetVerdict other = in_time_->accepted(r.at, q, lost);
+    const bool instead = !verdict.fine() && other.fine();
+    if (instead) {
+      audit_ = *in_time_;
+      ++late_;
+    }
+    if (instead || !other.fine() || --open_ == 0) in_time_.reset();
+    return instead ? other : verdict;
+  }
+
+  const ControllerAudit& audit() const { return audit_; }
+  std::uint64_t late() const { return late_; }
+
+ private:
+  static constexpr int kOpen = 4;  // targets that one cycle has a part in the third differences of
+
+  ControllerAudit audit_;
+  std::optional<ControllerAudit> in_time_;
+  int open_ = 0;
+  std::uint64_t late_ = 0;
+};
+
 std::string breach_text(const TargetVerdict& v, Nanos gap, int lost, Nanos period) {
   return fmt::format(
       "J{} beyond its limits: {:.2f} of a step, {:.2f} of speed, {:.2f} of acceleration, {:.2f} of "
@@ -51,13 +103,14 @@ void Figures::add(const Figures& other) {
   acceleration = std::max(acceleration, other.acceleration);
   jerk = std::max(jerk, other.jerk);
   held += other.held;
+  late += other.late;
   halts += other.halts;
   hardest_halt = std::max(hardest_halt, other.hardest_halt);
 }
 
 Figures judge_tap(const TapFile& tap, const std::vector<Forbidden>& forbidden,
                   std::vector<Violation>& violations) {
-  ControllerAudit audit(rv2a_limits(), tap.period);
+  Judge judge(tap.period);
   Recorder limits(violations), motion(violations), alarms(violations);
   JointVector held = JointVector::Zero();
   Nanos last_target = 0;
@@ -66,14 +119,14 @@ Figures judge_tap(const TapFile& tap, const std::vector<Forbidden>& forbidden,
     const TapRecord& r = tap.records[i];
     const JointVector q = vector(r.target);
     if (i == 0) {
-      audit.place(q);
+      judge.place(q);
       held = q;
       last_target = r.at;
     }
-    audit.until(r.at);
+    judge.until(r.at);
     lost += r.lost;
     if (r.has(kTapAccepted)) {
-      const TargetVerdict verdict = audit.accepted(r.at, q, lost);
+      const TargetVerdict verdict = judge.accepted(r, q, lost, came_late(tap, i, lost));
       if (!verdict.fine()) {
         limits.add(r.at, breach_text(verdict, r.at - last_target, lost, tap.period));
       }
@@ -96,6 +149,7 @@ Figures judge_tap(const TapFile& tap, const std::vector<Forbidden>& forbidden,
                                    describe(static_cast<AlarmKind>(r.alarm))));
     }
   }
+  const ControllerAudit& audit = judge.audit();
   Figures out;
   out.targets = audit.targets();
   out.breaches = audit.breaches();
@@ -103,6 +157,7 @@ Figures judge_tap(const TapFile& tap, const std::vector<Forbidden>& forbidden,
   out.acceleration = audit.worst().acceleration;
   out.jerk = audit.worst().jerk;
   out.held = audit.held();
+  out.late = judge.late();
   out.halts = audit.halts();
   out.hardest_halt = audit.hardest_halt();
   return out;

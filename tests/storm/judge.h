@@ -22,6 +22,7 @@ struct Figures {
   std::uint64_t breaches = 0;                         // of them beyond a limit
   double step = 0.0, acceleration = 0.0, jerk = 0.0;  // largest, of the limit
   std::uint64_t held = 0;     // cycles in which a moving arm was held for want of a target
+  std::uint64_t late = 0;     // more such cycles: their command came after them
   std::uint64_t halts = 0;    // motions that ended without braking
   double hardest_halt = 0.0;  // of the acceleration limit
 

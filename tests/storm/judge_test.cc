@@ -20,7 +20,7 @@ struct Drive {
     tap.period = kMxtPeriod;
     add(0.0, 0);
   }
-  void add(double by, std::uint32_t did) {
+  void add(double by, std::uint16_t did) {
     TapRecord r;
     r.number = r.again = tap.records.size() + 1;
     r.at = kSecond + static_cast<Nanos>(tap.records.size()) * kMxtPeriod;
@@ -56,6 +56,48 @@ TEST(StormJudge, ASoundDriveIsNotViolated) {
   EXPECT_EQ(f.targets, 37u);
   EXPECT_EQ(f.halts, 0u);
   EXPECT_GT(f.jerk, 0.8);
+}
+
+// A fast motion: one cycle gets nothing; the packet that comes next goes on by one step.
+Figures one_cycle_without(Drive& d, double period_share, int cycles, std::uint16_t lost) {
+  d.speed_up(20, 0.9 * kJolt);
+  d.speed_up(10, 0.0);
+  for (int i = 0; i < cycles; ++i) d.add(0.0, kTapSession);
+  d.target(d.v);
+  TapRecord& r = d.tap.records.back();
+  r.came = static_cast<std::uint16_t>(period_share * static_cast<double>(kMxtPeriod) /
+                                      static_cast<double>(kMicrosecond));
+  r.lost = lost;
+  d.speed_up(10, 0.0);
+  d.speed_up(20, -0.9 * kJolt);
+  d.target(0.0);
+  return d.judge();
+}
+
+TEST(StormJudge, ACommandThatCameAfterItsCycleIsNotTheSlavesHold) {
+  Drive d;
+  const Figures f = one_cycle_without(d, 0.1, 1, 0);
+  EXPECT_THAT(d.found, IsEmpty());
+  EXPECT_EQ(f.breaches, 0u);
+  EXPECT_EQ(f.late, 1u);
+  EXPECT_EQ(f.halts, 0u);
+}
+
+TEST(StormJudge, WhateverElseAMotionGoesOnAfterIsJudged) {
+  Drive silent, longer, lost;
+  EXPECT_GT(one_cycle_without(silent, 0.9, 1, 0).breaches, 0u) << "sent without a reply";
+  EXPECT_GT(one_cycle_without(longer, 0.1, 2, 0).breaches, 0u) << "two cycles";
+  EXPECT_GT(one_cycle_without(lost, 0.1, 1, 1).breaches, 0u) << "one was lost";
+}
+
+TEST(StormJudge, ALateCommandExcusesNoLargerOne) {
+  Drive d;
+  d.speed_up(20, 0.9 * kJolt);
+  d.speed_up(10, 0.0);
+  d.add(0.0, kTapSession);
+  d.target(d.v + 3.0 * kJolt);
+  EXPECT_EQ(d.judge().late, 0u);
+  EXPECT_THAT(d.found, SizeIs(1));
 }
 
 TEST(StormJudge, NamesALimitOnceACauseWithItsPlace) {

@@ -13,7 +13,7 @@
 namespace handrail::storm {
 namespace {
 
-constexpr std::size_t kColumns = 13;
+constexpr std::size_t kColumns = 14;
 
 std::string on_one_line(std::string text) {
   std::replace(text.begin(), text.end(), '\n', ' ');
@@ -45,10 +45,10 @@ Line line_of(const Sequence& sequence, const Outcome& outcome) {
 
 std::string to_line(const Line& r) {
   const Figures& f = r.figures;
-  return fmt::format("{}\t{}\t{:.1f}\t{}\t{}\t{:.2f}\t{:.2f}\t{:.2f}\t{}\t{}\t{:.2f}\t{}\t{}",
+  return fmt::format("{}\t{}\t{:.1f}\t{}\t{}\t{:.2f}\t{:.2f}\t{:.2f}\t{}\t{}\t{}\t{:.2f}\t{}\t{}",
                      r.seed, r.ok ? "ok" : "VIOLATED", r.seconds, f.targets, f.breaches, f.step,
-                     f.acceleration, f.jerk, f.held, f.halts, f.hardest_halt, on_one_line(r.done),
-                     on_one_line(r.violated));
+                     f.acceleration, f.jerk, f.held, f.late, f.halts, f.hardest_halt,
+                     on_one_line(r.done), on_one_line(r.violated));
 }
 
 Result<Line> from_line(const std::string& line) {
@@ -62,13 +62,13 @@ Result<Line> from_line(const std::string& line) {
   Line r;
   Figures& f = r.figures;
   r.ok = column[1] == "ok";
-  r.done = column[11];
-  r.violated = column[12];
-  const bool read_all = read(column[0], r.seed) && read(column[2], r.seconds) &&
-                        read(column[3], f.targets) && read(column[4], f.breaches) &&
-                        read(column[5], f.step) && read(column[6], f.acceleration) &&
-                        read(column[7], f.jerk) && read(column[8], f.held) &&
-                        read(column[9], f.halts) && read(column[10], f.hardest_halt);
+  r.done = column[12];
+  r.violated = column[13];
+  const bool read_all =
+      read(column[0], r.seed) && read(column[2], r.seconds) && read(column[3], f.targets) &&
+      read(column[4], f.breaches) && read(column[5], f.step) && read(column[6], f.acceleration) &&
+      read(column[7], f.jerk) && read(column[8], f.held) && read(column[9], f.late) &&
+      read(column[10], f.halts) && read(column[11], f.hardest_halt);
   if (!read_all || (!r.ok && column[1] != "VIOLATED")) {
     return Status::error(fmt::format("'{}...', expected a line of results", line.substr(0, 40)));
   }
@@ -79,9 +79,9 @@ std::string for_people(const Line& r) {
   const Figures& f = r.figures;
   return fmt::format(
       "{}: {} in {:.1f} s; step {:.2f}, acceleration {:.2f}, jerk {:.2f} of the limits; {} cycles "
-      "held, {} halts up to {:.1f}; {}{}{}\n",
-      r.seed, r.ok ? "ok" : "VIOLATED", r.seconds, f.step, f.acceleration, f.jerk, f.held, f.halts,
-      f.hardest_halt, r.done, r.ok ? "" : "\n    ", r.violated);
+      "held, {} by late commands, {} halts up to {:.1f}; {}{}{}\n",
+      r.seed, r.ok ? "ok" : "VIOLATED", r.seconds, f.step, f.acceleration, f.jerk, f.held, f.late,
+      f.halts, f.hardest_halt, r.done, r.ok ? "" : "\n    ", r.violated);
 }
 
 void Summary::add(const Line& line) {
@@ -98,10 +98,10 @@ std::string for_people(const Summary& all) {
   const Figures& f = all.figures;
   std::string out = fmt::format(
       "storm: {} of {} sequences violated; of {} targets {} beyond a limit, up to {:.2f} of a "
-      "step, {:.2f} of acceleration, {:.2f} of jerk; {} cycles held in motion, {} halts up to "
-      "{:.1f} of acceleration\n",
+      "step, {:.2f} of acceleration, {:.2f} of jerk; {} cycles held in motion, {} more by late "
+      "commands, {} halts up to {:.1f} of acceleration\n",
       all.red.size(), all.ran, f.targets, f.breaches, f.step, f.acceleration, f.jerk, f.held,
-      f.halts, f.hardest_halt);
+      f.late, f.halts, f.hardest_halt);
   if (all.red.empty()) {
     out += fmt::format("storm: with 95 % confidence fewer than {:.1f} % of such sequences are\n",
                        100.0 * all.bound());
@@ -116,9 +116,9 @@ std::string to_json(const Summary& all) {
   return fmt::format(
       "{{\"sequences\": {}, \"violated\": {}, \"seeds_with_violations\": [{}], \"targets\": {}, "
       "\"beyond_a_limit\": {}, \"step\": {:.6g}, \"acceleration\": {:.6g}, \"jerk\": {:.6g}, "
-      "\"held_cycles\": {}, \"halts\": {}, \"hardest_halt\": {:.6g}}}\n",
+      "\"held_cycles\": {}, \"late_cycles\": {}, \"halts\": {}, \"hardest_halt\": {:.6g}}}\n",
       all.ran, all.red.size(), fmt::join(all.red, ", "), f.targets, f.breaches, f.step,
-      f.acceleration, f.jerk, f.held, f.halts, f.hardest_halt);
+      f.acceleration, f.jerk, f.held, f.late, f.halts, f.hardest_halt);
 }
 
 Status Results::open(const std::string& path) {

@@ -13,8 +13,8 @@
 namespace handrail::storm {
 
 // One sequence in one line, tab-separated: seed, "ok" or "VIOLATED", seconds, targets, breaches,
-// largest step, acceleration and jerk (of the limit), held cycles, halts, hardest halt (of the
-// limit), what was done, what was violated.
+// largest step, acceleration and jerk (of the limit), held cycles, late commands, halts, hardest
+// halt (of the limit), what was done, what was violated.
 struct Line {
   std::uint64_t seed = 0;
   bool ok = false;

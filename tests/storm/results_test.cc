@@ -13,7 +13,7 @@ Line some(std::uint64_t seed, bool ok) {
   Outcome outcome;
   outcome.start = 5 * kSecond;
   outcome.seconds = 7.25;
-  outcome.figures = {700, ok ? 0u : 2u, 0.5, ok ? 0.9 : 19.0, 0.97, 4, 1, 7.0};
+  outcome.figures = {700, ok ? 0u : 2u, 0.5, ok ? 0.9 : 19.0, 0.97, 4, 0, 1, 7.0};
   if (!ok) outcome.violations = {{6 * kSecond, "J1\tfar\nout"}, {7 * kSecond, "more"}};
   return line_of(draw(seed), outcome);
 }
@@ -52,7 +52,7 @@ TEST(StormResults, NamesALineThatIsNone) {
   TempFolder folder;
   const std::string path = folder.write("storm.tsv", to_line(some(7, true)) + "\nmine\n");
   Results results;
-  EXPECT_EQ(results.open(path).message(), path + ":2: 1 columns, expected 13");
+  EXPECT_EQ(results.open(path).message(), path + ":2: 1 columns, expected 14");
   EXPECT_THAT(Results().open(folder.path() + "/none/storm.tsv").message(),
               HasSubstr("No such file"));
   EXPECT_FALSE(from_line(to_line(some(7, true)).insert(0, 1, 'x')));
@@ -70,7 +70,7 @@ TEST(StormResults, TheSummaryNamesTheSeedsThatWereViolated) {
       to_json(all),
       "{\"sequences\": 3, \"violated\": 1, \"seeds_with_violations\": [8], \"targets\": 2100, "
       "\"beyond_a_limit\": 2, \"step\": 0.5, \"acceleration\": 19, \"jerk\": 0.97, "
-      "\"held_cycles\": 12, \"halts\": 3, \"hardest_halt\": 7}\n");
+      "\"held_cycles\": 12, \"late_cycles\": 0, \"halts\": 3, \"hardest_halt\": 7}\n");
   // Rule of three.
   Summary green;
   for (std::uint64_t seed = 0; seed < 300; ++seed) green.add(some(seed, true));

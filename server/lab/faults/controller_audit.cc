@@ -113,6 +113,12 @@ TargetVerdict ControllerAudit::accepted(Nanos at, const JointVector& q, int lost
   return found;
 }
 
+void ControllerAudit::came_late() noexcept {
+  if (standing_) return;
+  for (Point& point : points_) point.at += period_;
+  for (Reading& reading : readings_) reading.rest_until += period_;
+}
+
 void ControllerAudit::until(Nanos now) noexcept {
   if (placed_ && !standing_ && now - points_[0].at > longest_stop_) settle(now);
 }

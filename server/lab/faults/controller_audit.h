@@ -53,6 +53,10 @@ class ControllerAudit {
   // `lost`: targets that were sent since and did not reach it, where that is known.
   TargetVerdict accepted(Nanos at, const JointVector& q, int lost = kMostLost) noexcept;
 
+  // The target to come was sent for the cycle before and came after it: the arm was held by the
+  // controller, not by whoever sends. What follows is judged as if that cycle had not passed.
+  void came_late() noexcept;
+
   // No target came until `now`.
   void until(Nanos now) noexcept;
 

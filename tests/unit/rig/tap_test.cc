@@ -20,7 +20,7 @@ class TapTest : public ::testing::Test {
  protected:
   void cycle(Bench& bench, bool cable_out = false) {
     bench.tick();
-    tap.add(bench.controller, bench.now, cable_out);
+    tap.add(bench.controller, bench.now, bench.now - kMxtPeriod + 300 * kMicrosecond, cable_out);
   }
   std::vector<TapRecord> records() const {
     const auto file = read_tap(path);
@@ -52,13 +52,14 @@ TEST_F(TapTest, TellsWhatTheControllerDidInEveryCycle) {
 
   const std::vector<TapRecord> r = records();
   ASSERT_EQ(r.size(), 7u);
-  const std::uint32_t did[] = {
+  const std::uint16_t did[] = {
       0,          kTapSession | kTapOpened, kTapSession | kTapAccepted, kTapSession | kTapCableOut,
       kTapClosed, kTapSession | kTapOpened, kTapClosed | kTapAlarm};
   for (std::size_t i = 0; i < r.size(); ++i) {
     EXPECT_EQ(r[i].number, i + 1);
     EXPECT_EQ(r[i].did, did[i]) << i;
     EXPECT_EQ(r[i].at, r[0].at + static_cast<Nanos>(i) * kMxtPeriod);
+    EXPECT_EQ(r[i].came, 300);
   }
   EXPECT_EQ(r[1].target[0], 0.0);
   for (std::size_t i = 2; i < r.size(); ++i) EXPECT_EQ(r[i].target[0], q[0]) << "held since";
@@ -90,7 +91,7 @@ TEST_F(TapTest, KeepsTheNewestWhenItIsFull) {
   {
     const test::NoAllocation guard("Tap::add");
     for (std::uint32_t i = 0; i < Tap::kCapacity + 10; ++i) {
-      tap.add(bench.controller, static_cast<Nanos>(i), false);
+      tap.add(bench.controller, static_cast<Nanos>(i), 0, false);
     }
   }
   const std::vector<TapRecord> r = records();
