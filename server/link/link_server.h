@@ -122,8 +122,8 @@ class LinkServer {
     if (change == StallWatch::Change::kStalled) {
       hooks_.say(true, "the " + own_loop_ + " loop stands still: nothing is sent, the arm holds");
     } else if (change == StallWatch::Change::kRunsAgain) {
-      hooks_.say(true, "the " + own_loop_ + " loop runs again, after " +
-                           std::to_string(stall_.stood_for() / kMillisecond) + " ms");
+      hooks_.say(true, "the " + own_loop_ + " loop runs again, " +
+                           std::to_string(stall_.stood_for() / kMillisecond) + " ms later");
     }
   }
 
