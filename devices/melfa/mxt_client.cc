@@ -13,6 +13,9 @@ constexpr int kPhaseWindow = 64;
 constexpr int kMoved = 8;
 // A reply may come so much before its cycle, of a period.
 constexpr int kEarly = 4;
+// Silent cycles after which the controller may be another one, with cycles of its own: none starts
+// anew in less than 0.1 s.
+constexpr int kAnother = 14;
 // Of a cycle, for a packet without a reply to get to the controller: 0.9 ms, four times what 99.9 %
 // of the wake-ups of a real-time thread take on a virtual machine. A reply is waited for until
 // then, since a joint faster than half its rating cannot go on without.
@@ -49,8 +52,11 @@ void MxtClient::learn_phase(Nanos late) noexcept {
   least_late_ = std::min(least_late_, late);
   if (late >= 0 && ++seen_ < kPhaseWindow) return;
   if (late < 0 || least_late_ > options_.period / kMoved) {
-    cycle_ += least_late_;
-    deadline_ += least_late_;
+    // Replies that all come late in a cycle are early ones of the next: no cycle is left out.
+    const Nanos moved =
+        2 * least_late_ > options_.period ? least_late_ - options_.period : least_late_;
+    cycle_ += moved;
+    deadline_ += moved;
   }
   least_late_ = kForever;
   seen_ = 0;
@@ -81,28 +87,30 @@ std::optional<RobotEvent> MxtClient::on_datagram(Bytes bytes, Nanos now,
   const int silent = losses_;
   losses_ = 0;
   fresh_ = true;
-  // The first one, or the first after a silence in which the clocks may have run apart, begins the
-  // cycles anew.
-  if (!answered_ || (silent > kPhaseWindow && cycles_begun(now) >= 1)) {
-    const int cycles = answered_ ? cycles_begun(now) : 1;
+  int cycles = answered_ ? cycles_begun(now) : 1;
+  // The first one, and the first of what may be another controller, begins the cycles anew.
+  const bool anew = !answered_ || silent > kAnother;
+  if (anew) {
     answered_ = true;
     cycle_ = now - cycles * options_.period;
+    deadline_ = cycle_ + 2 * options_.period - options_.period / kSpare;
     least_late_ = kForever;
     seen_ = 0;
-    begin_cycle(cycles, reply);
-    return RobotEvent::kReply;
   }
-  int cycles = cycles_begun(now);
   // A little early it is the next cycle's, unless the present one still waits for its own.
   if (cycles == 0 && cycle_answered_) cycles = cycles_begun(now + options_.period / kEarly);
   if (cycles == 0) {
     ++counters_.late;
     cycle_answered_ = true;
-    learn_phase(now - cycle_);
-    return std::nullopt;
+    if (!anew) learn_phase(now - cycle_);
+    // By what was learnt just now it may be the next one's after all.
+    cycles = cycles_begun(now);
+    if (cycles == 0) return std::nullopt;
+    begin_cycle(cycles, reply);
+    return RobotEvent::kReply;
   }
   begin_cycle(cycles, reply);
-  learn_phase(now - cycle_);
+  if (!anew) learn_phase(now - cycle_);
   return RobotEvent::kReply;
 }
 

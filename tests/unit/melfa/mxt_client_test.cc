@@ -93,6 +93,52 @@ TEST_F(MxtClientTest, ALateReplyIsFreshInTheNextCycle) {
   EXPECT_TRUE(reply_.fresh);
 }
 
+TEST_F(MxtClientTest, FindsThePhaseAgainWithoutLeavingOutACycle) {
+  // The first reply was read late and the second is lost: the others come just before their cycles.
+  const Nanos read_late = 500 * kMicrosecond;
+  client_.start(0);
+  ASSERT_EQ(client_.on_datagram(golden::reply_long(), kPeriod + read_late, reply_),
+            RobotEvent::kReply);
+  ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
+  int in_time = 0;
+  for (int i = 3; i < 100; ++i) {
+    // Between two cycles of the controller one packet is sent.
+    const Nanos at = i * kPeriod;
+    const bool replied =
+        client_.on_datagram(golden::reply_long(), at, reply_) == RobotEvent::kReply;
+    in_time = replied ? in_time + 1 : 0;
+    if (replied) {
+      ASSERT_GE(client_.deadline(), at + kPeriod) << i;
+    } else {
+      ASSERT_LT(client_.deadline(), at + kPeriod) << i;
+      ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence) << i;
+    }
+    ASSERT_EQ(reply_.cycles, 1) << i;
+  }
+  EXPECT_GT(in_time, 30);
+}
+
+TEST_F(MxtClientTest, AControllerThatStartedAnewHasCyclesOfItsOwn) {
+  for (const Nanos phase : {Nanos{0}, kPeriod / 3, kPeriod * 15 / 16}) {
+    open();
+    for (int i = 0; i < 20; ++i) {
+      ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
+    }
+    Nanos at = 22 * kPeriod + phase;
+    (void)client_.on_datagram(golden::reply_long(), at, reply_);
+    for (int i = 0; i < 5; ++i) {
+      at += kPeriod;
+      ASSERT_EQ(client_.on_datagram(golden::reply_long(), at, reply_), RobotEvent::kReply);
+      EXPECT_EQ(reply_.cycles, 1);
+    }
+    // Read so late that by the old phase two cycles have begun.
+    EXPECT_EQ(client_.on_datagram(golden::reply_long(), at + kPeriod + kPeriod * 7 / 8, reply_),
+              RobotEvent::kReply);
+    EXPECT_EQ(reply_.cycles, 1) << phase;
+    client_.end();
+  }
+}
+
 TEST_F(MxtClientTest, CountsTheCyclesThatPassedWhileNobodyAsked) {
   open();
   EXPECT_EQ(client_.on_datagram(golden::reply_long(), 704 * kPeriod + 1000, reply_),
