@@ -70,8 +70,10 @@ class CommandTrain {
 
  private:
   static constexpr double kRounding = 1e-6;  // [rad]; of 32-bit numbers up to 4, twice
-  // The slowest motion of which all may be under way: half a second of silence.
-  static constexpr std::size_t kCapacity = 64;
+  // The last one confirmed, and what is sent in the 0.1 s that the slowest arm lags that counts as
+  // following (FollowingSettings): for longer an arm that is held has stood, and the next target,
+  // however near, would be a step from rest.
+  static constexpr std::size_t kCapacity = 15;
 
   bool full() const noexcept { return size_ == kCapacity; }
   double distance(std::size_t i, const JointVector& q) const noexcept {

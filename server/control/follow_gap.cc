@@ -55,6 +55,7 @@ void hear_controller(const FollowSettings& settings, const FollowInput& in,
   if (joint_out_of_range(settings, q) >= 0) return;
   // The controller did not get the end of a motion that had ended here.
   if (!s.halted && q != s.train.newest()) ++s.halts;
+  if (elsewhere) (q - s.train.newest()).cwiseAbs().maxCoeff(&s.elsewhere);
   place(settings, q, s);
 }
 

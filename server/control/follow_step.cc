@@ -321,6 +321,10 @@ void follow_step(const FollowSettings& settings, const FollowInput& in, FollowSt
   const Reason contact = judge_contact(settings, X_measured.p, s);
   FollowLedger ledger;
   Reason fault = judge_arm(settings, in, q_measured, s, ledger.joint);
+  // An arm that somebody else has moved does not drive back by itself.
+  if (s.session == SessionState::kOff) s.elsewhere = -1;
+  const bool moved = s.elsewhere >= 0 && s.session != SessionState::kFault;
+  if (fault == Reason::kNone && moved) fault = Reason::kEncoderInvalid;
   if (fault != Reason::kNone) s.lag.restart(q_measured);
   if (fault == Reason::kNone && settings.sensor_required && follows(s.session)) fault = sensor;
   if (fault == Reason::kNone && follows(s.session)) fault = contact;
@@ -329,6 +333,9 @@ void follow_step(const FollowSettings& settings, const FollowInput& in, FollowSt
   const Reason intervention = move_commands(settings, in, s, ledger, out.send);
   out.q_target = s.placed ? s.motion.joints.q : q_measured;
 
+  if (s.fault == Reason::kEncoderInvalid && s.elsewhere >= 0) {
+    ledger.joint = static_cast<std::int8_t>(s.elsewhere);
+  }
   // A contact that is held because nothing is known of it is the sensor's doing.
   const bool blind = sensor != Reason::kNone;
   SlaveState& link = out.link;

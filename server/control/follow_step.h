@@ -84,6 +84,9 @@ struct FollowState {
   bool halted = false;      // the motion was not over then
   int waited = 0;           // cycles since then
   int owed = 0;             // answers to what was sent before the first question
+  // By which joint most, a gap has ended where nobody sent the arm: another controller, or somebody
+  // moved it. -1: it has not, or the session was off since.
+  int elsewhere = -1;
   int queued_for = 0;       // answers in a row that show the controller keeps targets for later
   std::uint64_t halts = 0;  // of an arm in motion
   std::uint64_t stop_epoch = 0;

@@ -40,8 +40,8 @@ struct TargetVerdict {
 // real-time safe.
 class ControllerAudit {
  public:
-  // No plan goes on for longer without an answer: 64 cycles.
-  static constexpr int kMostLost = 64;
+  // No plan goes on for longer without an answer: 14 cycles, 0.1 s.
+  static constexpr int kMostLost = 14;
 
   // `limits` > 0: of the controller's joints. `period` > 0: of its cycle.
   ControllerAudit(const JointLimits& limits, Nanos period) noexcept;

@@ -68,7 +68,7 @@ TEST(CommandTrain, IsNeverFullerThanItIsLong) {
     train.add(q);
     ++sent;
   }
-  EXPECT_EQ(sent, 63);
+  EXPECT_EQ(sent, 14);
   EXPECT_TRUE(train.may_send(train.newest(), all(1.0)));
 }
 
@@ -138,6 +138,45 @@ TEST_F(FollowGap, GoesOnFromRestFromWhereTheControllerHoldsTheArm) {
   EXPECT_FALSE(rig.state.gap);
   EXPECT_GT(fastest, 0.0);
   EXPECT_LE(change, rig.settings.motion.limits.max_acceleration.maxCoeff() * dt * dt);
+}
+
+// So slowly that all of half a second is within a rated step.
+TEST_F(FollowGap, ASlowArmThatHasStoodForATenthOfASecondIsNotSentTheNextTarget) {
+  rig.in.master_age = 0;
+  for (int i = 0; i < 100; ++i) {
+    target.p.z() = rig.state.motion.X_ST.p.z() + 2e-4;
+    cycle();
+  }
+  int sent = 0;
+  for (int i = 0; i < 50; ++i) {
+    target.p.z() = rig.state.motion.X_ST.p.z() + 2e-4;
+    cycle(false);
+    sent += rig.out.send == Send::kTarget;
+  }
+  EXPECT_TRUE(rig.state.gap);
+  EXPECT_LE(sent * rig.settings.motion.dt, 0.1);
+  EXPECT_EQ(rig.state.session, SessionState::kEngaged);
+  cycles(5);
+  EXPECT_EQ(rig.state.fault, Reason::kNone);
+}
+
+// Another controller, or somebody moved the arm: it does not drive back by itself.
+TEST_F(FollowGap, AControllerThatComesBackWithTheArmElsewhereIsAFaultOfThatJoint) {
+  cycles(60);
+  cycles(40, false);
+  ASSERT_TRUE(rig.state.gap);
+  held[2] -= 0.09;
+  const JointVector there = held;
+  cycles(20);
+  EXPECT_EQ(rig.state.session, SessionState::kFault);
+  EXPECT_EQ(rig.state.fault, Reason::kEncoderInvalid);
+  EXPECT_EQ(rig.out.link.ledger.joint, 2);
+  cycles(100);
+  EXPECT_EQ(held, there);
+  rig.in.master.fault_reset = rig.state.fault_epoch;
+  rig.in.master.desired = Desired::kOff;
+  cycles(2);
+  EXPECT_EQ(rig.state.session, SessionState::kOff) << "a reset is enough";
 }
 
 TEST_F(FollowGap, AStopDuringTheSilenceStands) {
