@@ -44,8 +44,8 @@ bool came_late(const TapFile& tap, std::size_t i, int lost) {
          8 * now.came * kMicrosecond < 7 * tap.period;
 }
 
-// The audit of one arm. A command that came late may be read as one in time, if that alone makes
-// sound what follows.
+// The audit of one arm. A command that came late may be read as one in time, and a start whose
+// first targets may be lost as one from before, if that alone makes sound what follows.
 class Judge {
  public:
   explicit Judge(Nanos period) : audit_(rv2a_limits(), period) {}
@@ -53,23 +53,25 @@ class Judge {
   void place(const JointVector& q) { audit_.place(q); }
   void until(Nanos now) {
     audit_.until(now);
-    if (in_time_) in_time_->until(now);
+    if (other_) other_->until(now);
   }
   TargetVerdict accepted(const TapRecord& r, const JointVector& q, int lost, bool late) {
-    if (late) {
-      in_time_ = audit_;
-      in_time_->came_late();
+    const bool earlier = lost > 0 && !other_;
+    if (late || earlier) {
+      other_ = audit_;
+      if (late) other_->came_late();
+      other_is_late_ = late;
       open_ = kOpen;
     }
     const TargetVerdict verdict = audit_.accepted(r.at, q, lost);
-    if (!in_time_) return verdict;
-    const TargetVerdict other = in_time_->accepted(r.at, q, lost);
+    if (!other_) return verdict;
+    const TargetVerdict other = other_->accepted(r.at, q, lost, earlier);
     const bool instead = !verdict.fine() && other.fine();
     if (instead) {
-      audit_ = *in_time_;
-      ++late_;
+      audit_ = *other_;
+      late_ += other_is_late_ ? 1 : 0;
     }
-    if (instead || !other.fine() || --open_ == 0) in_time_.reset();
+    if (instead || !other.fine() || --open_ == 0) other_.reset();
     return instead ? other : verdict;
   }
 
@@ -80,7 +82,8 @@ class Judge {
   static constexpr int kOpen = 4;  // targets that one cycle has a part in the third differences of
 
   ControllerAudit audit_;
-  std::optional<ControllerAudit> in_time_;
+  std::optional<ControllerAudit> other_;
+  bool other_is_late_ = false;
   int open_ = 0;
   std::uint64_t late_ = 0;
 };

@@ -129,6 +129,19 @@ TEST(StormJudge, AStartWhoseFirstTargetsWereLostIsOne) {
   }
 }
 
+// With the first step lost, 0.35 and 0.6 come as one; the next is 0.6.
+TEST(StormJudge, AStartIsReadAsTheLaterTargetsTellIt) {
+  for (const std::uint16_t lost : std::initializer_list<std::uint16_t>{0, 1}) {
+    Drive d;
+    d.sound();
+    for (int i = 0; i < 40; ++i) d.add(0.0, kTapSession);
+    d.tap.records.back().lost = lost;
+    d.target(0.95 * kJolt);
+    d.target(0.6 * kJolt);
+    EXPECT_EQ(d.judge().breaches == 0, lost == 1);
+  }
+}
+
 TEST(StormJudge, NamesAMotionWhereNothingMayMove) {
   Drive d;
   d.sound();

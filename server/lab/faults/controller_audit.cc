@@ -55,7 +55,8 @@ void ControllerAudit::place(const JointVector& q) noexcept {
   placed_ = standing_ = true;
 }
 
-TargetVerdict ControllerAudit::accepted(Nanos at, const JointVector& q, int lost) noexcept {
+TargetVerdict ControllerAudit::accepted(Nanos at, const JointVector& q, int lost,
+                                        bool earliest) noexcept {
   if (!placed_) place(q);
   until(at);
   ++targets_;
@@ -77,10 +78,11 @@ TargetVerdict ControllerAudit::accepted(Nanos at, const JointVector& q, int lost
     const auto cycles = static_cast<int>((gap + period_ / 2) / period_);
     for (int m = 1; m == 1 || m <= std::min(cycles, lost + 1); ++m) {
       const TargetVerdict so = judge(next, rest_until(at - m * period_, points_[0].q));
-      if (m > 1 && so.worst() >= verdict[kKnown].worst()) continue;
+      const bool as_good = earliest && so.fine();
+      if (m > 1 && !as_good && so.worst() >= verdict[kKnown].worst()) continue;
       verdict[kKnown] = so;
       choice[kKnown].rest_until = at - m * period_;
-      if (so.fine()) break;
+      if (so.fine() && !earliest) break;
     }
     verdict[kKnown].from_rest = true;
   }

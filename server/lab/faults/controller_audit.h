@@ -50,8 +50,10 @@ class ControllerAudit {
   void place(const JointVector& q) noexcept;
 
   // The controller took `q` [rad], finite, for its target at `at`, later than any target before.
-  // `lost`: targets that were sent since and did not reach it, where that is known.
-  TargetVerdict accepted(Nanos at, const JointVector& q, int lost = kMostLost) noexcept;
+  // `lost`: targets that were sent since and did not reach it, where that is known. Of a start from
+  // rest that may have been planned since several cycles the latest is taken, or the `earliest`.
+  TargetVerdict accepted(Nanos at, const JointVector& q, int lost = kMostLost,
+                         bool earliest = false) noexcept;
 
   // The target to come was sent for the cycle before and came after it: the arm was held by the
   // controller, not by whoever sends. What follows is judged as if that cycle had not passed.
