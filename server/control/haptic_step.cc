@@ -302,6 +302,7 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
   out.deviation = out.deviation_angle = 0.0;
   out.blending = false;
   out.motion.known = false;
+  out.motion.joint = in.slave.ledger.joint;  // of its fault or obstacle, whoever drives
   if (s.driving) {
     const Pose X_SH = s.engagement.to_slave(s.X_MH);
     // While the arm holds nothing is eased: it would have to run after that.

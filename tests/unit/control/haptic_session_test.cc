@@ -32,6 +32,15 @@ TEST(HapticSession, CommandsNothingBeforeItHasEngaged) {
   }
 }
 
+TEST(HapticSession, NamesTheJointThatKeepsTheSlaveFromBeingEngaged) {
+  HapticRig rig;
+  rig.in.slave.obstacle = rig.in.slave.reason = Reason::kEncoderInvalid;
+  rig.in.slave.ledger.joint = 2;
+  rig.in.slave.has_pose = false;
+  EXPECT_EQ(rig.order(OrderKind::kEngage), Reason::kEncoderInvalid);
+  EXPECT_EQ(rig.out.motion.joint, 2);
+}
+
 TEST(HapticSession, EngagingWithAStillHandMovesTheCommandByNothing) {
   for (const int length : {1, 105, 200}) {
     HapticRig rig;
