@@ -316,7 +316,10 @@ std::string OrderDesk::unheard() const {
     return other_master_text(link_, now_) + ": " +
            way_out_of(Reason::kOtherMaster, -1, JointVector::Zero());
   }
-  return report_->walls.present ? describe(Reason::kNoArmInScene) : "no slave is connected";
+  if (report_->walls.present) return describe(Reason::kNoArmInScene);
+  if (link_.peer_epoch == 0) return "no slave is connected";
+  return fmt::format("the slave was last heard {} ms ago, and what it has latched stays",
+                     link_.age(now_) / kMillisecond);
 }
 
 // The stop stands and is repeated whatever comes of it; the answer says whether the slave has it.
