@@ -314,7 +314,7 @@ void OrderDesk::watch_hold() {
 std::string OrderDesk::unheard() const {
   if (link_.refused(now_)) {
     return other_master_text(link_, now_) + ": " +
-           way_out_of(Reason::kOtherMaster, -1, JointVector::Zero());
+           way_out_of(Reason::kOtherMaster, -1, JointVector::Zero(), false);
   }
   if (report_->walls.present) return describe(Reason::kNoArmInScene);
   if (link_.peer_epoch == 0) return "no slave is connected";
