@@ -6,7 +6,7 @@ const char* describe(Reason reason) noexcept {
   switch (reason) {
     case Reason::kNone: return "none";
     case Reason::kNotEngaged: return "not engaged";
-    case Reason::kNoPeer: return "no datagram from the other side yet";
+    case Reason::kNoPeer: return "no datagram from the other side";
     case Reason::kLinkStale: return "newest datagram is over 5 ms old: slowing";
     case Reason::kLinkHold: return "newest datagram is over 20 ms old: stopped on the path";
     case Reason::kLinkLost: return "link lost for over 200 ms: reset, then engage again";

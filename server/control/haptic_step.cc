@@ -56,7 +56,6 @@ Reason reset(HapticState& s, const HapticInput& in) {
 Reason obstacle_to_engaging(const HapticSettings& settings, const HapticInput& in,
                             const LadderStep& ladder, const HapticState& s) {
   if (!s.hand_known || s.hand_gap > kLongestGap) return Reason::kDeviceInvalid;
-  if (!s.present) return Reason::kPresence;
   if (in.link.other_master) return Reason::kOtherMaster;
   if (ladder.rung == LinkRung::kHold) return Reason::kLinkQuality;
   if (ladder.rung != LinkRung::kFresh && ladder.rung != LinkRung::kSlow) {
@@ -67,7 +66,9 @@ Reason obstacle_to_engaging(const HapticSettings& settings, const HapticInput& i
   if (in.slave.state == SessionState::kFault) return Reason::kPeerFault;
   if (in.slave.obstacle != Reason::kNone) return in.slave.obstacle;
   if (tools_differ(s, in.slave)) return Reason::kHashTools;
-  return first_difference(settings, in.slave);
+  const Reason difference = first_difference(settings, in.slave);
+  if (difference != Reason::kNone) return difference;
+  return s.present ? Reason::kNone : Reason::kPresence;  // last: given while engaging
 }
 
 Reason carry_out(const HapticSettings& settings, const HapticInput& in, const LadderStep& ladder,
@@ -302,6 +303,7 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
   out.deviation = out.deviation_angle = 0.0;
   out.blending = false;
   out.motion.known = false;
+  out.motion.joint = in.slave.ledger.joint;  // of its fault or obstacle, whoever drives
   if (s.driving) {
     const Pose X_SH = s.engagement.to_slave(s.X_MH);
     // While the arm holds nothing is eased: it would have to run after that.
@@ -350,6 +352,8 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
   out.reasons.add(out.reason);
   if (s.want_engaged && ladder.old_loop) out.reasons.add(Reason::kLoopAge);
   if (ladder.rung != rung_of(in.slave_known, slave_age)) out.reasons.add(Reason::kLinkQuality);
+  out.obstacle = s.session == SessionState::kOff ? obstacle_to_engaging(settings, in, ladder, s)
+                                                 : Reason::kNone;
   fill_link(settings, s, out.link);
 }
 

@@ -85,6 +85,7 @@ struct HapticOutput {
   Reason order_result = Reason::kNone;  // kNone: the order was carried out (or there was none)
   double tool_distance = 0.0;  // kTool: of a position tool from the command at its call [m]
   Reason reason = Reason::kNone;        // why the session is not what is wanted
+  Reason obstacle = Reason::kNone;      // what an engage would be refused with, while off
   ReasonSet reasons;                    // every intervention of this tick
   ForceShares shares;                   // device force, where it came from
   ForceLedger force;                    // the same, stage by stage

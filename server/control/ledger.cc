@@ -64,7 +64,6 @@ void account(const Pose& X_SH, const Guidance& guidance, const SlaveState& slave
   // What neither side's stages explain is on its way.
   put(MotionStage::kLink, slave.X_ST_command.p - p_SU - there,
       slave.state == SessionState::kEngaged ? Reason::kNone : slave.reason);
-  out.joint = slave.ledger.joint;
   out.q_SH = X_SH.q;
   out.q_SP = guidance.X_SP.q;
   out.q_SU = guidance.X_SC.q;

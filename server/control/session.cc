@@ -37,6 +37,7 @@ SessionState driving(Desired desired) {
 Reason reason_of(LinkRung link) noexcept {
   switch (link) {
     case LinkRung::kNone:
+    case LinkRung::kLost:
       return Reason::kNoPeer;
     case LinkRung::kFresh:
       return Reason::kNone;
@@ -44,8 +45,6 @@ Reason reason_of(LinkRung link) noexcept {
       return Reason::kLinkStale;
     case LinkRung::kHold:
       return Reason::kLinkHold;
-    case LinkRung::kLost:
-      return Reason::kLinkLost;
     case LinkRung::kClosed:
       return Reason::kSessionClosed;
   }

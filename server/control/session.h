@@ -17,7 +17,7 @@ Nanos age_after(Nanos unseen, Nanos age) noexcept;
 // then closed; kNone when no datagram has come yet (`ever` false). Real-time safe.
 LinkRung rung_of(bool ever, Nanos age) noexcept;
 
-// Why a rung keeps a side from driving; kNone for a fresh link. Real-time safe.
+// Why a rung keeps a side that is off from driving; kNone for a fresh link. Real-time safe.
 Reason reason_of(LinkRung link) noexcept;
 
 struct SessionStep {

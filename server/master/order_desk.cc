@@ -124,33 +124,6 @@ std::string OrderDesk::distance_text(const OrderAnswer& answer, const ToolCall& 
                      answer.tool_distance / kMm, answer.tool_distance / guidance.catch_up);
 }
 
-void OrderDesk::stage(const std::string& name, ReplyTo reply) {
-  std::string known;
-  for (std::size_t i = 0; scene_.walls && i < scene_.walls->stages.size(); ++i) {
-    const std::string& other = scene_.walls->stages[i].name;
-    if (other.empty()) continue;
-    if (other == name) {
-      HapticOrder wanted = plain(OrderKind::kStage);
-      wanted.stage = static_cast<int>(i);
-      return order(wanted, std::move(reply));
-    }
-    known += (known.empty() ? "'" : ", '") + other + "'";
-  }
-  const std::string scene = "scene '" + scene_.name + "' has no ";
-  reply(refused(known.empty() ? scene + "stages"
-                              : scene + "stage '" + name + "', expected one of " + known));
-}
-
-// The loop counts stages; their names are the scene's.
-void OrderDesk::name_stage(pb::Status& status) const {
-  if (!status.has_walls() || !scene_.walls || status.scene() != scene_.name) return;
-  const std::vector<WallStage>& stages = scene_.walls->stages;
-  const std::uint32_t i = status.walls().stage();
-  if (i < stages.size() && !stages[i].name.empty()) {
-    status.mutable_walls()->set_stage_name(stages[i].name);
-  }
-}
-
 void OrderDesk::hand(const pb::HandMove& move, ReplyTo reply) {
   OrderTicket ticket;
   ticket.is_hand = true;
@@ -198,6 +171,7 @@ void OrderDesk::watch_lease() {
                                    report_->out.link.desired != Desired::kOff || engaging_);
   if (!leases_.tick(engaged, now_)) return;
   give_up_engaging();
+  hold_ = false;
   end_engagement(Reason::kLeaseLost);
 }
 
@@ -282,6 +256,12 @@ void OrderDesk::engage(bool hold, ReplyTo reply) {
   if (options_.presence == Presence::kHold && !hold) {
     return reply(refused("this master wants somebody there: 'handrail engage --hold'"));
   }
+  // An engagement that ends with its command is not made one that goes on by itself.
+  if (hold_ && !hold) {
+    return reply(
+        refused("your 'handrail engage --hold' is running: end that one first, or the arm would go "
+                "on without it"));
+  }
   give_up_engaging();
   hold_ = hold;
   hold_heard_ = now_;
@@ -334,9 +314,12 @@ void OrderDesk::watch_hold() {
 std::string OrderDesk::unheard() const {
   if (link_.refused(now_)) {
     return other_master_text(link_, now_) + ": " +
-           way_out_of(Reason::kOtherMaster, -1, JointVector::Zero());
+           way_out_of(Reason::kOtherMaster, -1, JointVector::Zero(), false);
   }
-  return report_->walls.present ? describe(Reason::kNoArmInScene) : "no slave is connected";
+  if (report_->walls.present) return describe(Reason::kNoArmInScene);
+  if (link_.peer_epoch == 0) return "no slave is connected";
+  return fmt::format("the slave was last heard {} ms ago, and what it has latched stays",
+                     link_.age(now_) / kMillisecond);
 }
 
 // The stop stands and is repeated whatever comes of it; the answer says whether the slave has it.

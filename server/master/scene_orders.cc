@@ -1,4 +1,4 @@
-// The order desk's work on scenes: loading one in both sides, calling its tools.
+// The order desk's work on scenes: loading one in both sides, its stages, calling its tools.
 #include <algorithm>
 #include <utility>
 
@@ -20,6 +20,33 @@ void OrderDesk::load(const std::string& name, ReplyTo reply) {
   load_epoch_ = report_->scene_epoch;
   load_shown_ = kForever;
   load_until_ = now_ + kScenePatience;
+}
+
+void OrderDesk::stage(const std::string& name, ReplyTo reply) {
+  std::string known;
+  for (std::size_t i = 0; scene_.walls && i < scene_.walls->stages.size(); ++i) {
+    const std::string& other = scene_.walls->stages[i].name;
+    if (other.empty()) continue;
+    if (other == name) {
+      HapticOrder wanted = plain(OrderKind::kStage);
+      wanted.stage = static_cast<int>(i);
+      return order(wanted, std::move(reply));
+    }
+    known += (known.empty() ? "'" : ", '") + other + "'";
+  }
+  const std::string scene = "scene '" + scene_.name + "' has no ";
+  reply(refused(known.empty() ? scene + "stages"
+                              : scene + "stage '" + name + "', expected one of " + known));
+}
+
+// The loop counts stages; their names are the scene's.
+void OrderDesk::name_stage(pb::Status& status) const {
+  if (!status.has_walls() || !scene_.walls || status.scene() != scene_.name) return;
+  const std::vector<WallStage>& stages = scene_.walls->stages;
+  const std::uint32_t i = status.walls().stage();
+  if (i < stages.size() && !stages[i].name.empty()) {
+    status.mutable_walls()->set_stage_name(stages[i].name);
+  }
 }
 
 void OrderDesk::watch_scene() {

@@ -92,13 +92,16 @@ Reason holding(const HapticReport& report, const SlaveState& slave, const LinkSn
   if (out.link.state == SessionState::kClutched) {
     return out.reason == Reason::kNone ? Reason::kClutched : out.reason;
   }
-  // What keeps the slave from being engaged does so whether the master has tried or not.
-  const bool idle = out.reason == Reason::kNotEngaged && link.age(now) <= kHeard;
+  // What would refuse an engage does so whether anybody has tried or not: the slave's own first, as
+  // it knows more of it.
+  const bool idle = out.link.state == SessionState::kOff && link.age(now) <= kHeard;
   const bool in_fault = idle && slave.state == SessionState::kFault;
   if ((out.reason == Reason::kPeerFault || in_fault) && slave.fault != Reason::kNone) {
     return slave.fault;
   }
-  if (idle && slave.reason != Reason::kNone) return slave.reason;
+  const bool says_why = slave.reason != Reason::kNone && slave.reason != Reason::kNotEngaged;
+  if (idle && says_why) return slave.reason;
+  if (out.obstacle != Reason::kNone) return out.obstacle;
   if (out.reason != Reason::kNone) return out.reason;
   if (link.peer_epoch == 0) return Reason::kNoPeer;
   return slave.reason != Reason::kNone ? slave.reason : Reason::kNotEngaged;
@@ -128,8 +131,10 @@ std::string stage_text(const Share& share, int joint, const LinkSnapshot& link, 
 void set_sentence(pb::Ledger* out, const HapticReport& report, const SlaveState& slave,
                   const LinkSnapshot& link, Shares shares, Nanos now) {
   const MotionLedger& ledger = report.out.motion;
+  const bool latched =
+      report.out.link.state == SessionState::kFault || slave.state == SessionState::kFault;
   const auto set_way_out = [&](Reason why) {
-    out->set_way_out(way_out_of(why, ledger.joint, slave.q_measured));
+    out->set_way_out(way_out_of(why, ledger.joint, slave.q_measured, latched));
   };
   if (const Reason why = holding(report, slave, link, now); why != Reason::kNone) {
     out->set_sentence(fmt::format("the arm holds: {}", why == Reason::kOtherMaster
@@ -166,7 +171,8 @@ const char* way_out_of_singularity(const JointVector& q) {
 
 }  // namespace
 
-std::string way_out_of(Reason reason, int joint, const JointVector& q) {
+std::string way_out_of(Reason reason, int joint, const JointVector& q, bool latched) {
+  const std::string then = latched ? "then reset and engage" : "then engage";
   switch (reason) {
     case Reason::kNotEngaged:
       return "engage";
@@ -174,36 +180,39 @@ std::string way_out_of(Reason reason, int joint, const JointVector& q) {
     case Reason::kLinkLost:
     case Reason::kPeerFault:  // of a slave that has been started anew since
     case Reason::kFollowingError:
-      return "reset, then engage";
+      return latched ? "reset, then engage" : "engage";
     case Reason::kRobotLost:
     case Reason::kRobotNotConnected:
       return "at the controller: clear its alarm, if there is one, and start its program in "
-             "AUTOMATIC; then reset, if the slave is in fault, and engage";
+             "AUTOMATIC; " +
+             then;
     case Reason::kRobotSilent:
       return "wait, or move slower";
     case Reason::kEncoderInvalid:
-      return joint >= 0 ? fmt::format("look at J{}, which reads {:.1f} deg; then reset and engage",
-                                      joint + 1, q[joint] / kDeg)
-                        : "look at the encoders; then reset and engage";
+      return joint >= 0 ? fmt::format("look at J{}, which reads {:.1f} deg; {}", joint + 1,
+                                      q[joint] / kDeg, then)
+                        : "look at the encoders; " + then;
     case Reason::kSensorStuck:
     case Reason::kSensorInvalid:
     case Reason::kSensorMissing:
     case Reason::kSensorSign:
     case Reason::kContactUnrelieved:
-      return "check the force sensor, then reset and engage";
+      return "check the force sensor, " + then;
     case Reason::kHashTools:
     case Reason::kHashMapping:
     case Reason::kHashLimits:
     case Reason::kHashRobot:
     case Reason::kSceneDiffers:
     case Reason::kSceneNotLoaded:
-      return "give both sides the same scene and version, then reset and engage";
+      return "give both sides the same scene and version, " + then;
     case Reason::kDeviceInvalid:
       return "check the haptic device, then engage";
+    case Reason::kNoArmInScene:
+      return "load a scene with an arm: 'handrail scene load NAME'";
     case Reason::kNoPeer:
       return "start the slave, or check the network, then engage";
     case Reason::kSessionClosed:
-      return "start the slave if it does not run, then reset and engage";
+      return "start the slave if it does not run, " + then;
     case Reason::kLinkStale:
     case Reason::kLinkHold:
     case Reason::kLinkQuality:
@@ -220,7 +229,7 @@ std::string way_out_of(Reason reason, int joint, const JointVector& q) {
     case Reason::kLeaseLost:
       return "take the lease and engage: 'handrail lease take'";
     case Reason::kStopInput:
-      return "close the stop circuit, then reset and engage";
+      return "close the stop circuit, " + then;
     case Reason::kOutOfReach:
     case Reason::kWorkspace:
       return "come back toward the base";

@@ -13,8 +13,9 @@ inline constexpr Nanos kHeard = 200 * kMillisecond;
 void set_ledger(pb::Ledger* out, const HapticReport& report, const SlaveState& slave,
                 const LinkSnapshot& link, Nanos now);
 
-// What to do about `reason` with the arm at `q`, where joint `joint` limits (-1: none or all); empty
-// when nothing helps or nothing need be done.
-std::string way_out_of(Reason reason, int joint, const JointVector& q);
+// What to do about `reason` with the arm at `q`, where joint `joint` limits (-1: none or all);
+// empty when nothing helps or nothing need be done. `latched`: a side is in fault, and a reset is
+// needed; else there is nothing to reset.
+std::string way_out_of(Reason reason, int joint, const JointVector& q, bool latched);
 
 }  // namespace handrail

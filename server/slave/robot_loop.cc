@@ -15,12 +15,12 @@ namespace {
 // How often the session is stepped while no controller paces it.
 constexpr Nanos kIdlePeriod = 7 * kMillisecond;
 
-// Why an arm that answers so cannot be driven.
-Status check_first(const FollowSettings& settings, const RobotReply& first) {
+// Why an arm that answers so cannot be driven, and by which joint; -1 where it can.
+Status check_first(const FollowSettings& settings, const RobotReply& first, int& joint) {
   const auto degrees = [](double angle) { return fmt::format("{:.1f}", angle / kDeg); };
   for (const bool measured : {false, true}) {
     const JointVector& q = measured ? first.q_measured : first.q_commanded;
-    const int i = joint_out_of_range(settings, q);
+    const int i = joint = joint_out_of_range(settings, q);
     if (i < 0) continue;
     return Status::error(
         fmt::format("J{} is {} at {} deg, expected {} to {}: is this the arm, and "
@@ -31,6 +31,7 @@ Status check_first(const FollowSettings& settings, const RobotReply& first) {
   const JointVector off = (first.q_commanded - first.q_measured).cwiseAbs();
   Eigen::Index i = 0;
   if (off.maxCoeff(&i) <= settings.following.room) return Status::ok();
+  joint = static_cast<int>(i);
   return Status::error(fmt::format(
       "J{} is commanded to {} deg but measured at {}, expected at most {:.2f} between them: is the "
       "arm at rest, and are its servos on?",
@@ -85,14 +86,14 @@ Nanos RobotLoop::turn_unconnected() {
   }
   // A reset of another fault meets this one.
   const bool in_fault = !lost_ && state_.session == SessionState::kFault;
-  step(now, in_fault ? Reason::kRobotNotConnected : Reason::kNone);
+  step(now, in_fault ? unconnected() : Reason::kNone);
   publish();
   // A reset calls a lost controller once. One that does not answer is lost anew.
   const bool again = lost_ && released(input_, state_);
   if (!again && (lost_ || now < next_attempt_)) return now + kIdlePeriod;
   connect();
   lost_ = again && !connected_;
-  if (lost_) step(clock_(), Reason::kRobotLost);
+  if (lost_) step(clock_(), refused_ < 0 ? Reason::kRobotLost : unconnected());
   return connected_ ? 0 : clock_() + kIdlePeriod;
 }
 
@@ -115,8 +116,9 @@ void RobotLoop::connect() {
   // Waiting for the controller is no stall: what was said stands meanwhile.
   publish(kConnectPatience);
   Status status = robot_.connect(kConnectPatience, reply_);
+  refused_ = -1;
   if (status) {
-    status = check_first(settings_, reply_);
+    status = check_first(settings_, reply_, refused_);
     if (!status) robot_.end();
   }
   if (!status) {
@@ -170,7 +172,17 @@ void RobotLoop::take_settings() {
   if (state_.placed) place(settings_, state_.motion.joints.q, state_);
 }
 
+Reason RobotLoop::unconnected() const noexcept {
+  return refused_ < 0 ? Reason::kRobotNotConnected : Reason::kEncoderInvalid;
+}
+
 void RobotLoop::publish(Nanos busy_for) {
+  if (refused_ >= 0) {
+    output_.link.obstacle = unconnected();
+    if (output_.link.state != SessionState::kFault) output_.link.reason = unconnected();
+    output_.link.ledger.joint = static_cast<std::int8_t>(refused_);
+    output_.link.q_measured = reply_.q_measured;
+  }
   output_.link.cycles = cycles_;
   output_.link.silences = silences_;
   report_.state = output_.link;

@@ -41,6 +41,8 @@ class RobotLoop {
  private:
   Nanos turn_unconnected();
   void connect();
+  // Why there is no controller to drive.
+  Reason unconnected() const noexcept;
   void take_reply() noexcept;
   void send() noexcept;
   void step(Nanos now, Reason fault);
@@ -65,6 +67,7 @@ class RobotLoop {
   FollowSettings next_settings_;
   bool settings_wait_ = false;
   bool connected_ = false;
+  int refused_ = -1;   // the joint by which an arm that answers cannot be driven
   bool lost_ = false;  // and not yet reset by the operator
   std::uint64_t cycles_ = 0;
   std::uint64_t silences_ = 0;

@@ -32,6 +32,15 @@ TEST(HapticSession, CommandsNothingBeforeItHasEngaged) {
   }
 }
 
+TEST(HapticSession, NamesTheJointThatKeepsTheSlaveFromBeingEngaged) {
+  HapticRig rig;
+  rig.in.slave.obstacle = rig.in.slave.reason = Reason::kEncoderInvalid;
+  rig.in.slave.ledger.joint = 2;
+  rig.in.slave.has_pose = false;
+  EXPECT_EQ(rig.order(OrderKind::kEngage), Reason::kEncoderInvalid);
+  EXPECT_EQ(rig.out.motion.joint, 2);
+}
+
 TEST(HapticSession, EngagingWithAStillHandMovesTheCommandByNothing) {
   for (const int length : {1, 105, 200}) {
     HapticRig rig;
@@ -229,7 +238,7 @@ TEST(HapticSession, RefusesToEngageWithTheReason) {
     return reason;
   };
   EXPECT_EQ(refusal([](HapticRig& r) { r.in.slave_known = false; }), Reason::kNoPeer);
-  EXPECT_EQ(refusal([](HapticRig& r) { r.in.slave_age = kSecond / 2; }), Reason::kLinkLost);
+  EXPECT_EQ(refusal([](HapticRig& r) { r.in.slave_age = kSecond / 2; }), Reason::kNoPeer);
   EXPECT_EQ(refusal([](HapticRig& r) { r.in.slave_age = 2 * kSecond; }), Reason::kSessionClosed);
   EXPECT_EQ(refusal([](HapticRig& r) { r.in.slave.hashes.mapping = 1; }), Reason::kHashMapping);
   EXPECT_EQ(refusal([](HapticRig& r) { r.in.slave.hashes.limits = 1; }), Reason::kHashLimits);

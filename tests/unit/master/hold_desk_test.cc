@@ -47,6 +47,54 @@ TEST_F(HoldDeskTest, TheCommandIsToldWhenTheSessionIsOver) {
   EXPECT_TRUE(taken.empty()) << "there is nothing to end";
 }
 
+TEST_F(HoldDeskTest, APlainEngageDoesNotDropTheDeadMan) {
+  engage();
+  const Answer plain = ask("engage: true");
+  loop();
+  tick();
+  EXPECT_EQ(text(plain),
+            "refused: your 'handrail engage --hold' is running: end that one first, or the arm "
+            "would go on without it");
+  EXPECT_TRUE(taken.empty());
+  EXPECT_EQ(text(ask("hold_alive: true")), "done: ");
+  tick(200 * kMillisecond);
+  tick();
+  loop();
+  EXPECT_EQ(last_order(), OrderKind::kDisengage) << "it still ends with its command";
+}
+
+TEST_F(HoldDeskTest, APlainEngageDoesNotDropTheDeadManThatWaitsForTheLink) {
+  tick();
+  const Answer held = ask("engage: true hold: true");
+  loop(Reason::kLinkQuality);
+  tick();
+  EXPECT_THAT(text(ask("engage: true")), HasSubstr("refused: your 'handrail engage --hold'"));
+  EXPECT_FALSE(held->has_value());
+}
+
+TEST_F(HoldDeskTest, OnceTheHeldEngagementIsOverAPlainEngageIsTaken) {
+  engage();
+  stand(SessionState::kOff, Desired::kOff, Reason::kNotEngaged);
+  tick();
+  const Answer plain = ask("engage: true");
+  loop();
+  EXPECT_EQ(last_order(), OrderKind::kEngage);
+  stand(SessionState::kEngaged, Desired::kEngaged);
+  tick();
+  EXPECT_EQ(text(plain), "done: ");
+  tick(kSecond);
+  loop();
+  EXPECT_EQ(last_order(), OrderKind::kEngage) << "nobody holds this one";
+}
+
+TEST_F(HoldDeskTest, WhoeverTakesTheLeaseEngagesAsTheyLike) {
+  engage();
+  ask("lease { act: RELEASE }");
+  EXPECT_EQ(text(ask("as: 'ben' engage: true")), "(no answer)");
+  loop();
+  EXPECT_EQ(last_order(), OrderKind::kEngage);
+}
+
 TEST_F(HoldDeskTest, SomebodyIsThereWhileTheEngageWaits) {
   tick();
   ask("engage: true hold: true");

@@ -371,7 +371,13 @@ TEST_F(OrderDeskTest, AResetWithoutASlaveIsDoneAndSaysSo) {
   tick();
   connected = false;
   tick(201 * kMillisecond);
-  const Answer answer = ask("reset: true");
+  Answer answer = ask("reset: true");
+  loop();
+  tick();
+  EXPECT_EQ(text(answer),
+            "done: the slave was last heard 202 ms ago, and what it has latched stays");
+  link.peer_epoch = 0;
+  answer = ask("reset: true");
   loop();
   tick();
   EXPECT_EQ(text(answer), "done: no slave is connected");

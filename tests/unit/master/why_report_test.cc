@@ -121,6 +121,53 @@ TEST_F(WhyReportTest, ASlaveThatIsNotReadySaysWhyBeforeAnybodyEngages) {
   EXPECT_EQ(why().way_out(), "engage");
 }
 
+TEST_F(WhyReportTest, WhileOffItNamesWhatWouldRefuseAnEngageAndTheWayOutOfThat) {
+  report.out.link.state = slave.state = SessionState::kOff;
+  report.out.reason = slave.reason = Reason::kNotEngaged;
+  EXPECT_EQ(why().way_out(), "engage");
+  for (const Reason obstacle : {Reason::kNoPeer, Reason::kSessionClosed, Reason::kHashLimits,
+                                Reason::kSceneDiffers, Reason::kPresence, Reason::kDeviceInvalid}) {
+    report.out.obstacle = obstacle;
+    EXPECT_EQ(why().sentence(), std::string("the arm holds: ") + describe(obstacle));
+    EXPECT_NE(why().way_out(), "engage") << describe(obstacle);
+    EXPECT_NE(why().way_out(), "") << describe(obstacle);
+  }
+  report.out.reason = Reason::kLeaseLost;  // what ended the last engagement is over
+  EXPECT_EQ(why().sentence(), std::string("the arm holds: ") + describe(Reason::kDeviceInvalid));
+  report.out.obstacle = Reason::kPeerFault;
+  slave.state = SessionState::kFault;
+  slave.fault = Reason::kStopInput;
+  EXPECT_EQ(why().sentence(), std::string("the arm holds: ") + describe(Reason::kStopInput));
+  report.out.obstacle = Reason::kPresence;  // nor does an arm that is not ready wait for it
+  slave.state = SessionState::kOff;
+  slave.reason = Reason::kRobotNotConnected;
+  EXPECT_TRUE(why().way_out().starts_with("at the controller: "));
+}
+
+TEST_F(WhyReportTest, WhereNothingIsLatchedNoWayOutNamesAReset) {
+  const auto resets = [this](Reason obstacle) {
+    report.out.obstacle = obstacle;
+    return why().way_out().find("reset") != std::string::npos;
+  };
+  report.out.link.state = slave.state = SessionState::kOff;
+  report.out.reason = slave.reason = Reason::kNotEngaged;
+  for (int i = 1; i < static_cast<int>(Reason::kCount); ++i) {
+    EXPECT_FALSE(resets(static_cast<Reason>(i))) << describe(static_cast<Reason>(i));
+  }
+  report.out.obstacle = Reason::kNone;
+  slave.reason = Reason::kSensorMissing;
+  EXPECT_EQ(why().way_out(), "check the force sensor, then engage");
+  slave.state = SessionState::kFault;
+  slave.fault = Reason::kSensorMissing;
+  EXPECT_EQ(why().way_out(), "check the force sensor, then reset and engage");
+}
+
+TEST_F(WhyReportTest, WallsWithoutAnArmHaveAWayOut) {
+  report.walls.present = true;
+  EXPECT_EQ(why().sentence(), std::string("the arm holds: ") + describe(Reason::kNoArmInScene));
+  EXPECT_EQ(why().way_out(), "load a scene with an arm: 'handrail scene load NAME'");
+}
+
 TEST_F(WhyReportTest, NamesTheMasterThatLeadsTheSlaveAndTheWayOut) {
   report.out.link.state = SessionState::kFault;
   report.out.reason = Reason::kLinkLost;

@@ -44,6 +44,55 @@ TEST_F(RobotLoopTest, SaysThatNoRobotIsConnectedAndTriesEverySecond) {
   EXPECT_TRUE(loop.connected());
 }
 
+TEST_F(RobotLoopTest, SaysWhichJointOfAnArmThatAnswersKeepsItFromConnecting) {
+  const JointVector sound = robot.q;
+  const auto said = [&](int joint, double q) {
+    return state.reason == Reason::kEncoderInvalid && state.obstacle == Reason::kEncoderInvalid &&
+           state.ledger.joint == joint && state.q_measured[joint] == q;
+  };
+  robot.q.setZero();  // J3 begins at 50 deg
+  for (int i = 0; i < 1000; ++i) {
+    turn();
+    ASSERT_TRUE(i == 0 || said(2, 0.0)) << i << ": " << describe(state.reason);
+  }
+  EXPECT_EQ(state.state, SessionState::kOff);
+  EXPECT_GE(robot.connects, 6) << "it tries again";
+  // An arm that stands beside its target.
+  robot.q = sound;
+  robot.measured = sound;
+  (*robot.measured)[1] += 0.05;
+  for (int i = 0; i < 300; ++i) turn();
+  EXPECT_TRUE(said(1, (*robot.measured)[1])) << describe(state.reason);
+  // One that answers nothing is not connected, whatever it said before.
+  robot.present = false;
+  for (int i = 0; i < 300; ++i) turn();
+  EXPECT_EQ(state.reason, Reason::kRobotNotConnected);
+  EXPECT_EQ(state.obstacle, Reason::kNone);
+  EXPECT_EQ(state.ledger.joint, -1);
+  robot.present = true;
+  robot.measured.reset();
+  for (int i = 0; i < 300; ++i) turn();
+  EXPECT_TRUE(loop.connected());
+  EXPECT_EQ(state.reason, Reason::kNotEngaged);
+  EXPECT_EQ(state.obstacle, Reason::kNone);
+  EXPECT_EQ(state.ledger.joint, -1);
+}
+
+TEST_F(RobotLoopTest, AResetThatMeetsAnArmThatAnswersZerosSaysSo) {
+  engage();
+  robot.script = {RobotEvent::kLost};
+  turn();
+  robot.q.setZero();
+  news.state.desired = Desired::kOff;
+  news.state.state = SessionState::kOff;
+  news.state.fault_reset = state.fault_epoch;
+  for (int i = 0; i < 5; ++i) turn();
+  EXPECT_EQ(state.state, SessionState::kFault);
+  EXPECT_EQ(state.fault, Reason::kEncoderInvalid);
+  EXPECT_EQ(state.ledger.joint, 2);
+  EXPECT_EQ(state.q_measured[2], 0.0);
+}
+
 TEST_F(RobotLoopTest, AResetOfAStopWithoutARobotNamesTheRobot) {
   robot.present = false;
   for (int i = 0; i < 5; ++i) turn();
