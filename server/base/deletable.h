@@ -34,6 +34,7 @@ enum class Check : std::uint8_t {
   kRelief,        // a force that backing off does not relieve
   kHashes,        // the slave's own look at the master's scene
   kToolReach,     // no tool is called further from the tip than the scene says
+  kToolLatch,     // a hand that a tool held back does not take the arm along once it lets go
   kReach,         // a target is a rated step from all that the controller may hold
   kHeardEnd,      // a motion's end that the controller was not heard to hold is not sent again
   kUnseen,        // after time that passed unseen nothing known is younger

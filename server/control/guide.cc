@@ -72,8 +72,8 @@ void Guide::restart(const GuideSettings& settings, const Pose& X_SC) noexcept {
   twist_offset_.absorb(-twist_from(X_SC.q, proxy_.q));
 }
 
-Reason Guide::call(const GuideSettings& settings, const ToolCall& wanted, const Pose& X_SH,
-                   double* distance) noexcept {
+Reason Guide::call(const GuideSettings& settings, const ToolCall& wanted, const Vec3& p_ST,
+                   Pose& X_SH, double* distance) noexcept {
   ToolDefinition tool;
   if (const Reason reason = anchor(wanted, settings, command_, tool); reason != Reason::kNone) {
     return reason;
@@ -87,12 +87,16 @@ Reason Guide::call(const GuideSettings& settings, const ToolCall& wanted, const 
   if (is_position_tool(tool.kind)) {
     tool.epoch = position_.definition().epoch + 1;
     const PositionTool position(tool, settings.method, settings.delta);
-    const double off = (PositionTool(position).start(command_.p, command_.p) - command_.p).norm();
+    const auto off_from = [&position](const Vec3& p) {
+      return (PositionTool(position).start(p, p) - p).norm();
+    };
+    // Out of reach the tip is elsewhere. What is anchored at the command takes neither anywhere.
+    const double off = std::max(off_from(command_.p), wanted.at_present ? 0.0 : off_from(p_ST));
     if (distance != nullptr) *distance = off;
     if (!wanted.approach && off > settings.reach && kept(Check::kToolReach)) {
       return Reason::kToolFar;
     }
-    change_position(settings, position, X_SH, wanted.approach);
+    change_position(settings, position, wanted.approach, X_SH);
   } else {
     tool.epoch = orientation_.definition().epoch + 1;
     change_orientation(settings, OrientationTool(tool), X_SH);
@@ -101,11 +105,11 @@ Reason Guide::call(const GuideSettings& settings, const ToolCall& wanted, const 
   return Reason::kNone;
 }
 
-Reason Guide::drop_position(const GuideSettings& settings, const Pose& X_SH) noexcept {
+Reason Guide::drop_position(const GuideSettings& settings, Pose& X_SH) noexcept {
   if (!position_.active()) return Reason::kNoSuchTool;
   ToolDefinition none;
   none.epoch = position_.definition().epoch + 1;
-  change_position(settings, PositionTool(none, settings.method, settings.delta), X_SH, false);
+  change_position(settings, PositionTool(none, settings.method, settings.delta), false, X_SH);
   return Reason::kNone;
 }
 
@@ -117,23 +121,31 @@ Reason Guide::drop_orientation(const GuideSettings& settings, const Pose& X_SH) 
   return Reason::kNone;
 }
 
-void Guide::change_position(const GuideSettings& settings, const PositionTool& tool,
-                            const Pose& X_SH, bool approach) noexcept {
+void Guide::change_position(const GuideSettings& settings, const PositionTool& tool, bool approach,
+                            Pose& X_SH) noexcept {
   // The force is K_t times the pull: a change of K_t must not step it either.
   const double before = stiffness(settings);
   // The proxy of an approach is where neither hand nor command have come to.
   const bool pulled = !approaching_ && (position_.active() || pull_offset_.active());
   const Vec3 pull = pulled ? Vec3(proxy_.p + pull_offset_.offset() - X_SH.p) : Vec3(Vec3::Zero());
-  const Vec3 from = approach ? command_.p : tool.active() && !approaching_ ? proxy_.p : X_SH.p;
-  position_ = tool;
-  approaching_ = approach;
-  const Vec3 nearest = position_.start(from, command_.p);
-  const Vec3 p_SH = approach ? nearest : X_SH.p;
   // Where the proxy goes from there for this hand is part of the jump that is eased.
-  proxy_.p = position_.advance(p_SH);
-  const Vec3 now = proxy_.p - p_SH;
+  const auto put = [&](const Vec3& from, const Vec3& p_SH) {
+    position_ = tool;
+    const Vec3 nearest = position_.start(from, command_.p);
+    X_SH.p = approach ? nearest : p_SH;
+    proxy_.p = position_.advance(X_SH.p);
+  };
+  if (approach || approaching_) {
+    put(command_.p, command_.p);
+  } else {
+    put(tool.active() ? proxy_.p : X_SH.p, X_SH.p);
+    if ((proxy_.p - command_.p).norm() > settings.reach && kept(Check::kToolLatch)) {
+      put(command_.p, command_.p);
+    }
+  }
+  approaching_ = approach;
   pull_offset_.clear();
-  pull_offset_.absorb(pull * (before / stiffness(settings)) - now);
+  pull_offset_.absorb(pull * (before / stiffness(settings)) - (proxy_.p - X_SH.p));
   position_mean_.reset(proxy_.p, settings.smoother_length);
   command_offset_.clear();
   command_offset_.absorb(command_.p - proxy_.p);

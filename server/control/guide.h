@@ -17,7 +17,7 @@ struct GuideSettings {
   double torque_stiffness = 0.5;     // K_N, K_F where a tool does not say [N m/rad]
   double catch_up = 0.060;           // bound on letting go of a position offset [m/s]
   double catch_up_rotation = 0.262;  // the same for orientation [rad/s]
-  double reach = 0.020;              // furthest from the command that a tool is called [m]
+  double reach = 0.020;              // furthest that a change of position tools moves the arm [m]
   // Bound on easing a tool's pull in after a change, at the hand, times the mapping's scale: the
   // pull is in S [N/s]. With the arbiter's step limit (0.05 N a millisecond) it leaves room for the
   // spring.
@@ -44,25 +44,27 @@ struct Guidance {
 // then zero from the first tick on. Orientation offsets multiply on the right (in the tip's own
 // frame), so that hand rotation passes 1:1 in S while they decay.
 //
-// A position tool further off than `reach` is refused, or approached: then the hand is taken to be
-// where the tool is nearest, so that nothing pulls it there, and the caller latches it there. An
-// approach ends when the command has come to the tool, and with any other change of position tools;
-// for that the hand is where the command has come to. Orientation tools hold what they find: none
-// turns the arm by itself. Real-time safe; no allocation.
+// No change of position tools moves the arm by itself further than `reach`. A tool further from the
+// tip, or from the command that it follows, is refused, or approached: then the hand is taken to be where the tool is nearest, so that
+// nothing pulls it there. An approach ends when the command has come to the tool, and with any
+// other change of position tools. A hand that a tool held back further than `reach` is taken to be
+// where the command is, once another tool, or none, would let the arm go to it. Orientation tools
+// hold what they find: none turns the arm by itself. Real-time safe; no allocation.
 class Guide {
  public:
   // Starts afresh at `X_SC`, where hand and command both stand. Active tools stay, their proxies
   // restart there: with a still hand nothing moves, unless a tool has yet to be reached.
   void restart(const GuideSettings& settings, const Pose& X_SC) noexcept;
 
-  // Calls a tool in its slot. `X_SH`: the hand now, in S. Refuses what cannot be anchored or is too
-  // far and then changes nothing. `distance`, if not null: of an anchored position tool from the
-  // command, with its end [m]; else left alone.
-  Reason call(const GuideSettings& settings, const ToolCall& call, const Pose& X_SH,
+  // Calls a tool in its slot. `X_SH`: the hand now, in S, and afterwards where it is taken to be:
+  // the caller latches it there. `p_ST`: the tip of the arm. Refuses what cannot be anchored or is
+  // too far and then changes nothing. `distance`, if not null: of an anchored position tool, with
+  // its end, from the tip or, where that is more, from the command [m]; else left alone.
+  Reason call(const GuideSettings& settings, const ToolCall& call, const Vec3& p_ST, Pose& X_SH,
               double* distance = nullptr) noexcept;
 
   // Drops a tool; kNoSuchTool when the slot is empty. `X_SH` as above.
-  Reason drop_position(const GuideSettings& settings, const Pose& X_SH) noexcept;
+  Reason drop_position(const GuideSettings& settings, Pose& X_SH) noexcept;
   Reason drop_orientation(const GuideSettings& settings, const Pose& X_SH) noexcept;
 
   // One tick: hand pose in S -> command and pull. dt [s].
@@ -79,8 +81,8 @@ class Guide {
   double torque_stiffness(const GuideSettings& settings) const noexcept;
 
  private:
-  void change_position(const GuideSettings& settings, const PositionTool& tool, const Pose& X_SH,
-                       bool approach) noexcept;
+  void change_position(const GuideSettings& settings, const PositionTool& tool, bool approach,
+                       Pose& X_SH) noexcept;
   void change_orientation(const GuideSettings& settings, const OrientationTool& tool,
                           const Pose& X_SH) noexcept;
   // Restarts the orientation smoother at `q_proxy`, keeping the command continuous.

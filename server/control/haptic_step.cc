@@ -110,7 +110,8 @@ Reason carry_out(const HapticSettings& settings, const HapticInput& in, const La
       if (!may_drive(s.session) && s.session != SessionState::kClutched) {
         return Reason::kNotEngaged;
       }
-      return call_tool(settings, in.order.tool, s, tool_distance);
+      return call_tool(settings, in.order.tool,
+                       in.slave.has_pose ? in.slave.X_ST_command.p : s.X_SU.p, s, tool_distance);
     case OrderKind::kToolOff:
       return drop_tools(settings, in.order.drop_position, in.order.drop_orientation, s);
   }
@@ -288,7 +289,9 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
       ladder_step(settings.ladder, in.slave_known, slave_age, in.link, dt, s.ladder);
   see_presence(settings, in, dt, s);
   out.tool_distance = 0.0;
+  const Vec3 hand_before = s.engagement.to_slave(s.X_MH).p;
   out.order_result = carry_out(settings, in, ladder, s, out.tool_distance);
+  out.hand_latched = (s.engagement.to_slave(s.X_MH).p - hand_before).norm();
   if (in.hand.drop_button && !s.button_was_down) drop_tools(settings, true, true, s);
   s.button_was_down = in.hand.drop_button;
   const SessionState before = s.session;

@@ -53,7 +53,7 @@ struct HapticOrder {
   ToolCall tool;              // kTool
   bool drop_position = true;  // kToolOff
   bool drop_orientation = true;
-  int stage = 0;  // kStage: of the scene's walls
+  int stage = 0;                     // kStage: of the scene's walls
   Reason why = Reason::kNotEngaged;  // kDisengage: what the session says from then on
 };
 
@@ -83,15 +83,16 @@ struct HapticOutput {
   Wrench f_H_M;                         // for the device, within its limits, always finite
   MasterState link;                     // for the slave
   Reason order_result = Reason::kNone;  // kNone: the order was carried out (or there was none)
-  double tool_distance = 0.0;  // kTool: of a position tool from the command at its call [m]
-  Reason reason = Reason::kNone;        // why the session is not what is wanted
-  Reason obstacle = Reason::kNone;      // what an engage would be refused with, while off
-  ReasonSet reasons;                    // every intervention of this tick
-  ForceShares shares;                   // device force, where it came from
-  ForceLedger force;                    // the same, stage by stage
-  MotionLedger motion;                  // from the hand to the arm
-  double deviation = 0.0;               // hand from the position tool's proxy, at the hand [m]
-  double deviation_angle = 0.0;         // hand from the orientation tool [rad]
+  double tool_distance = 0.0;     // kTool: of a position tool at its call, as in Guide::call [m]
+  double hand_latched = 0.0;      // how far off the hand was that an order has latched, frame S [m]
+  Reason reason = Reason::kNone;  // why the session is not what is wanted
+  Reason obstacle = Reason::kNone;  // what an engage would be refused with, while off
+  ReasonSet reasons;                // every intervention of this tick
+  ForceShares shares;               // device force, where it came from
+  ForceLedger force;                // the same, stage by stage
+  MotionLedger motion;              // from the hand to the arm
+  double deviation = 0.0;           // hand from the position tool's proxy, at the hand [m]
+  double deviation_angle = 0.0;     // hand from the orientation tool [rad]
   bool blending = false;
 };
 

@@ -9,34 +9,29 @@ Pose hand_in_slave(const HapticState& s) {
   return s.driving ? s.engagement.to_slave(s.X_MH) : s.X_SU;
 }
 
-// Changes the position tool. Where an approach ends, the arm must not go on to where the hand would
-// have been; where one begins, the hand goes along.
+// Changes the position tool, and latches the hand where the guide takes it to be from then on.
 template <typename Change>
 Reason change_position_tool(const HapticSettings& settings, HapticState& s, Change change) {
-  Pose X_SH = hand_in_slave(s);
-  const bool ended = s.guide.approaching();
-  if (ended) X_SH.p = s.X_SU.p;
+  const Pose before = hand_in_slave(s);
+  Pose X_SH = before;
   const Reason result = change(X_SH);
-  if (result != Reason::kNone) return result;
-  if (s.guide.approaching()) X_SH.p = s.guide.proxy().p;
-  if (ended || s.guide.approaching()) {
-    s.engagement = Engagement(settings.mapping, s.X_MH, X_SH);
-  }
-  return Reason::kNone;
+  if (X_SH.p != before.p) s.engagement = Engagement(settings.mapping, s.X_MH, X_SH);
+  return result;
 }
 
 }  // namespace
 
-Reason call_tool(const HapticSettings& settings, const ToolCall& call, HapticState& s,
-                 double& distance) noexcept {
+Reason call_tool(const HapticSettings& settings, const ToolCall& call, const Vec3& p_ST,
+                 HapticState& s, double& distance) noexcept {
   if (!is_position_tool(call.kind)) {
-    return s.guide.call(settings.guide, call, hand_in_slave(s));
+    Pose X_SH = hand_in_slave(s);
+    return s.guide.call(settings.guide, call, p_ST, X_SH);
   }
   if (call.approach && !s.driving) {
     return s.session == SessionState::kClutched ? Reason::kClutched : Reason::kDeviceInvalid;
   }
-  return change_position_tool(settings, s, [&](const Pose& X_SH) {
-    return s.guide.call(settings.guide, call, X_SH, &distance);
+  return change_position_tool(settings, s, [&](Pose& X_SH) {
+    return s.guide.call(settings.guide, call, p_ST, X_SH, &distance);
   });
 }
 
@@ -45,7 +40,7 @@ Reason drop_tools(const HapticSettings& settings, bool position, bool orientatio
   Reason result = Reason::kNoSuchTool;
   if (position) {
     result = change_position_tool(
-        settings, s, [&](const Pose& X_SH) { return s.guide.drop_position(settings.guide, X_SH); });
+        settings, s, [&](Pose& X_SH) { return s.guide.drop_position(settings.guide, X_SH); });
   }
   if (orientation) {
     const Reason second = s.guide.drop_orientation(settings.guide, hand_in_slave(s));

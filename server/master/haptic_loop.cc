@@ -66,7 +66,8 @@ void HapticLoop::tick(Nanos now) noexcept {
   publish(now);
   // After the report: whoever has the answer finds a report that shows what the order did.
   if (ticket.id == 0) return;
-  (void)boxes_.answers.push({ticket.id, report_.out.order_result, report_.out.tool_distance});
+  const HapticOutput& out = report_.out;
+  (void)boxes_.answers.push({ticket.id, out.order_result, out.tool_distance, out.hand_latched});
 }
 
 void HapticLoop::let_go() noexcept {

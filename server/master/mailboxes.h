@@ -30,6 +30,7 @@ struct OrderAnswer {
   std::uint64_t id = 0;
   Reason result = Reason::kNone;
   double tool_distance = 0.0;  // as in HapticOutput
+  double hand_latched = 0.0;   // as in HapticOutput
 };
 
 // The hand among the walls of the scene, frame of the walls.

@@ -116,10 +116,17 @@ void OrderDesk::tool(const pb::Tool& wanted, bool approach, ReplyTo reply) {
 std::string OrderDesk::distance_text(const OrderAnswer& answer, const ToolCall& call) const {
   const Scene::Guidance& guidance = scene_.guidance;
   if (answer.result == Reason::kToolFar) {
-    return fmt::format("the {} is {:.1f} mm from the tip, at most {:g} mm; --approach goes there",
-                       name_of(call.kind), answer.tool_distance / kMm, guidance.tool_reach / kMm);
+    return fmt::format(
+        "the {} is {:.1f} mm from the tip, or from where the hand sends it, at most {:g} mm; "
+        "--approach goes there",
+        name_of(call.kind), answer.tool_distance / kMm, guidance.tool_reach / kMm);
   }
-  if (answer.result != Reason::kNone || !call.approach) return {};
+  if (answer.result != Reason::kNone) return {};
+  if (!call.approach) {
+    if (answer.hand_latched == 0.0) return {};
+    return fmt::format("the hand was {:.1f} mm off and leads on from where it is",
+                       answer.hand_latched / kMm);
+  }
   return fmt::format("{:.1f} mm to go, about {:.1f} s; the clutch ends it",
                      answer.tool_distance / kMm, answer.tool_distance / guidance.catch_up);
 }

@@ -59,8 +59,8 @@ TEST_F(WholeCellTest, AToolFarFromTheTipIsRefusedOrApproachedUntilTheClutchIsHel
   const std::string at = "0,0," + std::to_string(start.z() - 310.2);
   const auto [refused, why] = handrail({"tool", "plane", "--normal", "z", "--at", at});
   EXPECT_EQ(refused, 1);
-  EXPECT_THAT(why, HasSubstr("handrail: refused: the plane is 310.2 mm from the tip, at most 20 "
-                             "mm; --approach goes there"));
+  EXPECT_THAT(why, HasSubstr("handrail: refused: the plane is 310.2 mm from the tip, or from where "
+                             "the hand sends it, at most 20 mm; --approach goes there"));
   EXPECT_LT((mm(at_rest().slave_command()) - start).norm(), 1e-3);
   const auto [called, answer] =
       handrail({"tool", "plane", "--normal", "z", "--at", at, "--approach"});

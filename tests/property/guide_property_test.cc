@@ -56,7 +56,7 @@ RC_GTEST_PROP(GuideProperty, TheCommandComesNearerToTheToolAtABoundedSpeedAndThe
   const auto guide = std::make_unique<Guide>();
   Pose hand = any_pose();
   guide->restart(settings, hand);
-  RC_PRE(guide->call(settings, any_position_call(hand.p), hand) == Reason::kNone);
+  RC_PRE(guide->call(settings, any_position_call(hand.p), hand.p, hand) == Reason::kNone);
   double off = guide->position().distance(guide->command().p);
   const Vec3 drift = within(1e-4);
   for (int i = 0; i < 300; ++i) {
@@ -82,7 +82,7 @@ RC_GTEST_PROP(GuideProperty, AOneWayToolNeverTakesTheCommandBack, ()) {
   ToolCall call = any_position_call(hand.p);
   call.one_way = true;
   if (call.kind == ToolKind::kPoint) call.kind = ToolKind::kLine;
-  RC_PRE(guide->call(settings, call, hand) == Reason::kNone);
+  RC_PRE(guide->call(settings, call, hand.p, hand) == Reason::kNone);
   const Vec3 forward = guide->position().definition().direction_S;
   double furthest = guide->command().p.dot(forward);
   for (int i = 0; i < 300; ++i) {
@@ -113,7 +113,7 @@ RC_GTEST_PROP(GuideProperty, AnyChangeOfToolsLeavesCommandAndPullWhereTheyWere, 
     if (below(3) == 0) {
       guide->drop_position(settings, hand);
     } else {
-      guide->call(settings, any_position_call(hand.p), hand);
+      guide->call(settings, any_position_call(hand.p), hand.p, hand);
     }
     const Guidance after = guide->step(settings, hand, 1e-9);
     RC_ASSERT((after.X_SC.p - before.X_SC.p).norm() < 3e-7);
@@ -143,7 +143,7 @@ RC_GTEST_PROP(GuideProperty, AnyChangeOfOrientationToolsLeavesCommandAndTwistWhe
     if (below(3) == 0) {
       guide->drop_orientation(settings, hand);
     } else {
-      guide->call(settings, call, hand);
+      guide->call(settings, call, hand.p, hand);
     }
     const Guidance after = guide->step(settings, hand, 1e-9);
     RC_ASSERT(angle_between(after.X_SC.q, before.X_SC.q) < 1e-6);

@@ -35,12 +35,13 @@ std::function<void()> guide(const Scene& scene, bool position, bool orientation)
   s->settings = haptic_settings(scene, omni_capabilities(false)).guide;
   for (int i = 0; i < 4096; ++i) s->hands.push_back(hand_at(i));
   s->guide.restart(s->settings, s->hands[0]);
+  Pose hand = s->hands[0];
   ToolCall call;
   call.kind = ToolKind::kLine;
   call.direction_S = -Vec3::UnitY();
-  if (position) (void)s->guide.call(s->settings, call, s->hands[0]);
+  if (position) (void)s->guide.call(s->settings, call, hand.p, hand);
   call.kind = ToolKind::kNRotation;
-  if (orientation) (void)s->guide.call(s->settings, call, s->hands[0]);
+  if (orientation) (void)s->guide.call(s->settings, call, hand.p, hand);
   return [s] {
     for (int i = 0; i < kCalls; ++i) {
       keep(s->guide.step(s->settings, s->hands[s->next], kTick));

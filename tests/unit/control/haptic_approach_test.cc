@@ -72,6 +72,59 @@ TEST(HapticApproach, WhateverIsCalledAStillHandsArmGoesNoFurtherThanTheReach) {
   }
 }
 
+// A point lets the hand go far from the arm. What takes its place would let the arm go to the hand.
+TEST(HapticApproach, WhateverTakesAToolsPlaceAStillHandsArmGoesNoFurtherThanTheReach) {
+  for (int run = 0; run < 60; ++run) {
+    Dice dice(static_cast<std::uint64_t>(2300 + run));
+    HapticRig rig;
+    rig.engage();
+    ASSERT_EQ(rig.call(call_of(ToolKind::kPoint)), Reason::kNone);
+    const Pose tip = rig.command();
+    const Vec3 off = dice.between(0.0, run % 3 == 0 ? 0.012 : 0.08) * dice.unit();
+    for (int i = 0; i < 500; ++i) {
+      rig.in.hand.X_MH.p += off / 500.0;
+      rig.tick();
+    }
+    ASSERT_LT(way(rig, tip), 1e-9);
+    if (run % 4 == 0) rig.drop(true, true);
+    if (run % 4 == 1) rig.call(line_call(dice.unit()));
+    if (run % 4 == 2) rig.call(plane_call(dice.unit()));
+    if (run % 4 == 3) rig.call(at(plane_call(dice.unit()), tip.p + 0.01 * dice.unit()));
+    EXPECT_EQ(rig.out.order_result, Reason::kNone);
+    const double off_S = 2.0 * off.norm();  // the mapping's scale
+    if (run % 4 == 0) {
+      EXPECT_NEAR(rig.out.hand_latched, off_S > 0.020 ? off_S : 0.0, 1e-9);
+    }
+    rig.ticks(3000);
+    EXPECT_LE(way(rig, tip), 0.020 + 1e-9) << "run " << run;
+    // And the hand leads on from where it is.
+    rig.drop(true, true);
+    rig.ticks(5000);
+    const Pose before = rig.command();
+    rig.in.hand.X_MH.p.y() += 0.01;  // up
+    rig.ticks(500);
+    EXPECT_NEAR(rig.command().p.z() - before.p.z(), 0.02, 1e-9);
+  }
+}
+
+TEST(HapticApproach, OutOfReachAToolMustBeNearTheTipAndNearWhereTheTipIsSent) {
+  HapticRig rig;
+  rig.engage();
+  const Vec3 tip = rig.command().p;
+  rig.play_slave = false;  // the arm stays where it is
+  rig.in.hand.X_MH.p.y() += 0.1;
+  rig.ticks(500);
+  const Vec3 sent = rig.command().p;
+  ASSERT_NEAR((sent - tip).norm(), 0.2, 1e-9);
+  for (const Vec3& p_SA : {sent, tip}) {
+    EXPECT_EQ(rig.call(at(call_of(ToolKind::kPoint), p_SA)), Reason::kToolFar);
+    EXPECT_NEAR(rig.out.tool_distance, 0.2, 1e-9);
+  }
+  EXPECT_EQ(rig.call(call_of(ToolKind::kPoint)), Reason::kNone) << "where it is sent anyway";
+  rig.ticks(500);
+  EXPECT_EQ(rig.command().p, sent);
+}
+
 TEST(HapticApproach, AnApproachGoesThereAtTheScenesPaceAndTakesTheHandAlong) {
   HapticRig rig;
   rig.settings.spring_stiffness = 0.0;  // only what a tool pulls

@@ -70,11 +70,11 @@ class DeskBench : public ::testing::Test {
     return answer;
   }
   // The loop takes every order and answers it with `result`; `taken` keeps them.
-  void loop(Reason result = Reason::kNone, double tool_distance = 0.0) {
+  void loop(Reason result = Reason::kNone, double tool_distance = 0.0, double latched = 0.0) {
     OrderTicket ticket;
     while (boxes.orders.pop(ticket)) {
       taken.push_back(ticket);
-      ASSERT_TRUE(boxes.answers.push({ticket.id, result, tool_distance}));
+      ASSERT_TRUE(boxes.answers.push({ticket.id, result, tool_distance, latched}));
     }
   }
   // A tick of the loop and then one of the desk.

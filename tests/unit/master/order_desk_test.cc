@@ -185,8 +185,21 @@ TEST_F(OrderDeskTest, SaysHowFarAToolIsThatIsTooFar) {
     loop(Reason::kToolFar, 0.31019);
     tick();
     EXPECT_EQ(text(answer), "refused: the " + std::string(name) +
-                                " is 310.2 mm from the tip, at most 20 mm; --approach goes there");
+                                " is 310.2 mm from the tip, or from where the hand sends it, at "
+                                "most 20 mm; --approach goes there");
     EXPECT_FALSE(taken.back().order.tool.approach);
+  }
+}
+
+TEST_F(OrderDeskTest, SaysThatAHandHasBeenLatched) {
+  for (const char* order : {"tool { kind: POINT }", "tool_off { position: true }"}) {
+    for (const double off : {0.0, 0.1091}) {
+      const Answer answer = ask(order);
+      loop(Reason::kNone, 0.0, off);
+      tick();
+      const char* said = "done: the hand was 109.1 mm off and leads on from where it is";
+      EXPECT_EQ(text(answer), off == 0.0 ? "done: " : said);
+    }
   }
 }
 

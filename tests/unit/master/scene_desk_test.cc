@@ -178,7 +178,7 @@ TEST_F(SceneDeskTest, WhoEngagesLearnsWhichOfTheScenesToolsIsTooFar) {
     EXPECT_EQ(text(answer),
               round == 0
                   ? "done: the scene's tool was refused: the plane is 400.0 mm from the tip, "
-                    "at most 35 mm; --approach goes there"
+                    "or from where the hand sends it, at most 35 mm; --approach goes there"
                   : "done: ");
     stand(SessionState::kOff);
     tick();
