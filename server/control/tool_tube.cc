@@ -34,6 +34,7 @@ void ToolTube::take_position(const ToolDefinition& tool, const Pose& X_ST,
   position_ = tool;
   position_hash_ = hash_of(tool);
   radius_ = distance(X_ST.p);
+  past_end_ = std::max(past_end(X_ST.p), past_end(X_SU.p));
   pace_ = std::max(way_to(X_ST.p), way_to(X_SU.p));
 }
 
@@ -70,6 +71,7 @@ void ToolTube::close(double catch_up, double catch_up_rotation, const Vec3& p_SU
                      double dt) noexcept {
   pace_ = let_go(pace_, catch_up, dt);
   radius_ = std::min({radius_, pace_, std::max(distance(p_ST), distance(p_SU))});
+  past_end_ = std::min({past_end_, pace_, std::max(past_end(p_ST), past_end(p_SU))});
   turn_pace_ = let_go(turn_pace_, catch_up_rotation, dt);
   angle_ = std::min(angle_, turn_pace_);
 }
@@ -88,10 +90,13 @@ Vec3 ToolTube::across(const Vec3& p) const noexcept {
   }
 }
 
-double ToolTube::way_to(const Vec3& p) const noexcept {
+double ToolTube::past_end(const Vec3& p) const noexcept {
   const double travel = (p - position_.p_SA).dot(position_.direction_S);
-  const double beyond = position_.has_end ? std::max(travel - position_.end, 0.0) : 0.0;
-  return std::hypot(distance(p), beyond);
+  return position_.has_end ? std::max(travel - position_.end, 0.0) : 0.0;
+}
+
+double ToolTube::way_to(const Vec3& p) const noexcept {
+  return std::hypot(distance(p), past_end(p));
 }
 
 TipSpace ToolTube::space(double room) const noexcept {
@@ -115,7 +120,7 @@ Pose ToolTube::project(const Pose& X_SU, const Pose& X_ST) noexcept {
   const double travel = (X.p - position_.p_SA).dot(along);
   const double tip = (X_ST.p - position_.p_SA).dot(along);
   double allowed = travel;
-  if (position_.has_end) allowed = std::min(allowed, std::max(position_.end, tip));
+  if (position_.has_end) allowed = std::min(allowed, position_.end + past_end_);
   // Where limits made the tip turn late it is ahead of a command that has turned, and waits there.
   if (position_.one_way) allowed = std::max(allowed, tip);
   if (allowed != travel) X.p += (allowed - travel) * along;

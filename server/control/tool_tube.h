@@ -23,15 +23,16 @@ class ToolTube {
   // one held, or another one of the same epoch: that command must not be applied.
   Reason take(const MasterState& master, const Pose& X_ST) noexcept;
 
-  // Shrinks what commands may be off, for `dt` [s] by at most `catch_up` [m/s] and
-  // `catch_up_rotation` [rad/s], and to where both the command at `p_SU` and the tip at `p_ST` have
-  // come nearer. The tip alone would not do: one that cannot reach its command slides along the end
-  // of its reach, and would go after a bound that goes with it. To be called while the hand drives.
+  // Shrinks what commands may be off, and beyond an end, for `dt` [s] by at most `catch_up` [m/s]
+  // and `catch_up_rotation` [rad/s], and to where both the command at `p_SU` and the tip at `p_ST`
+  // have come nearer. The tip alone would not do: one that cannot reach its command slides along
+  // the end of its reach, and would go after a bound that goes with it. To be called while the hand
+  // drives.
   void close(double catch_up, double catch_up_rotation, const Vec3& p_SU, const Vec3& p_ST,
              double dt) noexcept;
 
-  // `X_SU` on the tools as far as they must be; on a one-way tool never behind the tip, and not
-  // beyond an end. A command within a nanometre passes bit for bit.
+  // `X_SU` on the tools and before an end as far as it must be; on a one-way tool never behind the
+  // tip. A command within a nanometre passes bit for bit.
   Pose project(const Pose& X_SU, const Pose& X_ST) noexcept;
 
   // `p` no further off the position tool than `contact` [m] beside what commands may be off.
@@ -53,6 +54,8 @@ class ToolTube {
 
  private:
   Vec3 across(const Vec3& p) const noexcept;
+  // How far `p` is beyond the position tool's end, 0 before it [m].
+  double past_end(const Vec3& p) const noexcept;
   // Way from `p` to the nearest place on the position tool and before its end [m].
   double way_to(const Vec3& p) const noexcept;
   void take_position(const ToolDefinition& tool, const Pose& X_ST, const Pose& X_SU) noexcept;
@@ -64,6 +67,7 @@ class ToolTube {
   std::uint64_t orientation_hash_ = 0;
   std::uint64_t hash_ = 0;
   double radius_ = 0.0;
+  double past_end_ = 0.0;  // how far beyond the tool's end a command may be [m]
   double pace_ = 0.0;  // what a command may be off that is eased from where the first one was [m]
   double angle_ = 0.0;
   double turn_pace_ = 0.0;  // [rad]

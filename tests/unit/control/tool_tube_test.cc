@@ -206,6 +206,27 @@ TEST(ToolTube, ACommandThatIsEasedToAnEndIsNotHurried) {
   }
 }
 
+// A tip that cannot reach its command slides, and may come nearer to the tool's end by itself.
+// Where the command then had to follow it, the tip went after its own command.
+TEST(ToolTube, ATipThatSlidesTowardsAnEndDoesNotTakeItsCommandAlong) {
+  MasterState master;
+  Pose X_ST{{0, 0.29, 0.3}, Quat::Identity()};
+  const Pose X_SU{{0, 0.3, 0.31}, Quat::Identity()};
+  ToolTube tube;
+  tube.restart(master, X_ST);
+  master.position_tool =
+      of_epoch(test::ending_at(test::line_along(Vec3(0, -0.1, 0.01), Vec3::UnitY()), 0.1), 1);
+  master.X_SU = X_SU;
+  ASSERT_EQ(tube.take(master, X_ST), Reason::kNone);
+  const double catch_up = 0.06, dt = 0.0071;
+  for (double t = dt; t < 0.5; t += dt) {
+    tube.close(catch_up, 0.2, X_SU.p, X_ST.p, dt);
+    X_ST.p.y() -= 0.1 * dt;
+    // At the scene's pace, which has some 0.4 m to go, and no faster.
+    EXPECT_GE(tube.project(X_SU, X_ST).p.y(), std::min(0.3, 0.424 - catch_up * t) - 1e-9) << t;
+  }
+}
+
 TEST(ToolTube, NothingPullsTheTipWhileTheClutchIsHeld) {
   FollowRig rig;
   rig.engage();
