@@ -319,8 +319,9 @@ void OrderDesk::watch_hold() {
 
 std::string OrderDesk::unheard() const {
   if (link_.refused(now_)) {
+    const bool latched = report_->out.link.state == SessionState::kFault;
     return other_master_text(link_, now_) + ": " +
-           way_out_of(Reason::kOtherMaster, -1, JointVector::Zero(), false);
+           way_out_of(Reason::kOtherMaster, -1, JointVector::Zero(), latched);
   }
   if (report_->walls.present) return describe(Reason::kNoArmInScene);
   if (link_.peer_epoch == 0) return "no slave is connected";
