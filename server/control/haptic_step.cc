@@ -52,11 +52,14 @@ Reason reset(HapticState& s, const HapticInput& in) {
   return Reason::kNone;
 }
 
-// Refused is refused: a wish that waited for the obstacle to go would engage out of the blue.
+// Refused is refused: a wish that waited for the obstacle to go would engage out of the blue. While
+// another leads the slave nothing that is done here helps, so that is said first.
 Reason obstacle_to_engaging(const HapticSettings& settings, const HapticInput& in,
                             const LadderStep& ladder, const HapticState& s) {
-  if (!s.hand_known || s.hand_gap > kLongestGap) return Reason::kDeviceInvalid;
   if (in.link.other_master) return Reason::kOtherMaster;
+  if (stop_latched(s)) return Reason::kStopRequested;
+  if (s.session == SessionState::kFault) return s.session_reason;
+  if (!s.hand_known || s.hand_gap > kLongestGap) return Reason::kDeviceInvalid;
   if (ladder.rung == LinkRung::kHold) return Reason::kLinkQuality;
   if (ladder.rung != LinkRung::kFresh && ladder.rung != LinkRung::kSlow) {
     return reason_of(ladder.rung);
@@ -78,8 +81,6 @@ Reason carry_out(const HapticSettings& settings, const HapticInput& in, const La
       return Reason::kNone;
     case OrderKind::kEngage: {
       if (settings.walls != nullptr) return Reason::kNoArmInScene;
-      if (stop_latched(s)) return Reason::kStopRequested;
-      if (s.session == SessionState::kFault) return s.session_reason;
       const Reason obstacle = obstacle_to_engaging(settings, in, ladder, s);
       if (obstacle == Reason::kNone) {
         s.want_engaged = true;

@@ -11,6 +11,7 @@
 #include <boost/asio.hpp>
 
 #include "server/base/clock.h"
+#include "server/link/leader_watch.h"
 #include "server/link/pump.h"
 #include "server/link/stall_watch.h"
 #include "server/link/udp_transport.h"
@@ -106,13 +107,12 @@ class LinkServer {
 
   void log_leader(Nanos now) {
     const LinkSnapshot& link = snapshot();
-    if (link.refused(now) == refused_) return;
-    refused_ = !refused_;
-    if (refused_) {
+    const LeaderWatch::Change change = leader_.step(link, now);
+    if (change == LeaderWatch::Change::kLed) {
       hooks_.say(true, "the " + peer_name_ + " is led by another master (" +
                            leader_text(link.refusal, now - link.refused_at) +
                            "): end that one; until then nothing is obeyed from here");
-    } else if (link.received_at > link.refused_at) {
+    } else if (change == LeaderWatch::Change::kAnswers) {
       hooks_.say(false, "the " + peer_name_ + " answers this master now");
     }
   }
@@ -134,10 +134,10 @@ class LinkServer {
   LinkPeer<Local, Remote> peer_{random_session_id()};
   LinkPump<Local, Remote> pump_{transport_, peer_};
   StallWatch stall_;
+  LeaderWatch leader_;
   Hooks hooks_;
   std::uint32_t peer_epoch_ = 0;
   bool speaking_ = false;
-  bool refused_ = false;
 };
 
 }  // namespace handrail

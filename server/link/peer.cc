@@ -99,12 +99,7 @@ void PeerCore::take_echo(const DatagramHeader& header, Nanos now) noexcept {
 std::optional<Refusal> PeerCore::refuse(std::uint64_t session, Reject cause,
                                         std::uint16_t leader_port, Nanos now) noexcept {
   const bool led = cause == Reject::kSessionBusy || cause == Reject::kSessionRetired;
-  const Nanos rest = session == told_session_ ? 2 * kRefusalPeriod : kRefusalPeriod;
-  if (!led || leader_port == 0 || (told_at_ != -kForever && now - told_at_ < rest)) {
-    return std::nullopt;
-  }
-  told_session_ = session;
-  told_at_ = now;
+  if (!led || leader_port == 0 || !turns_.take(session, now)) return std::nullopt;
   return Refusal{session, cause == Reject::kSessionRetired, leader_port, now - peer_since_};
 }
 

@@ -12,6 +12,7 @@
 #include "server/base/time.h"
 #include "server/link/arrivals.h"
 #include "server/link/codec.h"
+#include "server/link/refusal_turns.h"
 #include "server/link/reject.h"
 
 namespace handrail {
@@ -22,10 +23,7 @@ inline constexpr Nanos kTakeoverSilence = 200 * kMillisecond;
 // How old our newest datagram that the peer answered may be while its session counts as confirmed:
 // the longest loop a scene may allow, and two seconds to spare.
 inline constexpr Nanos kConfirmedAge = 12 * kSecond;
-// A slave says at most this often that another master leads it, and to one session half as often:
-// two who wait are both told.
-inline constexpr Nanos kRefusalPeriod = 100 * kMillisecond;
-// How long what a refusal says is believed; five in a row may be lost.
+// How long what a refusal says is believed. Of one who waits alone five in a row may be lost.
 inline constexpr Nanos kRefusalStands = kSecond;
 // With nothing fresh for longer than this the quality is POOR.
 inline constexpr Nanos kPoorAge = 20 * kMillisecond;
@@ -75,7 +73,7 @@ class PeerCore {
   // Judges a well-formed datagram from the other side; kNone: it is the newest. Real-time safe.
   Reject accept(const DatagramHeader& header, Nanos now) noexcept;
   // What the sender of a datagram refused for another session's sake is to be told; none: nothing,
-  // or it was told lately. `leader_port`: where the present session is.
+  // or it is not its turn. `leader_port`: where the present session is.
   std::optional<Refusal> refuse(std::uint64_t session, Reject cause, std::uint16_t leader_port,
                                 Nanos now) noexcept;
   // Takes what we are told when it is about our session. One that was replaced is over: what is
@@ -118,9 +116,8 @@ class PeerCore {
   Arrivals arrivals_;
   std::array<Replaced, 8> replaced_{};
   std::size_t next_replaced_ = 0;
-  Nanos replaced_at_ = -kForever;   // when one session last took another's place
-  std::uint64_t told_session_ = 0;  // whom we last told that another leads
-  Nanos told_at_ = -kForever;
+  Nanos replaced_at_ = -kForever;  // when one session last took another's place
+  RefusalTurns turns_;
   LinkSnapshot snapshot_;
   RejectCounts rejects_{};
 };

@@ -227,6 +227,7 @@ void OrderDesk::take_answers() {
         break;
       case Until::kEngaged:
         if (engaging_) engaging_(refused("another engage came after this one"));
+        hold_ = waiting.hold;
         engaging_ = std::move(waiting.reply);
         engage_until_ = now_ + kEngagePatience;
         break;
@@ -264,16 +265,16 @@ void OrderDesk::engage(bool hold, ReplyTo reply) {
     return reply(refused("this master wants somebody there: 'handrail engage --hold'"));
   }
   // An engagement that ends with its command is not made one that goes on by itself.
-  if (hold_ && !hold) {
+  if (!hold && (hold_ || hold_waits())) {
     return reply(
         refused("your 'handrail engage --hold' is running: end that one first, or the arm would go "
                 "on without it"));
   }
   give_up_engaging();
-  hold_ = hold;
-  hold_heard_ = now_;
   if (hold) boxes_.hold_heard.store(now_, std::memory_order_relaxed);
-  order(plain(OrderKind::kEngage), std::move(reply), Until::kEngaged);
+  OrderTicket ticket;
+  ticket.order = plain(OrderKind::kEngage);
+  push(ticket, {std::move(reply), Until::kEngaged, now_, {}, hold});
 }
 
 void OrderDesk::give_up_engaging() {
@@ -301,12 +302,17 @@ void OrderDesk::hold_alive(ReplyTo reply) {
   reply(done());
 }
 
+bool OrderDesk::hold_waits() const {
+  const auto holds = [](const auto& entry) { return entry.second.hold; };
+  return (retrying_ && retrying_->hold) || std::any_of(waiting_.begin(), waiting_.end(), holds);
+}
+
 // While the engage is waited for, its client cannot speak; after that it must. Where the
 // configuration wants it the step sees to the rest, elsewhere the engagement ends.
 void OrderDesk::watch_hold() {
-  if (!hold_) return;
-  const auto engages = [](const auto& entry) { return entry.second.until == Until::kEngaged; };
-  if (engaging_ || retrying_ || std::any_of(waiting_.begin(), waiting_.end(), engages)) {
+  const bool waits = hold_waits();
+  if (!hold_ && !waits) return;
+  if (waits || engaging_) {
     hold_heard_ = now_;
   } else if (report_->out.link.desired == Desired::kOff) {
     hold_ = false;
@@ -320,8 +326,9 @@ void OrderDesk::watch_hold() {
 
 std::string OrderDesk::unheard() const {
   if (link_.refused(now_)) {
+    const bool latched = report_->out.link.state == SessionState::kFault;
     return other_master_text(link_, now_) + ": " +
-           way_out_of(Reason::kOtherMaster, -1, JointVector::Zero(), false);
+           way_out_of(Reason::kOtherMaster, -1, JointVector::Zero(), latched);
   }
   if (report_->walls.present) return describe(Reason::kNoArmInScene);
   if (link_.peer_epoch == 0) return "no slave is connected";

@@ -59,7 +59,8 @@ class OrderDesk : public OperatorHandler {
     ReplyTo reply;
     Until until = Until::kTaken;
     Nanos since = 0;
-    ToolCall tool{};  // what was called, if a tool was
+    ToolCall tool{};    // what was called, if a tool was
+    bool hold = false;  // kEngaged: what comes of it ends with a running `engage --hold`
   };
 
   // The request is its sender's to make.
@@ -80,6 +81,8 @@ class OrderDesk : public OperatorHandler {
   void engage(bool hold, ReplyTo reply);
   void hold_alive(ReplyTo reply);
   void watch_stops();
+  // An `engage --hold` has come that is neither taken nor refused yet.
+  bool hold_waits() const;
   void watch_hold();
   void retry_engaging();
   // Whoever still waits for a better link to engage over waits no longer.
@@ -110,7 +113,7 @@ class OrderDesk : public OperatorHandler {
 
   std::optional<Waiting> retrying_;  // an engage refused for the link, to be tried again
   Nanos retry_at_ = 0;
-  bool hold_ = false;  // the engagement ends with a running `engage --hold`
+  bool hold_ = false;  // the engagement the loop took ends with a running `engage --hold`
   Nanos hold_heard_ = -kForever;
 
   ReplyTo engaging_;  // who waits for the session to be engaged

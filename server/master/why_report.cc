@@ -131,8 +131,9 @@ std::string stage_text(const Share& share, int joint, const LinkSnapshot& link, 
 void set_sentence(pb::Ledger* out, const HapticReport& report, const SlaveState& slave,
                   const LinkSnapshot& link, Shares shares, Nanos now) {
   const MotionLedger& ledger = report.out.motion;
-  const bool latched =
-      report.out.link.state == SessionState::kFault || slave.state == SessionState::kFault;
+  // What the slave said before another led it says nothing of how it will be found.
+  const bool slave_latched = slave.state == SessionState::kFault && !link.refused(now);
+  const bool latched = report.out.link.state == SessionState::kFault || slave_latched;
   const auto set_way_out = [&](Reason why) {
     out->set_way_out(way_out_of(why, ledger.joint, slave.q_measured, latched));
   };
@@ -221,7 +222,7 @@ std::string way_out_of(Reason reason, int joint, const JointVector& q, bool latc
     case Reason::kLoopAge:
       return "move slower: what you see is old";
     case Reason::kOtherMaster:
-      return "end that master: then the slave takes this one, without a restart";
+      return "end that master: then the slave takes this one, without a restart; " + then;
     case Reason::kClutched:
       return "let the clutch go";
     case Reason::kPresence:

@@ -65,6 +65,29 @@ TEST(HapticEpoch, ASlaveLedByAnotherMasterIsNotEngaged) {
   EXPECT_EQ(rig.order(OrderKind::kEngage), Reason::kOtherMaster);
   rig.in.slave_age = kForever;
   EXPECT_EQ(rig.order(OrderKind::kEngage), Reason::kOtherMaster);
+  rig.in.hand.valid = false;
+  rig.ticks(30);
+  EXPECT_EQ(rig.order(OrderKind::kEngage), Reason::kOtherMaster);
+}
+
+// As long as another leads, neither a reset nor anything else gets this one further.
+TEST(HapticEpoch, WhoLeadsIsSaidBeforeWhatIsLatchedHere) {
+  HapticRig rig;
+  rig.engage();
+  rig.in.slave_age = kSecond / 2;
+  rig.tick();
+  ASSERT_EQ(rig.session(), SessionState::kFault);
+  rig.in.link.other_master = true;
+  EXPECT_EQ(rig.order(OrderKind::kEngage), Reason::kOtherMaster);
+  rig.order(OrderKind::kStop);
+  EXPECT_EQ(rig.order(OrderKind::kEngage), Reason::kOtherMaster);
+  rig.in.link.other_master = false;
+  rig.in.slave_age = 0;
+  EXPECT_EQ(rig.order(OrderKind::kEngage), Reason::kStopRequested);
+  EXPECT_EQ(rig.order(OrderKind::kReset), Reason::kNone);
+  rig.in.slave.state = SessionState::kOff;
+  rig.ticks(3);
+  EXPECT_EQ(rig.order(OrderKind::kEngage), Reason::kNone);
 }
 
 }  // namespace

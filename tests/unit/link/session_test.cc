@@ -258,7 +258,9 @@ class TwoMastersTest : public ::testing::Test {
     const Reject cause = slave.on_datagram(bytes, now);
     if (cause == Reject::kNone) leader = &master;
     back.resize(slave.refuse(cause, leader == &first ? 47001 : 47003, now, back));
-    if (!back.empty()) (void)master.on_datagram(back, now);
+    if (back.empty()) return;
+    ++told;
+    (void)master.on_datagram(back, now);
   }
   bool leads(const MasterPeer& master) const {
     return master.snapshot().confirmed(now) && master.snapshot().age(now) < 5 * kMillisecond;
@@ -267,6 +269,7 @@ class TwoMastersTest : public ::testing::Test {
   SlavePeer slave{kOwn};
   MasterPeer first{0x1111}, second{0x2222};
   MasterPeer* leader = &first;
+  int told = 0;  // refusals
   Nanos now = kStart;
 };
 
@@ -318,6 +321,36 @@ TEST_F(TwoMastersTest, EachOfTwoThatWaitIsTold) {
   }
   EXPECT_TRUE(second.snapshot().refused(now));
   EXPECT_TRUE(third.snapshot().refused(now));
+}
+
+// They speak in the same order in every millisecond, and the first of them is not always told.
+TEST_F(TwoMastersTest, EachOfFiftyThatWaitIsToldAndTheAnswersAreFew) {
+  std::vector<MasterPeer> waiting;
+  for (std::uint64_t i = 0; i < 50; ++i) waiting.emplace_back(0x3333 + i);
+  run(kSecond, true, false);
+  told = 0;
+  for (int ms = 0; ms < 5000; ++ms) {
+    run(kMillisecond, true, false);
+    for (MasterPeer& master : waiting) speak(master);
+    if (ms < 1000) continue;
+    for (MasterPeer& master : waiting) ASSERT_TRUE(master.snapshot().refused(now)) << ms;
+  }
+  EXPECT_LE(told, 500) << "one in 10 ms";
+}
+
+// Every datagram another session: what is made up costs no more than that, and a round ends.
+TEST_F(TwoMastersTest, AFloodOfSessionsIsAnsweredAsRarely) {
+  run(kSecond, true, false);
+  told = 0;
+  for (int ms = 0; ms < 1000; ++ms) {
+    run(kMillisecond, true, false);
+    for (std::uint64_t i = 0; i < 20; ++i) {
+      MasterPeer stranger(0x7777'0000 + static_cast<std::uint64_t>(ms) * 20 + i);
+      speak(stranger);
+    }
+  }
+  EXPECT_GT(told, 90);
+  EXPECT_LE(told, 100);
 }
 
 TEST_F(TwoMastersTest, ARefusalOfAnotherSessionOrOfALeadingMasterChangesNothing) {

@@ -95,6 +95,38 @@ TEST_F(HoldDeskTest, WhoeverTakesTheLeaseEngagesAsTheyLike) {
   EXPECT_EQ(last_order(), OrderKind::kEngage);
 }
 
+// Nobody says anything for it after that, and nobody need to.
+TEST_F(HoldDeskTest, ARefusedHoldLeavesAnEngagementThatGoesOnByItselfAsItIs) {
+  tick();
+  const Answer plain = ask("engage: true");
+  loop();
+  stand(SessionState::kEngaged, Desired::kEngaged);
+  tick();
+  ASSERT_EQ(text(plain), "done: ");
+  const Answer held = ask("engage: true hold: true");
+  loop(Reason::kDeviceInvalid);
+  tick();
+  EXPECT_EQ(text(held), std::string("refused: ") + describe(Reason::kDeviceInvalid));
+  for (int i = 0; i < 10; ++i) {
+    tick(100 * kMillisecond);
+    loop();
+  }
+  EXPECT_EQ(last_order(), OrderKind::kEngage) << "nothing ended it";
+  EXPECT_THAT(text(ask("hold_alive: true")), HasSubstr("refused: "));
+}
+
+TEST_F(HoldDeskTest, ARefusedHoldIsNoSignOfTheOneThatRuns) {
+  engage();
+  ask("engage: true hold: true");
+  loop(Reason::kDeviceInvalid);
+  tick();
+  EXPECT_EQ(text(ask("hold_alive: true")), "done: ");
+  tick(200 * kMillisecond);
+  tick();
+  loop();
+  EXPECT_EQ(last_order(), OrderKind::kDisengage) << "it still ends with its command";
+}
+
 TEST_F(HoldDeskTest, SomebodyIsThereWhileTheEngageWaits) {
   tick();
   ask("engage: true hold: true");

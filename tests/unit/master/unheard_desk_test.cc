@@ -17,21 +17,29 @@ TEST_F(UnheardDeskTest, WithASlaveThatAnotherMasterLeadsEveryAnswerNamesIt) {
   later();
   const std::string who =
       "the slave is led by another master (port 47003 on this computer, for 5 s): end that master: "
-      "then the slave takes this one, without a restart";
+      "then the slave takes this one, without a restart; ";
   Answer answer = ask("engage: true");
   loop(Reason::kOtherMaster);
   tick();
-  EXPECT_EQ(text(answer), "refused: " + who);
+  EXPECT_EQ(text(answer), "refused: " + who + "then engage");
   later();
   answer = ask("stop: true");
   loop();
+  stand(SessionState::kFault, Desired::kOff, Reason::kStopRequested);
   tick();
-  EXPECT_EQ(text(answer), "refused: the stop stands here and stops nobody: " + who);
+  EXPECT_EQ(text(answer),
+            "refused: the stop stands here and stops nobody: " + who + "then reset and engage");
+  later();
+  answer = ask("engage: true");
+  loop(Reason::kOtherMaster);
+  tick();
+  EXPECT_EQ(text(answer), "refused: " + who + "then reset and engage");
   later();
   answer = ask("reset: true");
   loop();
+  stand(SessionState::kOff);
   tick();
-  EXPECT_EQ(text(answer), "done: " + who);
+  EXPECT_EQ(text(answer), "done: " + who + "then engage");
 }
 
 TEST_F(UnheardDeskTest, WithoutAnArmInTheSceneNobodyIsWaitedFor) {

@@ -177,7 +177,13 @@ TEST_F(WhyReportTest, NamesTheMasterThatLeadsTheSlaveAndTheWayOut) {
   EXPECT_EQ(why().sentence(),
             "the arm holds: the slave is led by another master (port 47001 on this computer, "
             "for 3 s)");
-  EXPECT_EQ(why().way_out(), "end that master: then the slave takes this one, without a restart");
+  EXPECT_EQ(why().way_out(),
+            "end that master: then the slave takes this one, without a restart; then reset "
+            "and engage");
+  report.out.link.state = SessionState::kOff;
+  slave.state = SessionState::kFault;  // said before the other led it
+  EXPECT_EQ(why().way_out(),
+            "end that master: then the slave takes this one, without a restart; then engage");
 }
 
 TEST_F(WhyReportTest, SmoothingIsNoToolChange) {
