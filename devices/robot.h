@@ -1,5 +1,5 @@
-// The narrow interface under the robot loop: absolute joint targets out, measured joints in, paced by
-// the controller's replies.
+// The narrow interface under the robot loop: absolute joint targets out, measured joints in, paced
+// by the controller's replies.
 #pragma once
 
 #include <cstdint>
@@ -14,15 +14,16 @@ namespace handrail {
 
 struct RobotCapabilities {
   std::string name;
-  Nanos period = 0;        // the controller's cycle, > 0
+  Nanos period = 0;  // the controller's cycle, > 0
 };
 
 // What the controller has said, up to its newest cycle.
 struct RobotReply {
   JointVector q_measured = JointVector::Zero();   // encoder feedback [rad]
-  JointVector q_commanded = JointVector::Zero();  // the target it holds; else q_measured [rad]
-  bool has_commanded = false;                     // q_commanded is the controller's own word
-  bool fresh = false;               // something was said since the event before
+  JointVector q_commanded = JointVector::Zero();  // the target it holds, in 32 bits [rad]
+  bool has_measured = false;                      // q_measured is of a reply since the event before
+  bool has_commanded = false;                     // ... and q_commanded
+  bool fresh = false;                             // either
   int cycles = 1;                   // of the controller since the event before, 1 or more
   std::uint32_t missed_cycles = 0;  // cycles the controller says it waited for us
 };
@@ -48,7 +49,8 @@ class Robot {
   // Sends one absolute target [rad], at most once an event: two in a cycle could be twice the step
   // that a joint can make. Real-time safe.
   virtual void send(const JointVector& q_target) noexcept = 0;
-  // Instead of a target: asks where the controller holds the arm, and moves nothing. Real-time safe.
+  // Instead of a target: asks where the controller holds the arm, and moves nothing. Real-time
+  // safe.
   virtual void ask() noexcept = 0;
   // Ends external control; the controller's program goes on. Safe to call twice.
   virtual void end() noexcept = 0;

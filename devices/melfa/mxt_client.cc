@@ -20,12 +20,17 @@ constexpr int kAnother = 14;
 // of the wake-ups of a real-time thread take on a virtual machine. A reply is waited for until
 // then, since a joint faster than half its rating cannot go on without.
 constexpr int kSpare = 8;
+// Packets after one whose reply with the measured joints is missing, or after a reply too many,
+// that ask for the target instead: what comes later than 28 ms is not reckoned with.
+constexpr int kDoubt = 3;
 
 }  // namespace
 
 MxtClient::Bytes MxtClient::start(Nanos now) noexcept {
   open_ = true;
-  answered_ = fresh_ = false;
+  answered_ = has_measured_ = has_commanded_ = asked_measured_ = false;
+  doubt_ = 0;
+  q_heard_.fill(JointVector::Zero());
   losses_ = 0;
   c_count_ = 0;
   deadline_ = now + 2 * options_.period;
@@ -42,9 +47,10 @@ void MxtClient::begin_cycle(int cycles, RobotReply& reply) noexcept {
   cycle_ += cycles * options_.period;
   deadline_ = cycle_ + 2 * options_.period - options_.period / kSpare;
   reply.cycles = cycles;
-  reply.fresh = fresh_;
-  cycle_answered_ = fresh_;
-  fresh_ = false;
+  reply.has_measured = has_measured_;
+  reply.has_commanded = has_commanded_;
+  reply.fresh = cycle_answered_ = has_measured_ || has_commanded_;
+  has_measured_ = has_commanded_ = false;
 }
 
 // `late`: of a reply, behind where its cycle was thought to begin. None is sent before that.
@@ -62,6 +68,28 @@ void MxtClient::learn_phase(Nanos late) noexcept {
   seen_ = 0;
 }
 
+// The packet last sent asked for `q_measured`, and this is its reply. Of a target that is held
+// already it may be any other's.
+bool MxtClient::taken(const JointVector& q_measured) noexcept {
+  const bool again = std::ranges::find(q_heard_, q_measured) != q_heard_.end();
+  q_heard_[heard_next_++ % q_heard_.size()] = q_measured;
+  return asked_measured_ && (held_ || !again);
+}
+
+void MxtClient::hear_short(const JointVector* q_measured, RobotReply& reply) noexcept {
+  if (q_measured == nullptr) {
+    held_ = reply.q_commanded == q_sent_;
+    return;
+  }
+  if (taken(*q_measured)) {
+    reply.q_commanded = q_sent_;
+    held_ = has_commanded_ = true;
+  } else {
+    doubt_ = kDoubt;
+  }
+  asked_measured_ = false;
+}
+
 std::optional<RobotEvent> MxtClient::on_datagram(Bytes bytes, Nanos now,
                                                  RobotReply& reply) noexcept {
   if (!open_) return RobotEvent::kLost;
@@ -74,19 +102,28 @@ std::optional<RobotEvent> MxtClient::on_datagram(Bytes bytes, Nanos now,
       if (packet.type[b] == MxtType::kJoint) commanded = &packet.block[b];
     }
   }
-  const bool asked = options_.packet_bytes == kMxtShort && answered_;
+  const bool asked = short_form() && (answered_ || has_measured_);
   if (measured == nullptr && !(commanded != nullptr && asked)) {
     ++counters_.rejected;
     return RobotEvent::kRejected;
   }
   if (measured != nullptr) reply.q_measured = measured->joints();
-  reply.has_commanded = commanded != nullptr;
-  reply.q_commanded = commanded != nullptr ? commanded->joints() : reply.q_measured;
+  if (commanded != nullptr) reply.q_commanded = commanded->joints();
+  has_measured_ = has_measured_ || measured != nullptr;
+  has_commanded_ = has_commanded_ || commanded != nullptr;
   reply.missed_cycles = packet.t_count;
   ++counters_.replies;
   const int silent = losses_;
   losses_ = 0;
-  fresh_ = true;
+  if (!answered_) {
+    asked_measured_ = false;
+    if (!has_commanded_) {
+      deadline_ = now;  // to ask for it
+      return std::nullopt;
+    }
+    q_sent_ = reply.q_commanded;
+  }
+  if (short_form()) hear_short(measured != nullptr ? &reply.q_measured : nullptr, reply);
   int cycles = answered_ ? cycles_begun(now) : 1;
   // The first one, and the first of what may be another controller, begins the cycles anew.
   const bool anew = !answered_ || silent > kAnother;
@@ -99,18 +136,19 @@ std::optional<RobotEvent> MxtClient::on_datagram(Bytes bytes, Nanos now,
   }
   // A little early it is the next cycle's, unless the present one still waits for its own.
   if (cycles == 0 && cycle_answered_) cycles = cycles_begun(now + options_.period / kEarly);
-  if (cycles == 0) {
+  const bool late = cycles == 0;
+  if (late) {
     ++counters_.late;
     cycle_answered_ = true;
-    if (!anew) learn_phase(now - cycle_);
-    // By what was learnt just now it may be the next one's after all.
-    cycles = cycles_begun(now);
-    if (cycles == 0) return std::nullopt;
+  } else {
     begin_cycle(cycles, reply);
-    return RobotEvent::kReply;
   }
-  begin_cycle(cycles, reply);
   if (!anew) learn_phase(now - cycle_);
+  if (!late) return RobotEvent::kReply;
+  // By what was learnt just now it may be the next one's after all.
+  cycles = cycles_begun(now);
+  if (cycles == 0) return std::nullopt;
+  begin_cycle(cycles, reply);
   return RobotEvent::kReply;
 }
 
@@ -155,10 +193,17 @@ MxtClient::Bytes MxtClient::write(MxtCommand command, const JointVector& q_targe
   if (command == MxtCommand::kMove) {
     packet.send_type = MxtType::kJoint;
     packet.block[0].set_joints(q_target);
+    const JointVector q = packet.block[0].joints();
+    held_ = held_ && q == q_sent_;
+    q_sent_ = q;
   }
   if (command != MxtCommand::kEnd) packet.type = {MxtType::kFeedbackJoint, MxtType::kJoint};
-  const bool one_answer = options_.packet_bytes == kMxtShort;
-  if (command == MxtCommand::kNull && answered_ && one_answer) packet.type[0] = MxtType::kJoint;
+  if (asked_measured_) doubt_ = kDoubt;
+  asked_measured_ = answered_ ? command == MxtCommand::kMove && doubt_ == 0 : !has_measured_;
+  doubt_ = std::max(doubt_ - 1, 0);
+  if (short_form() && !asked_measured_ && command != MxtCommand::kEnd) {
+    packet.type[0] = MxtType::kJoint;
+  }
   ++counters_.sent;
   packet_ = encode_mxt(packet, options_.packet_bytes, buffer_);
   return packet_;

@@ -35,13 +35,20 @@ struct MxtCounters {
 // never, so the earliest of the last ones tell the phase. Each cycle is one event and gets one
 // packet: with the reply if that comes before an eighth of the cycle is left, else without. A reply
 // that comes later, or twice, only brings `reply` up to date.
+//
+// A reply of the short form says where the arm is measured or which target is held, as its packet
+// asked. Packets ask for the measured joints, and these mean that the packet's target was taken: no
+// other packet waits for such a reply, and a repetition is known by its joints. After a reply that
+// is missing, or one too many, three packets ask for the target instead.
 class MxtClient {
  public:
   using Bytes = std::span<const std::uint8_t>;
 
   explicit MxtClient(const MxtClientOptions& options) noexcept : options_(options) {}
 
-  // Opens a session (again): the packet that asks for the current joints and moves nothing.
+  // Opens a session (again): the packet that asks for the current joints and moves nothing. It is
+  // open once both are known, where the arm is and which target is held: in the short form after
+  // two packets.
   Bytes start(Nanos now) noexcept;
 
   // Reads one datagram from the controller. kReply: a cycle has begun. Nothing: no other cycle, but
@@ -76,6 +83,12 @@ class MxtClient {
   const MxtCounters& counters() const noexcept { return counters_; }
 
  private:
+  // Replies with measured joints among which a repetition is sought.
+  static constexpr std::size_t kKnown = 4;
+
+  bool short_form() const noexcept { return options_.packet_bytes == kMxtShort; }
+  bool taken(const JointVector& q_measured) noexcept;
+  void hear_short(const JointVector* q_measured, RobotReply& reply) noexcept;
   Bytes write(MxtCommand command, const JointVector& q_target = JointVector::Zero()) noexcept;
   int cycles_begun(Nanos now) const noexcept;
   void begin_cycle(int cycles, RobotReply& reply) noexcept;
@@ -84,8 +97,9 @@ class MxtClient {
   MxtClientOptions options_;
   MxtCounters counters_;
   bool open_ = false;
-  bool answered_ = false;  // in this session
-  bool fresh_ = false;     // a reply came since the last event
+  bool answered_ = false;      // in this session
+  bool has_measured_ = false;  // said since the last event
+  bool has_commanded_ = false;
   bool cycle_answered_ = false;
   int losses_ = 0;
   std::uint32_t c_count_ = 0;
@@ -93,6 +107,13 @@ class MxtClient {
   Nanos cycle_ = 0;              // when the present cycle began
   Nanos least_late_ = kForever;  // replies behind their cycle's beginning, of the last `seen_`
   int seen_ = 0;
+  // Of the short form.
+  int doubt_ = 0;                             // packets to come that ask for the target
+  bool asked_measured_ = false;               // the packet last sent did, and has no reply yet
+  bool held_ = false;                         // the controller has said that it holds `q_sent_`
+  JointVector q_sent_ = JointVector::Zero();  // the last target, in 32 bits [rad]
+  std::array<JointVector, kKnown> q_heard_;   // measured, of the last replies [rad]
+  std::size_t heard_next_ = 0;
   std::array<std::uint8_t, kMxtLong> buffer_{};
   Bytes packet_;
 };

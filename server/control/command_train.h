@@ -45,13 +45,6 @@ class CommandTrain {
     return true;
   }
 
-  // The controller has answered without saying what it holds: what was sent last, or, `late`, what
-  // was sent before that.
-  void confirm_unsaid(bool late) noexcept {
-    const std::size_t kept = late ? 2 : 1;
-    if (size_ > kept) drop(size_ - kept);
-  }
-
   // Whether `q` is within `step` of all that the controller may hold [rad].
   bool may_send(const JointVector& q, const JointVector& step) const noexcept {
     if (full() && q != newest()) return false;

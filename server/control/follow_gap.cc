@@ -33,20 +33,14 @@ void hear_controller(const FollowSettings& settings, const FollowInput& in,
     if (!standing(s.motion)) s.motion = standing_at(settings.motion.arm, s.train.newest());
     return;
   }
-  bool elsewhere = false;
-  if (in.answer != Answer::kNone) {
-    if (in.has_commanded) {
-      elsewhere = !s.train.confirm(in.q_commanded, rated_step(settings));
-    } else {
-      s.train.confirm_unsaid(in.answer == Answer::kLate);
-    }
-  }
+  const bool told = in.answer != Answer::kNone && in.has_commanded;
+  const bool elsewhere = told && !s.train.confirm(in.q_commanded, rated_step(settings));
   const bool paused = in.cycles > kMostCycles;
   if (!s.gap) {
     if (paused || elsewhere) begin_gap(settings, s);
     return;
   }
-  if (s.waited == 0 || paused || in.answer == Answer::kNone) return;
+  if (s.waited == 0 || paused || !told) return;
   s.waited = 0;  // it is there: ask again at once
   // The controller answers in order. What it holds is known once it has answered a question, or
   // holds what was sent last.
@@ -60,6 +54,7 @@ void hear_controller(const FollowSettings& settings, const FollowInput& in,
 }
 
 bool controller_has_enough(const FollowInput& in, FollowState& s) noexcept {
+  if (!in.has_commanded) return false;
   const bool behind = s.train.unconfirmed() > 0;
   if (in.answer == Answer::kOnTime) s.queued_for = behind ? s.queued_for + 1 : 0;
   return in.answer == Answer::kOnTime && s.queued_for >= kQueuedFor;

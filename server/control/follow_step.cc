@@ -119,7 +119,8 @@ Reason read_force(const FollowSettings& settings, const FollowInput& in, const P
 Reason judge_arm(const FollowSettings& settings, const FollowInput& in,
                  const JointVector& q_measured, FollowState& s, std::int8_t& joint) {
   const double dt = settings.motion.dt;
-  const bool answered = in.answer != Answer::kNone, judged = s.placed && !s.gap;
+  const bool answered = in.answer != Answer::kNone && in.has_measured;
+  const bool judged = s.placed && !s.gap;
   for (int i = answered ? 1 : 0; judged && i < in.cycles; ++i) {
     s.following.pass(settings.following, s.motion.joints.q, dt);
   }
@@ -313,7 +314,7 @@ void follow_step(const FollowSettings& settings, const FollowInput& in, FollowSt
                  FollowOutput& out) noexcept {
   ++s.cycles;
   hear_controller(settings, in, s);
-  const bool answered = in.answer != Answer::kNone;
+  const bool answered = in.answer != Answer::kNone && in.has_measured;
   const JointVector q_measured = answered ? s.joints.judge(in.q_measured) : s.joints.newest();
   const Pose X_measured = forward(settings.motion.arm, q_measured);
   const Reason sensor = read_force(settings, in, X_measured, s);

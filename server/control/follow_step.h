@@ -43,7 +43,8 @@ enum class Answer : std::uint8_t {
 struct FollowInput {
   JointVector q_measured = JointVector::Zero();   // [rad]
   JointVector q_commanded = JointVector::Zero();  // the target the controller holds [rad]
-  bool has_commanded = false;                     // it has said so
+  bool has_measured = true;   // the answer says where the arm is
+  bool has_commanded = true;  // ... and which target is held; one that does not confirms nothing
   Answer answer = Answer::kOnTime;
   int cycles = 1;    // of the controller since the last step, at least 1
   Nanos unseen = 0;  // since the last step, by a clock that goes on while the computer sleeps [ns]

@@ -15,7 +15,7 @@ constexpr Nanos kRepeat = kMillisecond;  // between two sends of the slave's IO,
 Cell::Cell(const CellOptions& options)
     : options_(options),
       rig_(options.rig, 0),
-      client_({kMxtLong, options.rig.controller.period}),
+      client_({options.packet_bytes, options.rig.controller.period}),
       to_slave_(options.transit, options.tick),
       to_master_(options.transit, kRepeat),
       net_(options.net ? std::make_unique<CellNet>(*options.net) : nullptr),
@@ -211,6 +211,7 @@ void Cell::on_event(RobotEvent event, Nanos at) noexcept {
   }
   follow_in_.q_measured = reply_.q_measured;
   follow_in_.q_commanded = reply_.q_commanded;
+  follow_in_.has_measured = reply_.has_measured;
   follow_in_.has_commanded = reply_.has_commanded;
   follow_in_.answer = event == RobotEvent::kReply                     ? Answer::kOnTime
                       : reply_.fresh && event == RobotEvent::kSilence ? Answer::kLate

@@ -30,6 +30,7 @@ struct CellOptions {
   // The packets between the slave and the controller go over a made-up line of that seed; none: at
   // once.
   std::optional<std::uint64_t> robot_line;
+  std::size_t packet_bytes = kMxtLong;  // to the controller and back
 };
 
 // What the controller did in one of its cycles.

@@ -108,6 +108,7 @@ void RobotLoop::send() noexcept {
 void RobotLoop::take_reply() noexcept {
   input_.q_measured = reply_.q_measured;
   input_.q_commanded = reply_.q_commanded;
+  input_.has_measured = reply_.has_measured;
   input_.has_commanded = reply_.has_commanded;
   input_.cycles = reply_.cycles;
 }

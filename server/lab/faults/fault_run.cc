@@ -49,6 +49,7 @@ std::unique_ptr<Cell> make_cell(std::uint64_t seed, const FaultOptions& fault) {
   options->rig.controller.arm.seed = seed;
   options->rig.sensor.seed = seed + 1;
   options->rig.controller.queues = fault.queues;
+  if (fault.short_form) options->packet_bytes = kMxtShort;
   options->robot_line = seed + 3;
   options->net = CellNetOptions{seed + 2, fault.master_clock, fault.slave_clock};
   return std::make_unique<Cell>(*options);
@@ -117,8 +118,7 @@ double FaultRun::true_force() const {
 }
 
 void FaultRun::set_network(const LinkFaults& faults) {
-  to_slave() = faults;
-  to_master() = faults;
+  to_slave() = to_master() = faults;
 }
 
 HandReading FaultRun::hand_now() {
@@ -172,13 +172,13 @@ void FaultRun::feed_controller_audit() {
 
 // What was sent before the target that the controller holds is over.
 void FaultRun::hear_controller(const RobotReply& reply) {
+  if (!reply.has_commanded) return;
   maybe_held_.erase(maybe_held_.begin(), nearest_held(reply.q_commanded));
 }
 
 // The target of which `q` is what 32 bits make of it.
 JointVector FaultRun::as_sent(const JointVector& q) {
-  const auto held = nearest_held(q);
-  return held != maybe_held_.end() ? *held : q;
+  return maybe_held_.empty() ? q : *nearest_held(q);
 }
 
 std::vector<JointVector>::iterator FaultRun::nearest_held(const JointVector& q) {

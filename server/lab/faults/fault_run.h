@@ -38,6 +38,7 @@ struct FaultOptions {
   // approached slowly enough for 200 N. The hand stands, but for `layers().hand`.
   bool contact = false;
   bool queues = false;       // the controller works off one packet a cycle, the rest wait
+  bool short_form = false;   // 64-byte packets to the controller and back
   bool brisk = false;        // the hand turns up to 0.3 rad, twice as often
   bool gentle = false;       // the hand goes a tenth of its way
   bool sensor_noise = true;  // in contact

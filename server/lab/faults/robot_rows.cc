@@ -9,13 +9,14 @@ namespace {
 
 constexpr Nanos kPeriod = kMxtPeriod;
 
-// Of the runs at all levels every second lot has a controller that queues, of four lots two a wrist
-// turned briskly: joints at over half their rated speed.
+// Every third run has 64-byte packets. Of the runs at all levels every second lot has a controller
+// that queues, of four lots two a wrist turned briskly: joints at over half their rated speed.
 FaultOptions robot_options(const RowRun& row, std::size_t levels) {
   const int lot = row.index / static_cast<int>(levels);
   FaultOptions options;
   options.queues = lot % 2 == 1;
   options.brisk = (lot / 2) % 2 == 1;
+  options.short_form = row.index % 3 == 1;
   return options;
 }
 
@@ -193,7 +194,9 @@ FaultOutcome r4(const RowRun& row) { return paused(row, true); }
 
 // The encoders read zero, or beyond a joint's range, from one moment on.
 FaultOutcome r5(const RowRun& row) {
-  FaultRun run(row.seed);
+  FaultOptions options;
+  options.short_form = row.index % 3 == 1;
+  FaultRun run(row.seed, options);
   if (!run.engage()) return not_engaged();
   run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
   const Nanos from = run.now() + kMillisecond;

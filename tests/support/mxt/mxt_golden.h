@@ -45,6 +45,9 @@ inline const Packet kMeasuredBytes{0x00, 0x00, 0x00, 0x3f, 0x00, 0x00, 0x80, 0xb
 inline Packet null_short() { return packet(64, {{4, {8, 0}}}); }
 inline Packet null_long() { return packet(196, {{4, {8, 0}}, {64, {2, 0}}}); }
 
+// The second packet that opens a session of the short form: NULL, the joint command wanted.
+inline Packet null_short_held() { return packet(64, {{4, {2, 0}}, {60, {1, 0, 0, 0}}}); }
+
 // MOVE to kTarget.
 inline Packet move_short(std::uint8_t c_count) {
   return packet(
@@ -70,6 +73,9 @@ inline Packet end_long(std::uint8_t c_count) {
 inline Packet reply_short() {
   return packet(
       64, {{2, {8, 0}}, {4, {8, 0}}, {8, kMeasuredBytes}, {58, {3, 0}}, {60, {0x2a, 0, 0, 0}}});
+}
+inline Packet reply_short_held() {
+  return packet(64, {{2, {2, 0}}, {4, {2, 0}}, {8, kTargetBytes}, {60, {0x2b, 0, 0, 0}}});
 }
 inline Packet reply_long() {
   return packet(196, {{2, {8, 0}},

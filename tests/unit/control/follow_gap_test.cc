@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/unit/control/follow_rig.h"
 
 namespace handrail {
@@ -76,8 +78,6 @@ TEST(CommandTrain, IsNeverFullerThanItIsLong) {
 class FollowGap : public ::testing::Test {
  protected:
   FollowGap() {
-    rig.in.has_commanded = true;
-    rig.in.q_commanded = rig.joints();
     rig.engage();
     target = rig.state.motion.X_ST;
     target.p.z() += 0.3;
@@ -102,6 +102,27 @@ class FollowGap : public ::testing::Test {
   JointVector held = rig.joints();
   double step = 0.0;  // of the newest target, from where the controller holds the arm [rad]
 };
+
+TEST_F(FollowGap, AnAnswerThatDoesNotSayWhatIsHeldConfirmsNothing) {
+  cycles(4);
+  ASSERT_EQ(rig.state.train.unconfirmed(), 1u);
+  rig.in.has_commanded = false;
+  cycles(2);
+  EXPECT_EQ(rig.state.train.unconfirmed(), 3u);
+}
+
+TEST_F(FollowGap, AnAnswerWithoutMeasuredJointsIsNotTakenForTheArm) {
+  cycles(4);
+  rig.in.has_measured = false;
+  rig.in.q_commanded = held;
+  rig.in.q_measured.setConstant(std::nan(""));
+  for (int i = 0; i < 5; ++i) {
+    follow_step(rig.settings, rig.in, rig.state, rig.out);
+    rig.in.q_commanded = rig.out.q_target;
+  }
+  EXPECT_EQ(rig.state.fault, Reason::kNone);
+  EXPECT_TRUE(rig.out.link.q_measured.allFinite());
+}
 
 TEST_F(FollowGap, AnArmInMotionIsHaltedWhereTheNextTargetIsBeyondARatedStep) {
   cycles(12);

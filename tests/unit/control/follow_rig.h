@@ -15,7 +15,7 @@ class FollowRig {
   explicit FollowRig(const JointVector& q = home()) {
     settings.motion.limits = rv2a_limits();
     in.robot_ready = true;
-    in.q_measured = last_ = q;
+    in.q_measured = in.q_commanded = last_ = q;
     in.wrench_valid = true;
     place(settings, q, state);
     watch.see(settings.motion.limits, settings.motion.dt, q);
@@ -26,7 +26,7 @@ class FollowRig {
     follow_step(settings, in, state, out);
     watch.see(settings.motion.limits, settings.motion.dt, out.q_target);
     guarded = static_cast<int>(state.guarded);
-    last_ = in.q_measured = out.q_target;
+    last_ = in.q_measured = in.q_commanded = out.q_target;
     tip = forward(settings.motion.arm, out.q_target);
   }
 

@@ -56,8 +56,9 @@ TEST(MelfaRobot, SpeaksTheGoldenConversation) {
 TEST(MelfaRobot, SpeaksTheShortFormToOldControllers) {
   ScriptedMxtPeer peer;
   peer.expect(golden::null_short()).reply(golden::reply_short());
-  peer.expect(golden::move_short(1)).reply(golden::reply_short());
-  peer.expect(golden::end_short(2));
+  peer.expect(golden::null_short_held()).reply(golden::reply_short_held());
+  peer.expect(golden::move_short(2)).reply(golden::reply_short());
+  peer.expect(golden::end_short(3));
   peer.play();
   MelfaRobot robot(options_for(peer, kCycle, kMxtShort));
   RobotReply reply;

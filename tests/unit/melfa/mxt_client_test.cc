@@ -42,11 +42,93 @@ TEST_F(MxtClientTest, SpeaksTheGoldenConversation) {
 TEST_F(MxtClientTest, SpeaksTheShortFormToOldControllers) {
   MxtClient client{MxtClientOptions{.packet_bytes = kMxtShort}};
   EXPECT_EQ(copy(client.start(0)), golden::null_short());
-  EXPECT_EQ(client.on_datagram(golden::reply_short(), kPeriod, reply_), RobotEvent::kReply);
+  EXPECT_EQ(client.on_datagram(golden::reply_short(), kPeriod, reply_), std::nullopt);
+  EXPECT_TRUE(client.opening()) << "which target is held is not known";
+  EXPECT_EQ(client.poll(kPeriod, reply_), RobotEvent::kSilence);
+  EXPECT_EQ(copy(client.packet()), golden::null_short_held());
+  EXPECT_EQ(client.on_datagram(golden::reply_short_held(), 2 * kPeriod, reply_),
+            RobotEvent::kReply);
+  EXPECT_TRUE(reply_.has_measured && reply_.has_commanded);
   EXPECT_EQ(reply_.q_measured, golden::kMeasured);
-  EXPECT_EQ(reply_.q_commanded, golden::kMeasured);
-  EXPECT_EQ(copy(client.send(golden::kTarget)), golden::move_short(1));
-  EXPECT_EQ(copy(client.end()), golden::end_short(2));
+  EXPECT_EQ(reply_.q_commanded, golden::kTarget);
+  EXPECT_EQ(copy(client.send(golden::kTarget)), golden::move_short(2));
+  EXPECT_EQ(copy(client.end()), golden::end_short(3));
+}
+
+// A session of the short form that is open.
+class ShortForm : public MxtClientTest {
+ protected:
+  ShortForm() {
+    client_.start(0);
+    client_.on_datagram(golden::reply_short(), kPeriod, reply_);
+    client_.poll(kPeriod, reply_);
+    client_.on_datagram(golden::reply_short_held(), now_, reply_);
+  }
+
+  // The n-th target; what its packet asks for.
+  MxtType send(int n) {
+    MxtPacket packet;
+    EXPECT_EQ(decode_mxt_request(client_.send(target(n)), packet), MxtParse::kOk);
+    return packet.type[0];
+  }
+  // The reply comes in the next cycle.
+  std::optional<RobotEvent> hear(MxtType type, const JointVector& q) {
+    MxtPacket packet;
+    packet.send_type = packet.type[0] = type;
+    packet.block[0].set_joints(q);
+    std::array<std::uint8_t, kMxtLong> buffer{};
+    return client_.on_datagram(encode_mxt(packet, kMxtShort, buffer), now_ += kPeriod, reply_);
+  }
+  static JointVector target(int n) { return JointVector::Constant(0.25 * n); }
+  static JointVector measured(int n) { return JointVector::Constant(0.25 * n - 0.125); }
+
+  Nanos now_ = 2 * kPeriod;
+  MxtClient client_{MxtClientOptions{.packet_bytes = kMxtShort}};
+};
+
+TEST_F(ShortForm, MeasuredJointsMeanThatTheTargetOfTheirPacketWasTaken) {
+  for (int n = 1; n < 5; ++n) {
+    EXPECT_EQ(send(n), MxtType::kFeedbackJoint);
+    EXPECT_EQ(hear(MxtType::kFeedbackJoint, measured(n)), RobotEvent::kReply);
+    EXPECT_EQ(reply_.q_measured, measured(n));
+    EXPECT_TRUE(reply_.has_commanded);
+    EXPECT_EQ(reply_.q_commanded, target(n));
+  }
+}
+
+TEST_F(ShortForm, AReplyThatComesTwiceDoesNotStandForTheNextTarget) {
+  send(1);
+  hear(MxtType::kFeedbackJoint, measured(1));
+  send(2);
+  EXPECT_EQ(hear(MxtType::kFeedbackJoint, measured(1)), RobotEvent::kReply);
+  EXPECT_TRUE(reply_.has_measured);
+  EXPECT_FALSE(reply_.has_commanded);
+  for (int n = 3; n < 6; ++n) {
+    EXPECT_EQ(send(n), MxtType::kJoint) << n;
+    EXPECT_EQ(hear(MxtType::kJoint, target(n - 1)), RobotEvent::kReply);
+    EXPECT_FALSE(reply_.has_measured);
+    EXPECT_EQ(reply_.q_commanded, target(n - 1)) << "as the controller says";
+  }
+  EXPECT_EQ(send(6), MxtType::kFeedbackJoint);
+}
+
+TEST_F(ShortForm, AReplyThatIsOverdueDoesNotStandForTheNextTarget) {
+  send(1);
+  EXPECT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
+  EXPECT_FALSE(reply_.fresh);
+  now_ += kPeriod;
+  EXPECT_EQ(send(2), MxtType::kJoint) << "a reply is missing";
+  EXPECT_EQ(hear(MxtType::kFeedbackJoint, measured(1)), RobotEvent::kReply);
+  EXPECT_FALSE(reply_.has_commanded);
+  EXPECT_EQ(send(3), MxtType::kJoint);
+}
+
+TEST_F(ShortForm, AnArmThatStandsNeedNotMeasureDifferently) {
+  for (int n = 0; n < 5; ++n) {
+    EXPECT_EQ(send(1), MxtType::kFeedbackJoint);
+    hear(MxtType::kFeedbackJoint, measured(1));
+    EXPECT_TRUE(reply_.has_commanded);
+  }
 }
 
 TEST_F(MxtClientTest, ACycleWithoutAReplyIsToldWhileAPacketCanStillCome) {
@@ -170,8 +252,8 @@ TEST_F(MxtClientTest, AQuestionMovesNothingAndAsksForTheTarget) {
   EXPECT_EQ(copy(client_.ask()), question);
   MxtClient old{MxtClientOptions{.packet_bytes = kMxtShort}};
   old.start(0);
-  ASSERT_EQ(old.on_datagram(golden::reply_short(), kPeriod, reply_), RobotEvent::kReply);
-  EXPECT_FALSE(reply_.has_commanded);
+  old.on_datagram(golden::reply_short(), kPeriod, reply_);
+  ASSERT_EQ(old.on_datagram(golden::reply_short_held(), 2 * kPeriod, reply_), RobotEvent::kReply);
   MxtPacket packet;
   ASSERT_EQ(decode_mxt_request(old.ask(), packet), MxtParse::kOk);
   EXPECT_EQ(packet.command, MxtCommand::kNull);

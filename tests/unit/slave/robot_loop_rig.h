@@ -37,6 +37,7 @@ class ScriptedRobot : public Robot {
     open = true;
     first.q_measured = first.q_commanded = q;
     if (measured) first.q_measured = *measured;
+    first.has_measured = first.has_commanded = true;
     return Status::ok();
   }
   RobotEvent wait(RobotReply& reply) noexcept override {
@@ -49,7 +50,7 @@ class ScriptedRobot : public Robot {
     }
     if (event == RobotEvent::kLost) open = false;
     reply.fresh = event == RobotEvent::kReply;
-    reply.has_commanded = true;
+    reply.has_measured = reply.has_commanded = true;
     reply.cycles = cycles;
     if (reply.fresh) reply.q_measured = reply.q_commanded = q;
     return event;
