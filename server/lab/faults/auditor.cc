@@ -251,14 +251,13 @@ void Auditor::take_tool(const Sent& entry) noexcept {
   tool_new_ = true;
 }
 
-// How far the tip goes from its speed, with what its acceleration still adds, evenly to rest for as
-// long as the joints may need [m]. The bend of its path may turn all of it outward.
+// How far the tip goes [m] that loses speed v and acceleration a together, evenly, in the time T that
+// the joints may need: the cubic through both ends, v T / 2 + a T^2 / 12. The bend of its path may
+// turn all of it outward.
 double Auditor::even_way() const noexcept {
   const Vec3 step = tips_[0] - tips_[1], last = tips_[1] - tips_[2];
-  const double shed =
-      (limits_.joints.max_acceleration.array() / limits_.max_jerk.array()).maxCoeff();
-  const double speed = (step.norm() + 0.5 * shed / dt_ * (step - last).norm()) / dt_;
-  return 0.5 * speed * stop_time_;
+  const double cycles = stop_time_ / dt_;
+  return cycles / 2.0 * step.norm() + cycles * cycles / 12.0 * (step - last).norm();
 }
 
 double Auditor::way_to_rest() const noexcept {
