@@ -139,10 +139,12 @@ class Planner {
     return false;
   }
 
-  // The joints' own way wherever the tip goes.
-  bool by_joints(const JointVector& there, double speed, double beside) {
+  // The joints' own way wherever the tip goes, but with `from` not away from there.
+  bool by_joints(const JointVector& there, double speed, double beside,
+                 const Vec3* from = nullptr) {
     const JointVector q = own_way(limits_, state_.joints, there, speed);
     const Pose X = forward(limits_.guard.arm, q);
+    if (from != nullptr && (X.p - *from).norm() > (state_.X_ST.p - *from).norm()) return false;
     return (X.p - state_.X_ST.p).norm() <= settings_.tip_speed * settings_.dt && take(q, X, beside);
   }
 
@@ -304,8 +306,9 @@ Moved move_toward(const MotionSettings& settings, const TipSpace& space, const P
     if (behind) moved.limit = proposal.limiting();
     return moved;
   }
-  // Along the end of reach, which bends, the joints' own way keeps the one that ends there.
-  if (free && reached.arm && planner.by_joints(reached.q, share, kUnheld)) return moved;
+  // Along the end of reach, which bends, the joints' own way keeps the one that ends there. Before
+  // it that way may begin with a detour.
+  if (free && reached.arm && planner.by_joints(reached.q, share, kUnheld, &target.p)) return moved;
   const bool singular = !direct || near_singular(settings.arm, state.joints.q);
   moved.limit = singular ? Verdict{Reason::kSingularity, -1} : planner.refused();
   const Ways ways{wanted,
