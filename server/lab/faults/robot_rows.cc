@@ -36,6 +36,9 @@ FaultOutcome judge_controller(FaultRun& run) {
 // However fast it was, an arm stands so long after its stop: v/a + 2.5 a/j of the slowest joint,
 // 0.2 s, and the 29 ms that the stop may be late.
 constexpr Nanos kStops = 250 * kMillisecond;
+// So soon after the robot fell silent a gentle hand's stop ends within the 14 cycles that the slave
+// plans on for.
+constexpr Nanos kEarly = 20 * kMillisecond;
 
 // How far the controller moves any joint in the next second [rad].
 double moved_in_a_second(FaultRun& run) {
@@ -166,7 +169,9 @@ FaultOutcome r2(const RowRun& row) {
   dark.loss = 1.0;
   const int way = static_cast<int>(run.random().uniform() * 3.0);
   run.set_robot_line(way == 1 ? LinkFaults() : dark, way == 2 ? LinkFaults() : dark);
-  run.run(span / 2);
+  // In the middle; or so early that the slave, which plans on for 14 cycles, ends its stop unheard.
+  const Nanos until = run.random().uniform() < 0.5 ? span / 2 : std::min(span / 2, kEarly);
+  run.run(until);
   if (meanwhile == Meanwhile::kStop) run.tick(order_of(OrderKind::kStop));
   if (meanwhile == Meanwhile::kStopCircuit) {
     run.cell().open_stop_circuit(true);
@@ -175,10 +180,10 @@ FaultOutcome r2(const RowRun& row) {
   }
   // What the slave decides in its next cycle, silent or not.
   if (meanwhile != Meanwhile::kNothing) run.auditor().must_stop(run.now());
-  run.run(span - span / 2);
+  run.run(span - until);
   run.set_robot_line({}, {});
   const double moved = moved_in_a_second(run);
-  const bool stood = meanwhile != Meanwhile::kNothing && span - span / 2 >= kStops;
+  const bool stood = meanwhile != Meanwhile::kNothing && span - until >= kStops;
   const bool went_on = run.engaged() != (meanwhile == Meanwhile::kNothing);
   run.drive(5 * kSecond);
   const bool engaged = run.engaged();
