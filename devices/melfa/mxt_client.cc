@@ -22,7 +22,7 @@ constexpr int kAnother = 14;
 constexpr int kSpare = 8;
 // Packets after one whose reply with the measured joints is missing, or after a reply too many,
 // that ask for the target instead: what comes later than 28 ms is not reckoned with.
-constexpr int kDoubt = 3;
+constexpr int kDoubt = 3;  // [packets]
 
 }  // namespace
 

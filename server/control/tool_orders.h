@@ -5,7 +5,7 @@
 
 namespace handrail {
 
-// Calls a tool while engaged or clutched. `p_ST`: the tip [S, m]; `distance`: of a position tool
+// Calls a tool while engaged or clutched. `p_ST`: the tip [S, m]; `distance`: of a position tool,
 // as in Guide::call [m]. A call with `approach` latches the hand where the tool will be
 // reached: as after a clutch, nothing pulls it there. It wants a hand that drives. A hand further
 // off than the reach of tools is latched where the command is. Real-time safe.

@@ -41,7 +41,7 @@ struct TargetVerdict {
 class ControllerAudit {
  public:
   // No plan goes on for longer without an answer: 14 cycles, 0.1 s.
-  static constexpr int kMostLost = 14;
+  static constexpr int kMostLost = 14;  // [cycles]: what CommandTrain holds unconfirmed
 
   // `limits` > 0: of the controller's joints. `period` > 0: of its cycle.
   ControllerAudit(const JointLimits& limits, Nanos period) noexcept;
