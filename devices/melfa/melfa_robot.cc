@@ -32,20 +32,23 @@ Status MelfaRobot::connect(Nanos patience, RobotReply& first) {
   if (Status s = socket_.open(options_.address, options_.port, kReceiveBuffer); !s) {
     return Status::error(who + s.message());
   }
-  const std::uint64_t rejected_before = client_.counters().rejected;
+  const MxtCounters before = client_.counters();
   const Nanos give_up = monotonic_now() + patience;
   socket_.send(client_.start(monotonic_now()));
   while (client_.open() && monotonic_now() < give_up) {
     if (wait(first) == RobotEvent::kReply) return Status::ok();
   }
   end();
-  const std::uint64_t rejected = client_.counters().rejected - rejected_before;
+  const std::uint64_t rejected = client_.counters().rejected - before.rejected;
   const std::string cause =
-      rejected == 0
-          ? "no answer; expected a controller in AUTOMATIC whose program has opened MXT for "
-            "this computer's address"
-          : std::to_string(rejected) + " answers, none a joint reply of " + std::to_string(size) +
-                " bytes; check packet_bytes";
+      client_.counters().far > before.far
+          ? "answers come a cycle late; the way there and back must take less than a cycle of " +
+                std::to_string(options_.client.period / kMicrosecond) + " us"
+      : rejected > 0
+          ? std::to_string(rejected) + " answers, none a joint reply of " + std::to_string(size) +
+                " bytes; check packet_bytes"
+          : "no answer; expected a controller in AUTOMATIC whose program has opened MXT for "
+            "this computer's address";
   return Status::error(who + options_.address + ":" + std::to_string(options_.port) + ": " + cause);
 }
 

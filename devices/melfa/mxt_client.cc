@@ -20,6 +20,8 @@ constexpr int kAnother = 14;
 // of the wake-ups of a real-time thread take on a virtual machine. A reply is waited for until
 // then, since a joint faster than half its rating cannot go on without.
 constexpr int kSpare = 8;
+// What was sent is not answered any more after so many cycles, 0.1 s, on any way in one building.
+constexpr int kGone = 14;
 // Packets after one whose reply with the measured joints is missing, or after a reply too many,
 // that ask for the target instead: what comes later than 28 ms is not reckoned with.
 constexpr int kDoubt = 3;  // [packets]
@@ -29,6 +31,7 @@ constexpr int kDoubt = 3;  // [packets]
 MxtClient::Bytes MxtClient::start(Nanos now) noexcept {
   open_ = true;
   answered_ = has_measured_ = has_commanded_ = asked_measured_ = false;
+  opening_ = Opening::kAsked;
   doubt_ = 0;
   q_heard_.fill(JointVector::Zero());
   losses_ = 0;
@@ -116,11 +119,7 @@ std::optional<RobotEvent> MxtClient::on_datagram(Bytes bytes, Nanos now,
   const int silent = losses_;
   losses_ = 0;
   if (!answered_) {
-    asked_measured_ = false;
-    if (!has_commanded_) {
-      deadline_ = now;  // to ask for it
-      return std::nullopt;
-    }
+    if (!hear_opening(now)) return std::nullopt;
     q_sent_ = reply.q_commanded;
   }
   if (short_form()) hear_short(measured != nullptr ? &reply.q_measured : nullptr, reply);
@@ -155,19 +154,59 @@ std::optional<RobotEvent> MxtClient::on_datagram(Bytes bytes, Nanos now,
 std::optional<RobotEvent> MxtClient::poll(Nanos now, RobotReply& reply) noexcept {
   if (!open_) return RobotEvent::kLost;
   if (now < deadline_) return std::nullopt;
-  if (++losses_ >= options_.max_losses) {
-    open_ = false;
-    return RobotEvent::kLost;
-  }
-  ++counters_.silences;
-  if (answered_) {
-    begin_cycle(std::max(cycles_begun(now), 1), reply);
-    cycle_answered_ = false;
-  } else {
-    deadline_ = now + 2 * options_.period;
-    write(MxtCommand::kNull);
-  }
+  if (!answered_) return poll_opening(now);
+  if (lost()) return RobotEvent::kLost;
+  begin_cycle(std::max(cycles_begun(now), 1), reply);
+  cycle_answered_ = false;
   return RobotEvent::kSilence;
+}
+
+// A cycle has passed without a reply. True: it was the last one allowed.
+bool MxtClient::lost() noexcept {
+  open_ = ++losses_ < options_.max_losses;
+  counters_.silences += open_ ? 1 : 0;
+  return !open_;
+}
+
+// Whether the reply that came now opens the session.
+bool MxtClient::hear_opening(Nanos now) noexcept {
+  switch (opening_) {
+    case Opening::kAsked:
+      first_ = deadline_ = now;  // to ask again
+      opening_ = Opening::kHeard;
+      asked_measured_ = false;
+      return false;
+    case Opening::kHeard:
+      return false;
+    case Opening::kAskedAgain:
+      if (!has_commanded_) return false;
+      if (2 * (now - first_) <= 3 * options_.period) return true;
+      give_up_opening(now);
+      break;
+    case Opening::kGivenUp:
+      break;
+  }
+  ++counters_.far;
+  return false;
+}
+
+std::optional<RobotEvent> MxtClient::poll_opening(Nanos now) noexcept {
+  if (opening_ == Opening::kAskedAgain) {
+    give_up_opening(now);
+    return std::nullopt;
+  }
+  const bool heard = opening_ == Opening::kHeard;
+  if (!heard && lost()) return RobotEvent::kLost;
+  if (!heard) has_measured_ = has_commanded_ = false;
+  opening_ = heard ? Opening::kAskedAgain : Opening::kAsked;
+  deadline_ = now + 2 * options_.period;
+  write(MxtCommand::kNull);
+  return RobotEvent::kSilence;
+}
+
+void MxtClient::give_up_opening(Nanos now) noexcept {
+  opening_ = Opening::kGivenUp;
+  deadline_ = now + kGone * options_.period;
 }
 
 MxtClient::Bytes MxtClient::send(const JointVector& q_target) noexcept {

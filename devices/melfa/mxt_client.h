@@ -25,6 +25,7 @@ struct MxtCounters {
   std::uint64_t silences = 0;  // cycles passed without a reply in time
   std::uint64_t rejected = 0;  // packets of wrong size, type or value
   std::uint64_t late = 0;      // replies that came when their cycle had its packet already
+  std::uint64_t far = 0;       // replies to an opening packet that came a cycle too late
 };
 
 // One session: start(), then one send() for every kReply and kSilence, poll() whenever deadline()
@@ -36,6 +37,10 @@ struct MxtCounters {
 // packet: with the reply if that comes before an eighth of the cycle is left, else without. A reply
 // that comes later, or twice, only brings `reply` up to date.
 //
+// A session opens with two replies: the second packet is sent with the first reply, and has to be
+// answered in the controller's next cycle. Over a way there and back of more than a cycle it is
+// not, and what the controller holds could not be told in time: the session does not open.
+//
 // A reply of the short form says where the arm is measured or which target is held, as its packet
 // asked. Packets ask for the measured joints, and these mean that the packet's target was taken: no
 // other packet waits for such a reply, and a repetition is known by its joints. After a reply that
@@ -46,9 +51,8 @@ class MxtClient {
 
   explicit MxtClient(const MxtClientOptions& options) noexcept : options_(options) {}
 
-  // Opens a session (again): the packet that asks for the current joints and moves nothing. It is
-  // open once both are known, where the arm is and which target is held: in the short form after
-  // two packets.
+  // Opens a session (again): the packet that asks for the current joints and moves nothing. Once
+  // two replies have come, a cycle apart, it is known where the arm is and which target is held.
   Bytes start(Nanos now) noexcept;
 
   // Reads one datagram from the controller. kReply: a cycle has begun. Nothing: no other cycle, but
@@ -58,8 +62,7 @@ class MxtClient {
   std::optional<RobotEvent> on_datagram(Bytes bytes, Nanos now, RobotReply& reply) noexcept;
 
   // Before deadline(): nothing. After it: kSilence, or kLost when that was the last loss allowed or
-  // no session is open. Before the first reply of a session the opening packet() is to be sent
-  // again with kSilence.
+  // no session is open. While opening(), packet() is to be sent with kSilence.
   std::optional<RobotEvent> poll(Nanos now, RobotReply& reply) noexcept;
 
   // The packet for one absolute target [rad], finite. Empty when no session is open.
@@ -75,16 +78,23 @@ class MxtClient {
   // The packet last given out.
   Bytes packet() const noexcept { return packet_; }
   // When the next cycle counts as silent: an eighth of a period before the packet has to be there.
-  // Before the first reply two periods after the opening packet.
+  // While opening(), when that goes on.
   Nanos deadline() const noexcept { return deadline_; }
   bool open() const noexcept { return open_; }
-  // A session is open and its first reply has not come.
+  // A session is open and its two first replies have not come.
   bool opening() const noexcept { return open_ && !answered_; }
   const MxtCounters& counters() const noexcept { return counters_; }
 
  private:
   // Replies with measured joints among which a repetition is sought.
   static constexpr std::size_t kKnown = 4;
+
+  enum class Opening : std::uint8_t {
+    kAsked,       // the first packet is sent
+    kHeard,       // its reply is here
+    kAskedAgain,  // the second packet is sent
+    kGivenUp,     // that was not answered in time; what is on its way is waited for
+  };
 
   bool short_form() const noexcept { return options_.packet_bytes == kMxtShort; }
   bool taken(const JointVector& q_measured) noexcept;
@@ -93,11 +103,17 @@ class MxtClient {
   int cycles_begun(Nanos now) const noexcept;
   void begin_cycle(int cycles, RobotReply& reply) noexcept;
   void learn_phase(Nanos late) noexcept;
+  bool lost() noexcept;
+  bool hear_opening(Nanos now) noexcept;
+  std::optional<RobotEvent> poll_opening(Nanos now) noexcept;
+  void give_up_opening(Nanos now) noexcept;
 
   MxtClientOptions options_;
   MxtCounters counters_;
   bool open_ = false;
-  bool answered_ = false;      // in this session
+  bool answered_ = false;  // the session has opened
+  Opening opening_ = Opening::kAsked;
+  Nanos first_ = 0;            // reply of the opening
   bool has_measured_ = false;  // said since the last event
   bool has_commanded_ = false;
   bool cycle_answered_ = false;

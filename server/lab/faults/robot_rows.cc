@@ -118,14 +118,15 @@ FaultOutcome r1a(const RowRun& row) {
 }
 
 // Replies late by up to a period, twice, out of order; commands late by up to half a period, or
-// twice. A controller that queues plays what comes twice for two cycles, as it does what comes
-// after its cycle: those holds are its own, and it is spared them here.
+// twice; or both ways long from the start: of up to 3 ms each, or so long together that the session
+// must not open. A controller that queues plays what comes twice for two cycles, as it does what
+// comes after its cycle: those holds are its own, and it is spared them here.
 FaultOutcome r1b(const RowRun& row) {
-  constexpr int kLevels = 5;
+  constexpr int kLevels = 6;
   const FaultOptions options = robot_options(row, kLevels);
   FaultRun run(row.seed, options);
-  if (!run.engage()) return not_engaged();
   LinkFaults replies, commands;
+  bool far = false;
   switch (row.index % kLevels) {
     case 0:
       replies.delay = replies.jitter = kPeriod / 2;
@@ -143,9 +144,22 @@ FaultOutcome r1b(const RowRun& row) {
       replies.duplicate = 0.05;
       replies.delay = replies.jitter = kPeriod / 4;
       break;
-    default:
+    case 4:
       commands.delay = commands.jitter = kPeriod / 4;
+      break;
+    default:
+      far = run.random().uniform() < 0.5;
+      commands.delay = from_seconds((far ? 0.004 : 0.0) + 0.003 * run.random().uniform());
+      replies.delay = commands.delay;
+      run.set_robot_line(commands, replies);
   }
+  const bool opened = run.engage();
+  if (far) {
+    FaultOutcome out = judge_controller(run);
+    find(out, opened, "engaged over too long a way");
+    return out;
+  }
+  if (!opened) return not_engaged();
   run.set_robot_line(commands, replies);
   run.run(row.span(30 * kSecond));
   const bool engaged = run.engaged();

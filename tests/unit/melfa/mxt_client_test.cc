@@ -18,9 +18,17 @@ Packet copy(MxtClient::Bytes bytes) { return {bytes.begin(), bytes.end()}; }
 
 class MxtClientTest : public ::testing::Test {
  protected:
-  void open() {
-    client_.start(0);
-    ASSERT_EQ(client_.on_datagram(golden::reply_long(), kPeriod, reply_), RobotEvent::kReply);
+  // With replies at 0 and after a period.
+  void open(const Packet& reply = golden::reply_long()) {
+    client_.start(-kPeriod);
+    hear_first(client_, reply);
+    ASSERT_EQ(client_.on_datagram(reply, kPeriod, reply_), RobotEvent::kReply);
+  }
+  void hear_first(MxtClient& client, const Packet& reply) {
+    EXPECT_EQ(client.on_datagram(reply, 0, reply_), std::nullopt);
+    EXPECT_EQ(client.deadline(), 0) << "asks again at once";
+    EXPECT_EQ(client.poll(0, reply_), RobotEvent::kSilence);
+    EXPECT_TRUE(client.opening());
   }
 
   MxtClient client_{MxtClientOptions{}};
@@ -28,26 +36,27 @@ class MxtClientTest : public ::testing::Test {
 };
 
 TEST_F(MxtClientTest, SpeaksTheGoldenConversation) {
-  EXPECT_EQ(copy(client_.start(0)), golden::null_long());
+  EXPECT_EQ(copy(client_.start(-kPeriod)), golden::null_long());
+  hear_first(client_, golden::reply_long());
+  Packet again = golden::null_long();
+  again[60] = 1;
+  EXPECT_EQ(copy(client_.packet()), again);
   EXPECT_EQ(client_.on_datagram(golden::reply_long(), kPeriod, reply_), RobotEvent::kReply);
   EXPECT_EQ(reply_.q_measured, golden::kMeasured);
   EXPECT_EQ(reply_.q_commanded, golden::kTarget);
   EXPECT_EQ(reply_.missed_cycles, 3u);
-  EXPECT_EQ(copy(client_.send(golden::kTarget)), golden::move_long(1));
   EXPECT_EQ(copy(client_.send(golden::kTarget)), golden::move_long(2));
-  EXPECT_EQ(copy(client_.end()), golden::end_long(3));
+  EXPECT_EQ(copy(client_.send(golden::kTarget)), golden::move_long(3));
+  EXPECT_EQ(copy(client_.end()), golden::end_long(4));
   EXPECT_FALSE(client_.open());
 }
 
 TEST_F(MxtClientTest, SpeaksTheShortFormToOldControllers) {
   MxtClient client{MxtClientOptions{.packet_bytes = kMxtShort}};
-  EXPECT_EQ(copy(client.start(0)), golden::null_short());
-  EXPECT_EQ(client.on_datagram(golden::reply_short(), kPeriod, reply_), std::nullopt);
-  EXPECT_TRUE(client.opening()) << "which target is held is not known";
-  EXPECT_EQ(client.poll(kPeriod, reply_), RobotEvent::kSilence);
+  EXPECT_EQ(copy(client.start(-kPeriod)), golden::null_short());
+  hear_first(client, golden::reply_short());
   EXPECT_EQ(copy(client.packet()), golden::null_short_held());
-  EXPECT_EQ(client.on_datagram(golden::reply_short_held(), 2 * kPeriod, reply_),
-            RobotEvent::kReply);
+  EXPECT_EQ(client.on_datagram(golden::reply_short_held(), kPeriod, reply_), RobotEvent::kReply);
   EXPECT_TRUE(reply_.has_measured && reply_.has_commanded);
   EXPECT_EQ(reply_.q_measured, golden::kMeasured);
   EXPECT_EQ(reply_.q_commanded, golden::kTarget);
@@ -59,9 +68,8 @@ TEST_F(MxtClientTest, SpeaksTheShortFormToOldControllers) {
 class ShortForm : public MxtClientTest {
  protected:
   ShortForm() {
-    client_.start(0);
-    client_.on_datagram(golden::reply_short(), kPeriod, reply_);
-    client_.poll(kPeriod, reply_);
+    client_.start(-kPeriod);
+    hear_first(client_, golden::reply_short());
     client_.on_datagram(golden::reply_short_held(), now_, reply_);
   }
 
@@ -82,7 +90,7 @@ class ShortForm : public MxtClientTest {
   static JointVector target(int n) { return JointVector::Constant(0.25 * n); }
   static JointVector measured(int n) { return JointVector::Constant(0.25 * n - 0.125); }
 
-  Nanos now_ = 2 * kPeriod;
+  Nanos now_ = kPeriod;
   MxtClient client_{MxtClientOptions{.packet_bytes = kMxtShort}};
 };
 
@@ -145,17 +153,6 @@ TEST_F(MxtClientTest, ACycleWithoutAReplyIsToldWhileAPacketCanStillCome) {
   EXPECT_EQ(client_.counters().silences, 2u);
 }
 
-TEST_F(MxtClientTest, AsksAgainUntilTheFirstReply) {
-  client_.start(0);
-  Packet again = golden::null_long();
-  again[60] = 1;
-  EXPECT_EQ(client_.poll(2 * kPeriod, reply_), RobotEvent::kSilence);
-  EXPECT_TRUE(client_.opening());
-  EXPECT_EQ(copy(client_.packet()), again);
-  EXPECT_EQ(client_.on_datagram(golden::reply_long(), 3 * kPeriod, reply_), RobotEvent::kReply);
-  EXPECT_FALSE(client_.opening());
-}
-
 TEST_F(MxtClientTest, AReplyThatComesAfterItsCyclesPacketIsNoOtherCycle) {
   open();
   ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
@@ -178,7 +175,8 @@ TEST_F(MxtClientTest, ALateReplyIsFreshInTheNextCycle) {
 TEST_F(MxtClientTest, FindsThePhaseAgainWithoutLeavingOutACycle) {
   // The first reply was read late and the second is lost: the others come just before their cycles.
   const Nanos read_late = 500 * kMicrosecond;
-  client_.start(0);
+  client_.start(-kPeriod);
+  hear_first(client_, golden::reply_long());
   ASSERT_EQ(client_.on_datagram(golden::reply_long(), kPeriod + read_late, reply_),
             RobotEvent::kReply);
   ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
@@ -248,12 +246,12 @@ TEST_F(MxtClientTest, KeepsUpWithAControllerOf711MillisecondsAndOneAsFast) {
 TEST_F(MxtClientTest, AQuestionMovesNothingAndAsksForTheTarget) {
   open();
   Packet question = golden::null_long();
-  question[60] = 1;
+  question[60] = 2;
   EXPECT_EQ(copy(client_.ask()), question);
   MxtClient old{MxtClientOptions{.packet_bytes = kMxtShort}};
-  old.start(0);
-  old.on_datagram(golden::reply_short(), kPeriod, reply_);
-  ASSERT_EQ(old.on_datagram(golden::reply_short_held(), 2 * kPeriod, reply_), RobotEvent::kReply);
+  old.start(-kPeriod);
+  hear_first(old, golden::reply_short());
+  ASSERT_EQ(old.on_datagram(golden::reply_short_held(), kPeriod, reply_), RobotEvent::kReply);
   MxtPacket packet;
   ASSERT_EQ(decode_mxt_request(old.ask(), packet), MxtParse::kOk);
   EXPECT_EQ(packet.command, MxtCommand::kNull);
@@ -307,8 +305,7 @@ TEST_F(MxtClientTest, DropsWrongPacketsWithoutTouchingTheReplyOrTheDeadline) {
 }
 
 TEST_F(MxtClientTest, TwoRepliesInOneCycleAreOneOccasionToCommand) {
-  client_.start(0);
-  ASSERT_EQ(client_.on_datagram(golden::reply_long(), kPeriod, reply_), RobotEvent::kReply);
+  open();
   Packet twin = golden::reply_long();
   twin[58] = 0;
   EXPECT_EQ(client_.on_datagram(twin, kPeriod + kMillisecond, reply_), std::nullopt);
@@ -328,12 +325,11 @@ TEST_F(MxtClientTest, IgnoresThePacketCounterOfTheReply) {
 }
 
 TEST_F(MxtClientTest, FindsTheFeedbackInWhicheverBlockCarriesIt) {
-  client_.start(0);
   Packet swapped = golden::reply_long();
   std::swap_ranges(swapped.begin() + 8, swapped.begin() + 48, swapped.begin() + 68);
   swapped[2] = swapped[4] = 2;
   swapped[64] = 8;
-  EXPECT_EQ(client_.on_datagram(swapped, kPeriod, reply_), RobotEvent::kReply);
+  open(swapped);
   EXPECT_EQ(reply_.q_measured, golden::kMeasured);
   EXPECT_EQ(reply_.q_commanded, golden::kTarget);
 }
@@ -343,14 +339,19 @@ TEST_F(MxtClientTest, StartsANewSessionAfterALostOne) {
   client_.send(golden::kTarget);
   while (client_.poll(client_.deadline(), reply_) != RobotEvent::kLost) {
   }
-  EXPECT_EQ(copy(client_.start(kForever)), golden::null_long());
-  EXPECT_EQ(client_.on_datagram(golden::reply_long(), kForever, reply_), RobotEvent::kReply);
+  EXPECT_EQ(copy(client_.start(3 * kSecond)), golden::null_long());
+  EXPECT_TRUE(client_.opening());
+  client_.end();
+  open();
+  EXPECT_FALSE(client_.opening());
 }
 
 TEST_F(MxtClientTest, DoesNotAllocate) {
   const Packet reply = golden::reply_long();
   test::NoAllocation guard("an MXT cycle");
-  client_.start(0);
+  client_.start(-kPeriod);
+  client_.on_datagram(reply, 0, reply_);
+  client_.poll(0, reply_);
   client_.on_datagram(reply, kPeriod, reply_);
   client_.send(golden::kTarget);
   client_.poll(client_.deadline(), reply_);

@@ -132,6 +132,9 @@ struct Session {
         p.z() -= speed;
         rig.controller().on_datagram(robot.send(joints_at(p)), kPc);
       }
+      if (robot.opening() && robot.poll(now, reply)) {
+        rig.controller().on_datagram(robot.packet(), kPc);
+      }
     }
   }
 
