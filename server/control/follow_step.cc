@@ -315,6 +315,7 @@ void follow_step(const FollowSettings& settings, const FollowInput& in, FollowSt
   ++s.cycles;
   hear_controller(settings, in, s);
   const bool answered = in.answer != Answer::kNone && in.has_measured;
+  s.joints.pass(in.cycles);
   const JointVector q_measured = answered ? s.joints.judge(in.q_measured) : s.joints.newest();
   const Pose X_measured = forward(settings.motion.arm, q_measured);
   const Reason sensor = read_force(settings, in, X_measured, s);

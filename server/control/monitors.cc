@@ -11,6 +11,7 @@ namespace {
 constexpr double kSpike = 100.0;  // [N]
 constexpr double kJump = 0.1;     // [rad] a cycle
 constexpr int kBadJoints = 3;
+constexpr int kLong = 1000;  // in so many cycles a joint gets anywhere
 
 }  // namespace
 
@@ -31,19 +32,21 @@ Reason WrenchMonitor::judge(const BumperSettings& bumper, double range, double d
   return stuck_.judge(bumper, dt, now) ? Reason::kSensorStuck : Reason::kNone;
 }
 
+void JointMonitor::pass(int cycles) noexcept { cycles_ = std::min(cycles_ + cycles, kLong); }
+
 const JointVector& JointMonitor::judge(const JointVector& q) noexcept {
   if (!kept(Check::kEncoder)) return q_ = q;
   const bool finite = q.allFinite();
   Eigen::Index worst = 0;
   if (!finite) {
     while (worst + 1 < kJoints && std::isfinite(q[worst])) ++worst;
-  } else if (!known_ || (q - q_).cwiseAbs().maxCoeff(&worst) <= kJump * (bad_ + 1)) {
-    bad_ = 0;
+  } else if (!known_ || (q - q_).cwiseAbs().maxCoeff(&worst) <= kJump * cycles_) {
+    bad_ = cycles_ = 0;
     known_ = true;
     return q_ = q;
   }
   if (bad_ >= kBadJoints && finite) {
-    bad_ = 0;
+    bad_ = cycles_ = 0;
     return q_ = q;
   }
   joint_ = static_cast<int>(worst);

@@ -26,11 +26,14 @@ class WrenchMonitor {
   StuckMonitor stuck_;
 };
 
-// Judges the measured joints, once a cycle. Real-time safe.
+// Judges the measured joints. Real-time safe.
 class JointMonitor {
  public:
-  // The joints to believe: `q`, or the last sound ones where `q` is not finite or jumps by over
-  // 0.1 rad a cycle. The third in a row is `broken`, at `joint`; then a finite `q` is a new start.
+  // Cycles of the controller have passed, whether or not anything was measured.
+  void pass(int cycles) noexcept;
+  // The joints to believe: `q`, or the last sound ones where `q` is not finite or has moved by over
+  // 0.1 rad for each cycle since then. The third in a row is `broken`, at `joint`; then a finite
+  // `q` is a new start.
   const JointVector& judge(const JointVector& q) noexcept;
   // What was judged last.
   const JointVector& newest() const noexcept { return q_; }
@@ -40,6 +43,7 @@ class JointMonitor {
  private:
   JointVector q_ = JointVector::Zero();
   bool known_ = false;
+  int cycles_ = 0;  // since the last sound ones
   int bad_ = 0;
   int joint_ = -1;
 };

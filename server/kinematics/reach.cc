@@ -19,7 +19,9 @@ constexpr double kLongest = 0.3;    // of one step of a search [rad]
 constexpr double kFound = 1e-10;    // [rad]
 constexpr double kBeyond = 100.0;   // what a radian beyond a range counts beside one of turning
 constexpr int kArmSteps = 16;
-constexpr int kWristSteps = 8;
+// With the wrist at its end near the base axis a step leaves up to 0.8 of the way: so many find 99 %
+// of 1500 such poses to 0.2 mrad, 8 steps 99 % of them to 120 mrad.
+constexpr int kWristSteps = 64;
 
 struct Ranges {
   JointVector low, high;

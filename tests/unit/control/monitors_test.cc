@@ -54,23 +54,43 @@ TEST(WrenchMonitor, ASpikeOfOneReadingIsDroppedAndAForceThatStaysIsBelieved) {
   EXPECT_EQ(judge(monitor, noise(dice, {0, 0, 300})), Reason::kNone);
 }
 
+// The joints to believe after a cycle in which `q` was measured.
+JointVector hears(JointMonitor& monitor, const JointVector& q) {
+  monitor.pass(1);
+  return monitor.judge(q);
+}
+
 TEST(JointMonitor, ABadReadingIsHeldOverAndTheThirdNamesItsJoint) {
   for (const double bad : {kNaN, std::numeric_limits<double>::infinity(), 1e300, 2.0}) {
     JointMonitor monitor;
     JointVector q = JointVector::Constant(0.5);
-    EXPECT_EQ(monitor.judge(q), q);
+    EXPECT_EQ(hears(monitor, q), q);
     JointVector broken = q;
     broken[3] = bad;
-    EXPECT_EQ(monitor.judge(broken), q);
+    EXPECT_EQ(hears(monitor, broken), q);
     EXPECT_FALSE(monitor.broken());
     q[0] += 0.03;
-    EXPECT_EQ(monitor.judge(q), q);
-    for (int i = 0; i < 3; ++i) EXPECT_EQ(monitor.judge(broken), q);
+    EXPECT_EQ(hears(monitor, q), q);
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(hears(monitor, broken), q);
     EXPECT_TRUE(monitor.broken());
     EXPECT_EQ(monitor.joint(), 3);
-    EXPECT_EQ(monitor.judge(q), q);
+    EXPECT_EQ(hears(monitor, q), q);
     EXPECT_FALSE(monitor.broken());
   }
+}
+
+TEST(JointMonitor, AJointMayHaveMovedInEveryCycleThatWasNotHeard) {
+  JointMonitor monitor;
+  const JointVector q = JointVector::Constant(0.5);
+  hears(monitor, q);
+  JointVector moved = q;
+  moved[5] += 0.35;
+  monitor.pass(2);
+  EXPECT_EQ(hears(monitor, moved), q) << "in three cycles";
+  EXPECT_EQ(hears(monitor, moved), moved) << "in four";
+  monitor.pass(3);
+  EXPECT_EQ(hears(monitor, q), q);
+  EXPECT_EQ(hears(monitor, moved), q) << "the cycles before are not counted again";
 }
 
 // An arm behind a first-order lag, its command a sine of the joints' greatest speed and

@@ -93,5 +93,18 @@ TEST(Reach, WhereTheWristCannotTurnFurtherThePlaceIsKept) {
   }
 }
 
+// With J5 at its end near the base axis the tip can turn a long way in its place for little.
+TEST(Reach, WhereTheWristIsAtItsEndItDoesNotMatterFromWhereTheTipComes) {
+  const JointVector end = joints_deg(-41.0, -21.8, 51.7, -1.8, 119.9, -43.1);
+  const Pose X{forward(kArm, end).p, forward(kArm, end + joints_deg(0, 0, 0, 0, 14, 0)).q};
+  const Reached from_there = reach({}, X, end);
+  ASSERT_GE(from_there.joint, 0);
+  for (const Vec3& off : {Vec3(0.01, 0.01, 0), Vec3(-0.01, -0.01, 0), Vec3(0, 0.01, 0.01)}) {
+    const Reached beside = reach({}, {X.p + off, X.q}, from_there.q);
+    const Reached r = reach({}, X, beside.q);
+    EXPECT_LT((r.q - from_there.q).cwiseAbs().maxCoeff(), 1e-3) << off.transpose();
+  }
+}
+
 }  // namespace
 }  // namespace handrail
