@@ -10,17 +10,17 @@
 namespace handrail {
 namespace {
 
-constexpr double kAsTurned = 1e-5; // [rad]
+constexpr double kAsTurned = 1e-5;  // [rad]
 constexpr double kStrict = 1e8;     // weight of staying on the space; of going along it it is 1
 constexpr double kTurn = 1e-8;      // weight of the orientation beside the place [m^2]
 constexpr double kDamping = 1e-11;  // so that a solution exists
-constexpr double kSlack = 1e-6;       // less beyond an end is rounding [rad]
+constexpr double kSlack = 1e-6;     // less beyond an end is rounding [rad]
 constexpr double kLongest = 0.3;    // of one step of a search [rad]
 constexpr double kFound = 1e-10;    // [rad]
 constexpr double kBeyond = 100.0;   // what a radian beyond a range counts beside one of turning
 constexpr int kArmSteps = 16;
-// With the wrist at its end near the base axis a step leaves up to 0.8 of the way: so many find 99 %
-// of 1500 such poses to 0.2 mrad, 8 steps 99 % of them to 120 mrad.
+// Of 2800 pairs of searches for a turn out of range, from 20 mm beside its place, 98 % find the
+// same joints to 0.03 mrad with so many steps, to 5 mrad with 16; at the mean they take 19.
 constexpr int kWristSteps = 64;
 
 struct Ranges {
@@ -114,21 +114,26 @@ Vec3 reach_wrist(const ArmGeometry& arm, const Ranges& ranges, const TipSpace& s
 JointVector turn_tip(const ArmGeometry& arm, const Ranges& ranges, const Pose& goal,
                      JointVector q) {
   q = q.cwiseMax(ranges.low).cwiseMin(ranges.high);
+  double most = kLongest;
+  JointVector last = JointVector::Zero();
   for (int step = 0; step < kWristSteps; ++step) {
     const Pose X = forward(arm, q);
     const TipJacobian J = tip_jacobian(arm, q);
     Eigen::Matrix<double, kJoints, kJoints> H =
         J.linear.transpose() * J.linear + kTurn * J.angular.transpose() * J.angular;
-    const Vec3 turn = rotation_log(goal.q * X.q.conjugate());
-    H.diagonal().array() += kTurn * turn.norm() + kDamping;
-    const JointVector g =
-        J.linear.transpose() * (goal.p - X.p) + kTurn * J.angular.transpose() * turn;
-    const JointVector longest = JointVector::Constant(kLongest);
+    H.diagonal().array() += kDamping;
+    const JointVector g = J.linear.transpose() * (goal.p - X.p) +
+                          kTurn * J.angular.transpose() * rotation_log(goal.q * X.q.conjugate());
+    const JointVector longest = JointVector::Constant(most);
     const JointVector low = (ranges.low - q).cwiseMax(-longest);
     const JointVector high = (ranges.high - q).cwiseMin(longest);
     const JointVector d = solve_in_box<kJoints>(H, g, low, high, JointVector::Ones());
     q += d;
-    if (d.cwiseAbs().maxCoeff() < kFound) break;
+    const double way = d.cwiseAbs().maxCoeff();
+    if (way < kFound) break;
+    // A step back means that the last one went too far: what stays of the turn bends the way.
+    if (d.dot(last) < 0.0) most = 0.5 * std::min(most, way);
+    last = d;
   }
   return q;
 }

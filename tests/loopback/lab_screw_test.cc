@@ -107,7 +107,7 @@ TEST_F(LabScrew, TheFitWritesAPopulationThatReadsBack) {
   words.insert(words.end(), {"--population", out, "--check"});
   const Run check = run_lab(words);
   EXPECT_EQ(check.code, 0) << check.output;
-  words[5] = "3";
+  words[5] = "4";
   EXPECT_EQ(run_lab(words).code, 1) << "a longer search finds better medians";
   EXPECT_EQ(run_lab({"fit", "screw-fastening", "--scene", "linear-movement"}).code, 2);
 }
