@@ -1,5 +1,7 @@
 #include "devices/melfa/melfa_robot.h"
 
+#include <algorithm>
+
 #include "server/base/clock.h"
 
 namespace handrail {
@@ -36,7 +38,7 @@ Status MelfaRobot::connect(Nanos patience, RobotReply& first) {
   const Nanos give_up = monotonic_now() + patience;
   socket_.send(client_.start(monotonic_now()));
   while (client_.open() && monotonic_now() < give_up) {
-    if (wait(first) == RobotEvent::kReply) return Status::ok();
+    if (wait_until(first, give_up) == RobotEvent::kReply) return Status::ok();
   }
   end();
   const std::uint64_t rejected = client_.counters().rejected - before.rejected;
@@ -52,7 +54,9 @@ Status MelfaRobot::connect(Nanos patience, RobotReply& first) {
   return Status::error(who + options_.address + ":" + std::to_string(options_.port) + ": " + cause);
 }
 
-RobotEvent MelfaRobot::wait(RobotReply& reply) noexcept {
+RobotEvent MelfaRobot::wait(RobotReply& reply) noexcept { return wait_until(reply, kForever); }
+
+RobotEvent MelfaRobot::wait_until(RobotReply& reply, Nanos until) noexcept {
   for (;;) {
     bool fresh = false;
     bool rejected = false;
@@ -71,7 +75,8 @@ RobotEvent MelfaRobot::wait(RobotReply& reply) noexcept {
       return *event;
     }
     if (rejected) return RobotEvent::kRejected;
-    socket_.wait(client_.deadline() - now);
+    if (now >= until) return RobotEvent::kSilence;
+    socket_.wait(std::min(client_.deadline(), until) - now);
   }
 }
 

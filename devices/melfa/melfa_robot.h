@@ -34,6 +34,8 @@ class MelfaRobot : public Robot {
   const MxtCounters& counters() const noexcept { return client_.counters(); }
 
  private:
+  RobotEvent wait_until(RobotReply& reply, Nanos until) noexcept;
+
   MelfaOptions options_;
   RobotCapabilities capabilities_;
   MxtClient client_;

@@ -185,7 +185,7 @@ std::string way_out_of(Reason reason, int joint, const JointVector& q, bool latc
     case Reason::kRobotLost:
     case Reason::kRobotNotConnected:
       return "at the controller: clear its alarm, if there is one, and start its program in "
-             "AUTOMATIC; " +
+             "AUTOMATIC; the slave's log names other causes; " +
              then;
     case Reason::kRobotSilent:
       return "wait, or move slower";

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/base/clock.h"
 #include "tests/support/mxt/scripted_mxt_peer.h"
 
 namespace handrail {
@@ -123,6 +124,17 @@ TEST(MelfaRobot, LosesTheSessionOfAControllerThatStaysSilent) {
   EXPECT_EQ(robot.wait(reply), RobotEvent::kLost);
   robot.send(golden::kTarget);
   EXPECT_EQ(robot.counters().sent, 211u);
+}
+
+TEST(MelfaRobot, ConnectTakesNoLongerThanItMayWhenTheOpeningFails) {
+  ScriptedMxtPeer peer;
+  peer.expect(golden::null_long()).reply(golden::reply_long()).ignore_the_rest();
+  peer.play();
+  MelfaRobot robot(options_for(peer, kCycle));
+  RobotReply reply;
+  const Nanos from = monotonic_now();
+  EXPECT_FALSE(robot.connect(4 * kCycle, reply));
+  EXPECT_LT(monotonic_now() - from, 10 * kCycle) << "the opening is tried again after 16 cycles";
 }
 
 TEST(MelfaRobot, NamesAddressAndCauseWhenItCannotConnect) {
