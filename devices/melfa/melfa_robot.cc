@@ -44,8 +44,8 @@ Status MelfaRobot::connect(Nanos patience, RobotReply& first) {
   const std::uint64_t rejected = client_.counters().rejected - before.rejected;
   const std::string cause =
       client_.counters().far > before.far
-          ? "answers come a cycle late; the way there and back must take less than a cycle of " +
-                std::to_string(options_.client.period / kMicrosecond) + " us"
+          ? "answers come too late; the way there and back may take " +
+                std::to_string(options_.client.longest_way() / kMicrosecond) + " us"
       : rejected > 0
           ? std::to_string(rejected) + " answers, none a joint reply of " + std::to_string(size) +
                 " bytes; check packet_bytes"

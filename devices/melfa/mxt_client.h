@@ -17,6 +17,9 @@ struct MxtClientOptions {
   std::size_t packet_bytes = kMxtLong;  // kMxtShort or kMxtLong; replies must have the same size
   Nanos period = kMxtPeriod;            // the controller's cycle, > 0
   int max_losses = 211;                 // silent cycles in a row that end the session, > 0
+
+  // To the controller and back, over which a session opens.
+  Nanos longest_way() const noexcept;
 };
 
 struct MxtCounters {
@@ -25,7 +28,7 @@ struct MxtCounters {
   std::uint64_t silences = 0;  // cycles passed without a reply in time
   std::uint64_t rejected = 0;  // packets of wrong size, type or value
   std::uint64_t late = 0;      // replies that came when their cycle had its packet already
-  std::uint64_t far = 0;       // replies to an opening packet that came a cycle too late
+  std::uint64_t far = 0;       // replies to a second packet that came a cycle too late
 };
 
 // One session: start(), then one send() for every kReply and kSilence, poll() whenever deadline()
@@ -37,9 +40,11 @@ struct MxtCounters {
 // packet: with the reply if that comes before an eighth of the cycle is left, else without. A reply
 // that comes later, or twice, only brings `reply` up to date.
 //
-// A session opens with two replies: the second packet is sent with the first reply, and has to be
-// answered in the controller's next cycle. Over a way there and back of more than a cycle it is
-// not, and what the controller holds could not be told in time: the session does not open.
+// A session opens with four packets that move nothing. The first asks for the measured joints
+// first, the others for the target held. These are sent as late in their cycles as any will be, and
+// each has to be answered in the next: what is sent without a reply is then in time. Where the way
+// there and back is too long for that, packets without a reply are sent when half the cycle is
+// left; where it is too long for that too, by 3.1 ms, the session does not open.
 //
 // A reply of the short form says where the arm is measured or which target is held, as its packet
 // asked. Packets ask for the measured joints, and these mean that the packet's target was taken: no
@@ -77,11 +82,12 @@ class MxtClient {
 
   // The packet last given out.
   Bytes packet() const noexcept { return packet_; }
-  // When the next cycle counts as silent: an eighth of a period before the packet has to be there.
+  // When the next cycle counts as silent: an eighth of a period before the packet has to be there,
+  // or half of one over a long way.
   // While opening(), when that goes on.
   Nanos deadline() const noexcept { return deadline_; }
   bool open() const noexcept { return open_; }
-  // A session is open and its two first replies have not come.
+  // A session is open and its first replies have not come.
   bool opening() const noexcept { return open_ && !answered_; }
   const MxtCounters& counters() const noexcept { return counters_; }
 
@@ -92,19 +98,21 @@ class MxtClient {
   enum class Opening : std::uint8_t {
     kAsked,       // the first packet is sent
     kHeard,       // its reply is here
-    kAskedAgain,  // the second packet is sent
-    kGivenUp,     // that was not answered in time; what is on its way is waited for
+    kAskedAgain,  // a second packet is sent
+    kGivenUp,     // not answered in time; what may be on its way is waited for
   };
 
   bool short_form() const noexcept { return options_.packet_bytes == kMxtShort; }
   bool taken(const JointVector& q_measured) noexcept;
   void hear_short(const JointVector* q_measured, RobotReply& reply) noexcept;
   Bytes write(MxtCommand command, const JointVector& q_target = JointVector::Zero()) noexcept;
+  Nanos spare() const noexcept;
   int cycles_begun(Nanos now) const noexcept;
   void begin_cycle(int cycles, RobotReply& reply) noexcept;
   void learn_phase(Nanos late) noexcept;
   bool lost() noexcept;
-  bool hear_opening(Nanos now) noexcept;
+  bool hear_opening(bool second, Nanos now) noexcept;
+  void begin_try(Nanos now) noexcept;
   std::optional<RobotEvent> poll_opening(Nanos now) noexcept;
   void give_up_opening(Nanos now) noexcept;
 
@@ -113,7 +121,10 @@ class MxtClient {
   bool open_ = false;
   bool answered_ = false;  // the session has opened
   Opening opening_ = Opening::kAsked;
-  Nanos first_ = 0;            // reply of the opening
+  Nanos first_ = 0;            // reply of the opening, or of a try of it
+  int tries_ = 0;              // whose second reply came too late
+  int in_time_ = 0;            // second replies in a row that were
+  bool repeated_ = false;      // the first packet of the opening, unanswered as it was
   bool has_measured_ = false;  // said since the last event
   bool has_commanded_ = false;
   bool cycle_answered_ = false;

@@ -118,9 +118,10 @@ FaultOutcome r1a(const RowRun& row) {
 }
 
 // Replies late by up to a period, twice, out of order; commands late by up to half a period, or
-// twice; or both ways long from the start: of up to 3 ms each, or so long together that the session
-// must not open. A controller that queues plays what comes twice for two cycles, as it does what
-// comes after its cycle: those holds are its own, and it is spared them here.
+// twice; or both ways long from the start, and packets lost: of up to 1.55 ms each, which wavers by
+// 0.3 ms, or so long that the session must not open. A controller that queues plays what comes
+// twice for two cycles, as it does what comes after its cycle: those holds are its own, and it is
+// spared them here.
 FaultOutcome r1b(const RowRun& row) {
   constexpr int kLevels = 6;
   const FaultOptions options = robot_options(row, kLevels);
@@ -148,9 +149,14 @@ FaultOutcome r1b(const RowRun& row) {
       commands.delay = commands.jitter = kPeriod / 4;
       break;
     default:
-      far = run.random().uniform() < 0.5;
-      commands.delay = from_seconds((far ? 0.004 : 0.0) + 0.003 * run.random().uniform());
-      replies.delay = commands.delay;
+      far = row.index / kLevels % 4 == 1;
+      commands.delay = from_seconds(far ? 0.0022 + 0.006 * run.random().uniform()
+                                        : 0.00125 * run.random().uniform());
+      commands.jitter = 300 * kMicrosecond;
+      commands.loss = 0.02;
+      commands.duplicate = options.queues ? 0.0 : 0.02;
+      replies = commands;
+      replies.duplicate = 0.02;
       run.set_robot_line(commands, replies);
   }
   const bool opened = run.engage();

@@ -45,8 +45,14 @@ inline const Packet kMeasuredBytes{0x00, 0x00, 0x00, 0x3f, 0x00, 0x00, 0x80, 0xb
 inline Packet null_short() { return packet(64, {{4, {8, 0}}}); }
 inline Packet null_long() { return packet(196, {{4, {8, 0}}, {64, {2, 0}}}); }
 
-// The second packet that opens a session of the short form: NULL, the joint command wanted.
-inline Packet null_short_held() { return packet(64, {{4, {2, 0}}, {60, {1, 0, 0, 0}}}); }
+// The further packets that open a session: NULL, the joint command wanted; the long form wants the
+// joint feedback in dat1.
+inline Packet null_short_held(std::uint8_t c_count) {
+  return packet(64, {{4, {2, 0}}, {60, {c_count, 0, 0, 0}}});
+}
+inline Packet null_long_held(std::uint8_t c_count) {
+  return packet(196, {{4, {2, 0}}, {60, {c_count, 0, 0, 0}}, {64, {8, 0}}});
+}
 
 // MOVE to kTarget.
 inline Packet move_short(std::uint8_t c_count) {
@@ -85,6 +91,17 @@ inline Packet reply_long() {
                       {60, {0x2a, 0, 0, 0}},
                       {64, {2, 0}},
                       {68, kTargetBytes}});
+}
+
+// The same in the other order.
+inline Packet reply_long_held() {
+  return packet(196, {{2, {2, 0}},
+                      {4, {2, 0}},
+                      {8, kTargetBytes},
+                      {58, {3, 0}},
+                      {60, {0x2b, 0, 0, 0}},
+                      {64, {8, 0}},
+                      {68, kMeasuredBytes}});
 }
 
 }  // namespace handrail::golden

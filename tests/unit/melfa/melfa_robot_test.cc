@@ -25,12 +25,12 @@ MelfaOptions options_for(const ScriptedMxtPeer& peer, Nanos period, std::size_t 
   return options;
 }
 
-// A session of the long form opens with two packets.
+// A session opens with four packets.
 void open_long(ScriptedMxtPeer& peer) {
-  Packet again = golden::null_long();
-  again[60] = 1;
   peer.expect(golden::null_long()).reply(golden::reply_long());
-  peer.expect(again).reply(golden::reply_long());
+  for (std::uint8_t i = 1; i <= 3; ++i) {
+    peer.expect(golden::null_long_held(i)).reply(golden::reply_long_held());
+  }
 }
 
 // Waits until something was said.
@@ -43,9 +43,9 @@ bool hears(MelfaRobot& robot, RobotReply& reply) {
 TEST(MelfaRobot, SpeaksTheGoldenConversation) {
   ScriptedMxtPeer peer;
   open_long(peer);
-  peer.expect(golden::move_long(2)).reply(golden::reply_long());
-  peer.expect(golden::move_long(3)).reply(golden::reply_long());
-  peer.expect(golden::end_long(4));
+  peer.expect(golden::move_long(4)).reply(golden::reply_long());
+  peer.expect(golden::move_long(5)).reply(golden::reply_long());
+  peer.expect(golden::end_long(6));
   peer.play();
   MelfaRobot robot(options_for(peer, kCycle));
   RobotReply reply;
@@ -59,16 +59,18 @@ TEST(MelfaRobot, SpeaksTheGoldenConversation) {
   }
   robot.end();
   robot.end();
-  EXPECT_EQ(robot.counters().sent, 5u);
-  EXPECT_EQ(robot.counters().replies, 4u);
+  EXPECT_EQ(robot.counters().sent, 7u);
+  EXPECT_EQ(robot.counters().replies, 6u);
 }
 
 TEST(MelfaRobot, SpeaksTheShortFormToOldControllers) {
   ScriptedMxtPeer peer;
   peer.expect(golden::null_short()).reply(golden::reply_short());
-  peer.expect(golden::null_short_held()).reply(golden::reply_short_held());
-  peer.expect(golden::move_short(2)).reply(golden::reply_short());
-  peer.expect(golden::end_short(3));
+  for (std::uint8_t i = 1; i <= 3; ++i) {
+    peer.expect(golden::null_short_held(i)).reply(golden::reply_short_held());
+  }
+  peer.expect(golden::move_short(4)).reply(golden::reply_short());
+  peer.expect(golden::end_short(5));
   peer.play();
   MelfaRobot robot(options_for(peer, kCycle, kMxtShort));
   RobotReply reply;
@@ -81,9 +83,9 @@ TEST(MelfaRobot, SpeaksTheShortFormToOldControllers) {
 TEST(MelfaRobot, ReportsGarbageOnceAndWaitsOnForTheReply) {
   ScriptedMxtPeer peer;
   open_long(peer);
-  peer.expect(golden::move_long(2)).reply(Packet{1, 2, 3}).reply(golden::reply_short());
-  peer.expect(golden::move_long(3)).reply(golden::reply_long());
-  peer.expect(golden::end_long(4));
+  peer.expect(golden::move_long(4)).reply(Packet{1, 2, 3}).reply(golden::reply_short());
+  peer.expect(golden::move_long(5)).reply(golden::reply_long());
+  peer.expect(golden::end_long(6));
   peer.play();
   MelfaRobot robot(options_for(peer, kCycle));
   RobotReply reply;
@@ -98,8 +100,8 @@ TEST(MelfaRobot, ReportsGarbageOnceAndWaitsOnForTheReply) {
 TEST(MelfaRobot, SendsNothingByItselfWhenTheControllerIsSilent) {
   ScriptedMxtPeer peer;
   open_long(peer);
-  peer.expect(golden::move_long(2));
-  peer.expect(golden::move_long(3)).ignore_the_rest();
+  peer.expect(golden::move_long(4));
+  peer.expect(golden::move_long(5)).ignore_the_rest();
   peer.play();
   MelfaRobot robot(options_for(peer, 500 * kMillisecond));
   RobotReply reply;
@@ -107,7 +109,7 @@ TEST(MelfaRobot, SendsNothingByItselfWhenTheControllerIsSilent) {
   robot.send(golden::kTarget);
   EXPECT_EQ(robot.wait(reply), RobotEvent::kSilence);
   EXPECT_EQ(robot.counters().silences, 1u);
-  EXPECT_EQ(robot.counters().sent, 3u);
+  EXPECT_EQ(robot.counters().sent, 5u);
   robot.send(golden::kTarget);
 }
 

@@ -18,16 +18,18 @@ Packet copy(MxtClient::Bytes bytes) { return {bytes.begin(), bytes.end()}; }
 
 class MxtClientTest : public ::testing::Test {
  protected:
-  // With replies at 0 and after a period.
-  void open(const Packet& reply = golden::reply_long()) {
-    client_.start(-kPeriod);
-    hear_first(client_, reply);
-    ASSERT_EQ(client_.on_datagram(reply, kPeriod, reply_), RobotEvent::kReply);
+  // With the last reply of the opening after a period.
+  void open() {
+    client_.start(-3 * kPeriod);
+    hear_first(client_, golden::reply_long(), golden::reply_long_held());
+    ASSERT_EQ(client_.on_datagram(golden::reply_long_held(), kPeriod, reply_), RobotEvent::kReply);
   }
-  void hear_first(MxtClient& client, const Packet& reply) {
-    EXPECT_EQ(client.on_datagram(reply, 0, reply_), std::nullopt);
-    EXPECT_EQ(client.deadline(), 0) << "asks again at once";
-    EXPECT_EQ(client.poll(0, reply_), RobotEvent::kSilence);
+  // The replies before that.
+  void hear_first(MxtClient& client, const Packet& first, const Packet& second) {
+    for (int i = -2; i <= 0; ++i) {
+      EXPECT_EQ(client.on_datagram(i == -2 ? first : second, i * kPeriod, reply_), std::nullopt);
+      EXPECT_EQ(client.poll(client.deadline(), reply_), RobotEvent::kSilence);
+    }
     EXPECT_TRUE(client.opening());
   }
 
@@ -36,40 +38,38 @@ class MxtClientTest : public ::testing::Test {
 };
 
 TEST_F(MxtClientTest, SpeaksTheGoldenConversation) {
-  EXPECT_EQ(copy(client_.start(-kPeriod)), golden::null_long());
-  hear_first(client_, golden::reply_long());
-  Packet again = golden::null_long();
-  again[60] = 1;
-  EXPECT_EQ(copy(client_.packet()), again);
-  EXPECT_EQ(client_.on_datagram(golden::reply_long(), kPeriod, reply_), RobotEvent::kReply);
+  EXPECT_EQ(copy(client_.start(-3 * kPeriod)), golden::null_long());
+  hear_first(client_, golden::reply_long(), golden::reply_long_held());
+  EXPECT_EQ(copy(client_.packet()), golden::null_long_held(3));
+  EXPECT_EQ(client_.on_datagram(golden::reply_long_held(), kPeriod, reply_), RobotEvent::kReply);
   EXPECT_EQ(reply_.q_measured, golden::kMeasured);
   EXPECT_EQ(reply_.q_commanded, golden::kTarget);
   EXPECT_EQ(reply_.missed_cycles, 3u);
-  EXPECT_EQ(copy(client_.send(golden::kTarget)), golden::move_long(2));
-  EXPECT_EQ(copy(client_.send(golden::kTarget)), golden::move_long(3));
-  EXPECT_EQ(copy(client_.end()), golden::end_long(4));
+  EXPECT_EQ(copy(client_.send(golden::kTarget)), golden::move_long(4));
+  EXPECT_EQ(copy(client_.send(golden::kTarget)), golden::move_long(5));
+  EXPECT_EQ(copy(client_.end()), golden::end_long(6));
   EXPECT_FALSE(client_.open());
 }
 
 TEST_F(MxtClientTest, SpeaksTheShortFormToOldControllers) {
   MxtClient client{MxtClientOptions{.packet_bytes = kMxtShort}};
-  EXPECT_EQ(copy(client.start(-kPeriod)), golden::null_short());
-  hear_first(client, golden::reply_short());
-  EXPECT_EQ(copy(client.packet()), golden::null_short_held());
+  EXPECT_EQ(copy(client.start(-3 * kPeriod)), golden::null_short());
+  hear_first(client, golden::reply_short(), golden::reply_short_held());
+  EXPECT_EQ(copy(client.packet()), golden::null_short_held(3));
   EXPECT_EQ(client.on_datagram(golden::reply_short_held(), kPeriod, reply_), RobotEvent::kReply);
   EXPECT_TRUE(reply_.has_measured && reply_.has_commanded);
   EXPECT_EQ(reply_.q_measured, golden::kMeasured);
   EXPECT_EQ(reply_.q_commanded, golden::kTarget);
-  EXPECT_EQ(copy(client.send(golden::kTarget)), golden::move_short(2));
-  EXPECT_EQ(copy(client.end()), golden::end_short(3));
+  EXPECT_EQ(copy(client.send(golden::kTarget)), golden::move_short(4));
+  EXPECT_EQ(copy(client.end()), golden::end_short(5));
 }
 
 // A session of the short form that is open.
 class ShortForm : public MxtClientTest {
  protected:
   ShortForm() {
-    client_.start(-kPeriod);
-    hear_first(client_, golden::reply_short());
+    client_.start(-3 * kPeriod);
+    hear_first(client_, golden::reply_short(), golden::reply_short_held());
     client_.on_datagram(golden::reply_short_held(), now_, reply_);
   }
 
@@ -175,9 +175,9 @@ TEST_F(MxtClientTest, ALateReplyIsFreshInTheNextCycle) {
 TEST_F(MxtClientTest, FindsThePhaseAgainWithoutLeavingOutACycle) {
   // The first reply was read late and the second is lost: the others come just before their cycles.
   const Nanos read_late = 500 * kMicrosecond;
-  client_.start(-kPeriod);
-  hear_first(client_, golden::reply_long());
-  ASSERT_EQ(client_.on_datagram(golden::reply_long(), kPeriod + read_late, reply_),
+  client_.start(-3 * kPeriod);
+  hear_first(client_, golden::reply_long(), golden::reply_long_held());
+  ASSERT_EQ(client_.on_datagram(golden::reply_long_held(), kPeriod + read_late, reply_),
             RobotEvent::kReply);
   ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
   int in_time = 0;
@@ -246,11 +246,11 @@ TEST_F(MxtClientTest, KeepsUpWithAControllerOf711MillisecondsAndOneAsFast) {
 TEST_F(MxtClientTest, AQuestionMovesNothingAndAsksForTheTarget) {
   open();
   Packet question = golden::null_long();
-  question[60] = 2;
+  question[60] = 4;
   EXPECT_EQ(copy(client_.ask()), question);
   MxtClient old{MxtClientOptions{.packet_bytes = kMxtShort}};
-  old.start(-kPeriod);
-  hear_first(old, golden::reply_short());
+  old.start(-3 * kPeriod);
+  hear_first(old, golden::reply_short(), golden::reply_short_held());
   ASSERT_EQ(old.on_datagram(golden::reply_short_held(), kPeriod, reply_), RobotEvent::kReply);
   MxtPacket packet;
   ASSERT_EQ(decode_mxt_request(old.ask(), packet), MxtParse::kOk);
@@ -325,11 +325,13 @@ TEST_F(MxtClientTest, IgnoresThePacketCounterOfTheReply) {
 }
 
 TEST_F(MxtClientTest, FindsTheFeedbackInWhicheverBlockCarriesIt) {
+  open();
   Packet swapped = golden::reply_long();
   std::swap_ranges(swapped.begin() + 8, swapped.begin() + 48, swapped.begin() + 68);
   swapped[2] = swapped[4] = 2;
   swapped[64] = 8;
-  open(swapped);
+  reply_ = RobotReply();
+  EXPECT_EQ(client_.on_datagram(swapped, 2 * kPeriod, reply_), RobotEvent::kReply);
   EXPECT_EQ(reply_.q_measured, golden::kMeasured);
   EXPECT_EQ(reply_.q_commanded, golden::kTarget);
 }
@@ -347,12 +349,13 @@ TEST_F(MxtClientTest, StartsANewSessionAfterALostOne) {
 }
 
 TEST_F(MxtClientTest, DoesNotAllocate) {
-  const Packet reply = golden::reply_long();
+  const Packet reply = golden::reply_long(), second = golden::reply_long_held();
   test::NoAllocation guard("an MXT cycle");
-  client_.start(-kPeriod);
-  client_.on_datagram(reply, 0, reply_);
-  client_.poll(0, reply_);
-  client_.on_datagram(reply, kPeriod, reply_);
+  client_.start(-3 * kPeriod);
+  for (int i = -2; i <= 1; ++i) {
+    client_.on_datagram(i == -2 ? reply : second, i * kPeriod, reply_);
+    client_.poll(client_.deadline(), reply_);
+  }
   client_.send(golden::kTarget);
   client_.poll(client_.deadline(), reply_);
   client_.end();

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <deque>
+#include <string>
 #include <utility>
 
 #include "devices/melfa/mxt_client.h"
@@ -18,11 +19,15 @@ Packet copy(MxtClient::Bytes bytes) { return {bytes.begin(), bytes.end()}; }
 
 class MxtOpening : public ::testing::Test {
  protected:
-  // The first reply comes at 0.
-  void hear_first() {
-    EXPECT_EQ(client_.on_datagram(golden::reply_long(), 0, reply_), std::nullopt);
-    EXPECT_EQ(client_.poll(0, reply_), RobotEvent::kSilence) << "asks again at once";
-    EXPECT_TRUE(client_.opening());
+  // The reply to the first packet comes, or one to a further packet; true: it opens the session.
+  // Else the next packet is sent as soon as it is due.
+  bool hear_first(Nanos at) { return hear(golden::reply_long(), at); }
+  bool hear_further(Nanos at) { return hear(golden::reply_long_held(), at); }
+  bool hear(const Packet& reply, Nanos at) {
+    if (client_.on_datagram(reply, at, reply_) == RobotEvent::kReply) return true;
+    EXPECT_EQ(client_.deadline(), at + kPeriod * 15 / 16) << "late in its cycle";
+    EXPECT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
+    return false;
   }
 
   MxtClient client_{MxtClientOptions{}};
@@ -36,8 +41,12 @@ TEST_F(MxtOpening, AsksAgainUntilTheFirstReply) {
   EXPECT_EQ(client_.poll(-kPeriod, reply_), RobotEvent::kSilence);
   EXPECT_TRUE(client_.opening());
   EXPECT_EQ(copy(client_.packet()), again);
-  hear_first();
-  EXPECT_EQ(client_.on_datagram(golden::reply_long(), kPeriod, reply_), RobotEvent::kReply);
+  EXPECT_FALSE(hear_first(0));
+  EXPECT_EQ(copy(client_.packet()), golden::null_long_held(2));
+  EXPECT_FALSE(hear_further(kPeriod));
+  EXPECT_FALSE(hear_further(2 * kPeriod));
+  EXPECT_TRUE(client_.opening());
+  EXPECT_TRUE(hear_further(3 * kPeriod));
   EXPECT_FALSE(client_.opening());
 }
 
@@ -63,10 +72,11 @@ struct FarController {
   void answer() {
     for (; !packets.empty() && packets.front().first <= now; packets.pop_front()) {
       const Packet& packet = packets.front().second;
-      const bool held = packet.size() == kMxtShort && packet[4] == 2;
-      replies.emplace_back(now + way, held                         ? golden::reply_short_held()
-                                      : packet.size() == kMxtShort ? golden::reply_short()
-                                                                   : golden::reply_long());
+      const bool brief = packet.size() == kMxtShort, held = packet[4] == 2;
+      replies.emplace_back(now + way, brief && held ? golden::reply_short_held()
+                                      : brief       ? golden::reply_short()
+                                      : held        ? golden::reply_long_held()
+                                                    : golden::reply_long());
     }
   }
 
@@ -78,29 +88,48 @@ struct FarController {
   std::deque<std::pair<Nanos, Packet>> packets, replies;  // when they are there
 };
 
-TEST_F(MxtOpening, DoesNotOpenWhereTheWayThereAndBackTakesMoreThanACycle) {
+TEST_F(MxtOpening, OpensOnlyWhereAPacketWithoutAReplyWillBeThereInTime) {
   for (const std::size_t bytes : {kMxtLong, kMxtShort}) {
-    for (const int percent : {0, 10, 30, 48, 52, 70, 99, 102, 130, 160, 240, 350, 470, 640}) {
+    for (const int percent : {0, 2, 4, 12, 21, 23, 30, 52, 70, 99, 102, 130, 160, 240, 350, 640}) {
+      SCOPED_TRACE(std::to_string(percent) + " % of a cycle each way");
       FarController controller(bytes);
       controller.way = percent * FarController::step;
-      EXPECT_EQ(controller.opens(), percent < 50) << percent << " % of a cycle each way";
-      EXPECT_EQ(controller.client.counters().far == 0, percent < 50);
+      ASSERT_EQ(controller.opens(), percent < 22);
+      EXPECT_EQ(controller.client.counters().far == 0, percent < 3);
+      if (percent >= 22) continue;
+      const Nanos spare = controller.now + 2 * kPeriod - controller.client.deadline();
+      EXPECT_EQ(spare, kPeriod / (percent < 3 ? 8 : 2));
+      EXPECT_GT(spare, 2 * controller.way);
     }
   }
 }
 
-TEST_F(MxtOpening, OpensAtTheNextTryWhereAReplyOfTheOpeningIsLost) {
+TEST_F(MxtOpening, OneReplyThatIsLateDoesNotMakeTheWayLongButTheCountBeginsAnew) {
   client_.start(-kPeriod);
-  hear_first();
+  hear_first(0);
+  hear_further(kPeriod);
+  hear_further(2 * kPeriod);
+  EXPECT_FALSE(hear_further(4 * kPeriod)) << "late by one";
+  EXPECT_FALSE(hear_further(5 * kPeriod));
+  EXPECT_FALSE(hear_further(6 * kPeriod));
+  EXPECT_TRUE(hear_further(7 * kPeriod));
+  EXPECT_EQ(client_.deadline(), 9 * kPeriod - kPeriod / 8);
+}
+
+TEST_F(MxtOpening, WhereAReplyIsLostItBeginsAnewOnceNothingCanBeOnItsWay) {
+  client_.start(-kPeriod);
+  hear_first(0);
   EXPECT_EQ(client_.poll(client_.deadline(), reply_), std::nullopt) << "waits for what may come";
-  EXPECT_EQ(client_.on_datagram(golden::reply_long(), client_.deadline() - 1, reply_),
+  EXPECT_EQ(client_.on_datagram(golden::reply_long_held(), client_.deadline() - 1, reply_),
             std::nullopt);
-  const Nanos again = client_.deadline();
-  EXPECT_EQ(client_.poll(again, reply_), RobotEvent::kSilence);
-  EXPECT_EQ(client_.on_datagram(golden::reply_long(), again + kPeriod, reply_), std::nullopt);
-  EXPECT_EQ(client_.poll(again + kPeriod, reply_), RobotEvent::kSilence);
-  EXPECT_EQ(client_.on_datagram(golden::reply_long(), again + 2 * kPeriod, reply_),
-            RobotEvent::kReply);
+  Nanos at = client_.deadline();
+  EXPECT_EQ(client_.poll(at, reply_), RobotEvent::kSilence);
+  hear_first(at += kPeriod);
+  EXPECT_EQ(client_.on_datagram(golden::reply_long(), at + kPeriod, reply_), std::nullopt)
+      << "the first reply once more";
+  hear_further(at += kPeriod);
+  hear_further(at += kPeriod);
+  EXPECT_TRUE(hear_further(at += kPeriod));
 }
 
 }  // namespace

@@ -45,6 +45,10 @@ struct Session {
   void run(Nanos span) {
     const Nanos end = now + span;
     while (rig.next() <= end) {
+      if (robot.opening() && robot.deadline() < rig.next()) {
+        if (robot.poll(robot.deadline(), reply)) give(robot.packet());
+        continue;
+      }
       now = rig.next();
       const RigEvent event = rig.step(now);
       if (event == RigEvent::kControl) on_control();

@@ -116,7 +116,14 @@ struct Session {
     rig.sensor().on_datagram(sensor.start(0), kPc);
   }
   void run(Nanos until, double speed) {
+    RobotReply reply;
     while (rig.next() <= until) {
+      if (robot.opening() && robot.deadline() < rig.next()) {
+        if (robot.poll(robot.deadline(), reply)) {
+          rig.controller().on_datagram(robot.packet(), kPc);
+        }
+        continue;
+      }
       const Nanos now = rig.next();
       if (rig.step(now) == RigEvent::kSensor) {
         if (const auto& record = rig.sensor().record()) {
@@ -125,15 +132,11 @@ struct Session {
         }
         continue;
       }
-      RobotReply reply;
       for (const auto& out : rig.controller().replies()) {
         for (const std::uint8_t byte : out.bytes()) hash.byte(byte);
         if (robot.on_datagram(out.bytes(), now, reply) != RobotEvent::kReply) continue;
         p.z() -= speed;
         rig.controller().on_datagram(robot.send(joints_at(p)), kPc);
-      }
-      if (robot.opening() && robot.poll(now, reply)) {
-        rig.controller().on_datagram(robot.packet(), kPc);
       }
     }
   }
