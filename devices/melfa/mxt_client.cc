@@ -210,8 +210,8 @@ bool MxtClient::hear_opening(bool second, Nanos now) noexcept {
   return false;
 }
 
-// A reply came now, and nothing else is on its way: the next packet goes so late in its cycle that
-// an answer in the next one means that all others will be there in time.
+// A reply came now, and nothing else is on its way. The next packet goes so late in its cycle that
+// an answer in the next one means: all others will be there in time.
 void MxtClient::begin_try(Nanos now) noexcept {
   first_ = now;
   deadline_ = now + options_.period - spare() + options_.period / kMargin;

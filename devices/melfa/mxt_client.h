@@ -56,8 +56,8 @@ class MxtClient {
 
   explicit MxtClient(const MxtClientOptions& options) noexcept : options_(options) {}
 
-  // Opens a session (again): the packet that asks for the current joints and moves nothing. Once
-  // two replies have come, a cycle apart, it is known where the arm is and which target is held.
+  // Opens a session (again): the first packet, which asks for the current joints and moves nothing.
+  // Until the last reply of the opening nothing is said of the arm.
   Bytes start(Nanos now) noexcept;
 
   // Reads one datagram from the controller. kReply: a cycle has begun. Nothing: no other cycle, but
@@ -83,8 +83,7 @@ class MxtClient {
   // The packet last given out.
   Bytes packet() const noexcept { return packet_; }
   // When the next cycle counts as silent: an eighth of a period before the packet has to be there,
-  // or half of one over a long way.
-  // While opening(), when that goes on.
+  // or half of one over a long way. While opening(): when that goes on.
   Nanos deadline() const noexcept { return deadline_; }
   bool open() const noexcept { return open_; }
   // A session is open and its first replies have not come.
