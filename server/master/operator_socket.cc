@@ -13,6 +13,9 @@
 #include <filesystem>
 #include <utility>
 
+#include "server/base/clock.h"
+#include "server/base/pacer.h"
+
 namespace handrail {
 namespace {
 
@@ -70,6 +73,16 @@ Status clear_stale(const std::string& path, const sockaddr_un& address) {
   return Status::ok();
 }
 
+// Waits for its turn among masters that start at once, which takes each some milliseconds.
+bool locked(int folder) {
+  const Nanos give_up = monotonic_now() + kSecond;
+  while (::flock(folder, LOCK_EX | LOCK_NB) != 0) {
+    if (monotonic_now() > give_up) return false;
+    sleep_until(monotonic_now() + 5 * kMillisecond);
+  }
+  return true;
+}
+
 }  // namespace
 
 Status OperatorSocket::claim(const std::string& path) {
@@ -86,8 +99,8 @@ Status OperatorSocket::claim(const std::string& path) {
 
   // Held while claiming, so that of two masters starting at once one sees the other.
   const Fd lock(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (lock.get() >= 0 && ::flock(lock.get(), LOCK_EX | LOCK_NB) != 0) {
-    return failure(path, "another master is starting on it");
+  if (lock.get() >= 0 && !locked(lock.get())) {
+    return failure(path, folder + " has been locked for a second");
   }
   if (Status s = clear_stale(path, address); !s) return s;
   Fd fd(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));

@@ -1,8 +1,14 @@
 // The operator socket as a file, and the protocol on it.
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 
+#include <thread>
+
 #include "client/api/operator_client.h"
+#include "server/base/clock.h"
+#include "server/base/pacer.h"
 #include "tests/loopback/operator_bench.h"
 
 namespace handrail {
@@ -62,6 +68,20 @@ TEST_F(OperatorApi, RefusesToStartWhereAnotherMasterAnswers) {
   }
   // The first one is unharmed.
   EXPECT_TRUE(OperatorClient(path_).call(status_request(), kPatience).is_ok());
+}
+
+TEST_F(OperatorApi, WaitsForAMasterThatStartsInTheSameFolder) {
+  const std::string folder = folder_.path() + "/run";
+  ASSERT_EQ(::mkdir(folder.c_str(), 0700), 0);
+  const int other = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  ASSERT_EQ(::flock(other, LOCK_EX), 0);
+  std::thread ends([other] {
+    sleep_until(monotonic_now() + 50 * kMillisecond);
+    ::close(other);
+  });
+  const OperatorBench bench(path_);
+  ends.join();
+  EXPECT_TRUE(bench.status().is_ok()) << bench.status().message();
 }
 
 TEST_F(OperatorApi, LeavesAFileThatIsNoSocketAlone) {

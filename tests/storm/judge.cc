@@ -44,8 +44,8 @@ bool came_late(const TapFile& tap, std::size_t i, int lost) {
          8 * now.came * kMicrosecond < 7 * tap.period;
 }
 
-// The audit of one arm. A command that came late may be read as one in time, and a start whose
-// first targets may be lost as one from before, if that alone makes sound what follows.
+// The audit of one arm. A command that came late may be read as one in time, if that alone makes
+// sound what follows.
 class Judge {
  public:
   explicit Judge(Nanos period) : audit_(rv2a_limits(), period) {}
@@ -56,20 +56,18 @@ class Judge {
     if (other_) other_->until(now);
   }
   TargetVerdict accepted(const TapRecord& r, const JointVector& q, int lost, bool late) {
-    const bool earlier = lost > 0 && !other_;
-    if (late || earlier) {
+    if (late) {
       other_ = audit_;
-      if (late) other_->came_late();
-      other_is_late_ = late;
+      other_->came_late();
       open_ = kOpen;
     }
     const TargetVerdict verdict = audit_.accepted(r.at, q, lost);
     if (!other_) return verdict;
-    const TargetVerdict other = other_->accepted(r.at, q, lost, earlier);
+    const TargetVerdict other = other_->accepted(r.at, q, lost);
     const bool instead = !verdict.fine() && other.fine();
     if (instead) {
       audit_ = *other_;
-      late_ += other_is_late_ ? 1 : 0;
+      ++late_;
     }
     if (instead || !other.fine() || --open_ == 0) other_.reset();
     return instead ? other : verdict;
@@ -83,7 +81,6 @@ class Judge {
 
   ControllerAudit audit_;
   std::optional<ControllerAudit> other_;
-  bool other_is_late_ = false;
   int open_ = 0;
   std::uint64_t late_ = 0;
 };

@@ -55,8 +55,7 @@ void ControllerAudit::place(const JointVector& q) noexcept {
   placed_ = standing_ = true;
 }
 
-TargetVerdict ControllerAudit::accepted(Nanos at, const JointVector& q, int lost,
-                                        bool earliest) noexcept {
+TargetVerdict ControllerAudit::accepted(Nanos at, const JointVector& q, int lost) noexcept {
   if (!placed_) place(q);
   until(at);
   ++targets_;
@@ -71,19 +70,14 @@ TargetVerdict ControllerAudit::accepted(Nanos at, const JointVector& q, int lost
   const Point next{at, q};
   for (std::size_t i = 0; i < kKnown; ++i) {
     choice[i] = readings_[i];
-    if (choice[i].open) verdict[i] = judge(next, history(i));
+    if (choice[i].open) verdict[i] = go_on(next, static_cast<int>(i) + 1, choice[i]);
   }
   if (held) {
     choice[kKnown] = at_rest();
     const auto cycles = static_cast<int>((gap + period_ / 2) / period_);
-    for (int m = 1; m == 1 || m <= std::min(cycles, lost + 1); ++m) {
-      const TargetVerdict so = judge(next, rest_until(at - m * period_, points_[0].q));
-      const bool as_good = earliest && so.fine();
-      if (m > 1 && !as_good && so.worst() >= verdict[kKnown].worst()) continue;
-      verdict[kKnown] = so;
-      choice[kKnown].rest_until = at - m * period_;
-      if (so.fine() && !earliest) break;
-    }
+    choice[kKnown].rest_until = at - period_;
+    choice[kKnown].rest_from = at - std::max(std::min(cycles, lost + 1), 1) * period_;
+    verdict[kKnown] = go_on(next, 0, choice[kKnown]);
     verdict[kKnown].from_rest = true;
   }
   // The kindest reading counts, and the least bad one when none is left.
@@ -118,7 +112,10 @@ TargetVerdict ControllerAudit::accepted(Nanos at, const JointVector& q, int lost
 void ControllerAudit::came_late() noexcept {
   if (standing_) return;
   for (Point& point : points_) point.at += period_;
-  for (Reading& reading : readings_) reading.rest_until += period_;
+  for (Reading& reading : readings_) {
+    reading.rest_until += period_;
+    reading.rest_from += period_;
+  }
 }
 
 void ControllerAudit::until(Nanos now) noexcept {
@@ -159,13 +156,35 @@ ControllerAudit::History ControllerAudit::rest_until(Nanos at,
   return {Point{at, q}, Point{at - period_, q}, Point{at - 2 * period_, q}};
 }
 
-// The targets before the next as `reading` understands them.
-ControllerAudit::History ControllerAudit::history(std::size_t reading) const noexcept {
+// The targets before the next, if the arm stood until `rest` before the newest `since` of them.
+ControllerAudit::History ControllerAudit::history(int since, Nanos rest) const noexcept {
   History out = points_;
-  if (reading + 1 == kKnown) return out;
-  const History before = rest_until(readings_[reading].rest_until, points_[reading + 1].q);
-  std::copy_n(before.begin(), kKnown - 1 - reading, out.begin() + reading + 1);
+  const auto known = static_cast<std::size_t>(since);
+  if (known >= kKnown) return out;
+  const History before = rest_until(rest, points_[known].q);
+  std::copy_n(before.begin(), kKnown - known, out.begin() + since);
   return out;
+}
+
+// The next target as `reading` understands it, by which the newest `since` targets are of one
+// motion. Of the times at which that may have begun those stay that make it sound, or the least bad
+// one.
+TargetVerdict ControllerAudit::go_on(const Point& next, int since,
+                                     Reading& reading) const noexcept {
+  TargetVerdict best;
+  Reading sound = reading;
+  bool any = false;
+  for (Nanos rest = reading.rest_until; rest >= reading.rest_from; rest -= period_) {
+    const TargetVerdict verdict = judge(next, history(since, rest));
+    if (any && !verdict.fine() && (best.fine() || verdict.worst() >= best.worst())) continue;
+    const bool first = !any || !best.fine();
+    if (first) best = verdict;
+    if (first) sound.rest_until = rest;
+    sound.rest_from = rest;
+    any = true;
+  }
+  reading = sound;
+  return best;
 }
 
 TargetVerdict ControllerAudit::judge(const Point& next, const History& before) const noexcept {
@@ -200,10 +219,13 @@ TargetVerdict ControllerAudit::judge(const Point& next, const History& before) c
 
 // The motion of `reading` was over with the newest target: from the next cycle on the arm stands.
 ControllerAudit::Reading ControllerAudit::ended(std::size_t reading) const noexcept {
-  const History h = history(reading);
-  const Point first{h[0].at + period_, h[0].q}, second{first.at + period_, h[0].q};
-  const TargetVerdict stop = judge(first, h), stand = judge(second, {first, h[0], h[1]});
+  const Point first{points_[0].at + period_, points_[0].q};
+  const Point second{first.at + period_, first.q};
+  const int since = static_cast<int>(reading) + 1;
   Reading out = readings_[reading];
+  const TargetVerdict stop = go_on(first, since, out);
+  const History h = history(since, out.rest_until);
+  const TargetVerdict stand = judge(second, {first, h[0], h[1]});
   if (stop.fine() && stand.fine()) return out;
   ++out.halts;
   out.hardest = std::max(out.hardest, stop.acceleration);

@@ -50,10 +50,8 @@ class ControllerAudit {
   void place(const JointVector& q) noexcept;
 
   // The controller took `q` [rad], finite, for its target at `at`, later than any target before.
-  // `lost`: targets that were sent since and did not reach it, where that is known. Of a start from
-  // rest that may have been planned since several cycles the latest is taken, or the `earliest`.
-  TargetVerdict accepted(Nanos at, const JointVector& q, int lost = kMostLost,
-                         bool earliest = false) noexcept;
+  // `lost`: targets that were sent since and did not reach it, where that is known.
+  TargetVerdict accepted(Nanos at, const JointVector& q, int lost = kMostLost) noexcept;
 
   // The target to come was sent for the cycle before and came after it: the arm was held by the
   // controller, not by whoever sends. What follows is judged as if that cycle had not passed.
@@ -84,14 +82,17 @@ class ControllerAudit {
   // One way to understand the targets so far.
   struct Reading {
     bool open = false;
-    Nanos rest_until = 0;  // when the arm stood last
+    // The arm stood last at `rest_until`, or whole cycles earlier, but not before `rest_from`.
+    Nanos rest_until = 0;
+    Nanos rest_from = 0;
     std::uint64_t halts = 0;
     double hardest = 0.0;
   };
   static const Reading& kinder(const Reading& a, const Reading& b) noexcept;
 
   History rest_until(Nanos at, const JointVector& q) const noexcept;
-  History history(std::size_t reading) const noexcept;
+  History history(int since, Nanos rest) const noexcept;
+  TargetVerdict go_on(const Point& next, int since, Reading& reading) const noexcept;
   TargetVerdict judge(const Point& next, const History& before) const noexcept;
   Reading ended(std::size_t reading) const noexcept;
   Reading at_rest() const noexcept;

@@ -248,6 +248,20 @@ TEST(ControllerAudit, AStartMayHaveBeenPlannedWhileItsFirstTargetsWereLost) {
 }
 
 // One step after a gap can be the next of the old motion or the first of a new one.
+TEST(ControllerAudit, WhenAStartWasPlannedMayOnlyShowByTheNextTarget) {
+  Client client;
+  // The first two are lost. The third is sound as the second of a motion; the fourth then is not.
+  const double unit = 0.75 * kJolt;
+  bool lost[] = {true, true, false, false, false, false};
+  double speed[] = {1, 2, 2, 1, 0, 0};
+  for (std::size_t i = 0; i < std::size(lost); ++i) {
+    client.v = speed[i] * unit;
+    client.go(lost[i]);
+  }
+  EXPECT_EQ(client.audit.breaches(), 0u);
+  EXPECT_GT(client.audit.worst().jerk, 0.6);
+}
+
 TEST(ControllerAudit, KeepsBothReadingsOpenUntilOneFails) {
   for (const bool goes_on : {true, false}) {
     Client c;
