@@ -157,11 +157,12 @@ struct RigServer::Impl {
   // Runs everything due and passes on what was sent. However late, a cycle gets the datagrams that
   // came before its time and no others; what came for cycles that are left out nobody hears.
   void pump() {
-    drain(robot);
-    drain(sensor);
     for (;;) {
-      // Asked before every cycle: the program may be paused anywhere.
+      // Asked before every cycle, and read after that: the program may be paused anywhere.
       const Nanos now = monotonic_now();
+      for (Port* port : {&robot, &sensor}) {
+        if (port->taken == port->waiting) drain(*port);
+      }
       if (now - rig->next() > Rig::kPatience) away_until = now;
       deliver_until(std::max(rig->next(), away_until));
       const RigEvent event = rig->step(now);
