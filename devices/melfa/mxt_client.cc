@@ -23,14 +23,16 @@ constexpr int kAnother = 14;
 // until then, since a joint faster than half its rating cannot go on without. Over a longer way
 // half a cycle, and no session opens over one that takes longer still.
 constexpr int kSpare = 8;
-constexpr int kSpareFar = 2;
+constexpr int kSpareFar = 2;  // of a cycle
 // Of a cycle, by which the packet that tries this is later than any other will be: 0.44 ms, twice
 // what 99.9 % of the wake-ups of a real-time thread take on a virtual machine.
 constexpr int kMargin = 16;
-constexpr int kTries = 3;   // of each may be late: this thread, too, may be
-constexpr int kInTime = 3;  // in a row: a way that wavers may be short once
-// What was sent is not answered any more after so many cycles, 0.1 s, on any way in one building.
-constexpr int kGone = 14;
+constexpr int kTries = 3;  // answers of each may be late: this thread, too, may be
+// Answers in time in a row. A way that wavers by 0.3 ms about 0.5 ms was short enough once in 170
+// runs; three times in a row by chance it is once in millions.
+constexpr int kInTime = 3;
+// What was sent is not answered any more after 0.1 s on any way in one building.
+constexpr int kGone = 14;  // [cycles]
 // Packets after one whose reply with the measured joints is missing, or after a reply too many,
 // that ask for the target instead: what comes later than 28 ms is not reckoned with.
 constexpr int kDoubt = 3;  // [packets]

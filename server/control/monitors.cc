@@ -11,7 +11,7 @@ namespace {
 constexpr double kSpike = 100.0;  // [N]
 constexpr double kJump = 0.1;     // [rad] a cycle
 constexpr int kBadJoints = 3;
-constexpr int kLong = 1000;  // in so many cycles a joint gets anywhere
+constexpr int kLong = 1000;  // [cycles]: at kJump each further than any joint's range
 
 }  // namespace
 

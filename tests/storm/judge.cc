@@ -35,7 +35,9 @@ class Recorder {
 };
 
 // A slave sends without a reply only when an eighth of the cycle is left, so what came earlier
-// after a cycle without a packet was on its way when that cycle ran.
+// after a cycle without a packet was on its way when that cycle ran. One that took its way for a
+// long one sends when half is left: what then counts as late without being so is excused only if
+// that alone makes sound what follows.
 bool came_late(const TapFile& tap, std::size_t i, int lost) {
   if (i < 2 || lost != 0) return false;
   const TapRecord &now = tap.records[i], &before = tap.records[i - 1];

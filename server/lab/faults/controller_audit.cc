@@ -171,19 +171,16 @@ ControllerAudit::History ControllerAudit::history(int since, Nanos rest) const n
 // one.
 TargetVerdict ControllerAudit::go_on(const Point& next, int since,
                                      Reading& reading) const noexcept {
-  TargetVerdict best;
-  Reading sound = reading;
-  bool any = false;
-  for (Nanos rest = reading.rest_until; rest >= reading.rest_from; rest -= period_) {
+  const Nanos earliest = reading.rest_from;
+  reading.rest_from = reading.rest_until;
+  TargetVerdict best = judge(next, history(since, reading.rest_until));
+  for (Nanos rest = reading.rest_until - period_; rest >= earliest; rest -= period_) {
     const TargetVerdict verdict = judge(next, history(since, rest));
-    if (any && !verdict.fine() && (best.fine() || verdict.worst() >= best.worst())) continue;
-    const bool first = !any || !best.fine();
-    if (first) best = verdict;
-    if (first) sound.rest_until = rest;
-    sound.rest_from = rest;
-    any = true;
+    if (best.fine() && verdict.fine()) reading.rest_from = rest;
+    if (best.fine() || verdict.worst() >= best.worst()) continue;
+    best = verdict;
+    reading.rest_until = reading.rest_from = rest;
   }
-  reading = sound;
   return best;
 }
 

@@ -125,11 +125,35 @@ TEST_F(MxtOpening, WhereAReplyIsLostItBeginsAnewOnceNothingCanBeOnItsWay) {
   Nanos at = client_.deadline();
   EXPECT_EQ(client_.poll(at, reply_), RobotEvent::kSilence);
   hear_first(at += kPeriod);
-  EXPECT_EQ(client_.on_datagram(golden::reply_long(), at + kPeriod, reply_), std::nullopt)
-      << "the first reply once more";
+  const Nanos due = client_.deadline();
+  EXPECT_EQ(client_.on_datagram(golden::reply_long(), at + kPeriod, reply_), std::nullopt);
+  EXPECT_EQ(client_.deadline(), due) << "the first reply once more is no answer";
   hear_further(at += kPeriod);
   hear_further(at += kPeriod);
   EXPECT_TRUE(hear_further(at += kPeriod));
+}
+
+TEST_F(MxtOpening, GivesUpAtOnceWhereAnotherAnswerMayBeOnItsWay) {
+  client_.start(-3 * kPeriod);
+  EXPECT_EQ(client_.poll(-kPeriod, reply_), RobotEvent::kSilence);
+  hear_first(0);
+  EXPECT_EQ(client_.on_datagram(golden::reply_long_held(), 2 * kPeriod, reply_), std::nullopt);
+  EXPECT_EQ(client_.deadline(), 16 * kPeriod);
+}
+
+TEST_F(MxtOpening, AfterTooLongAWayItBeginsWithTheShortOneAgain) {
+  client_.start(-kPeriod);
+  hear_first(0);
+  for (int late = 1; late <= 5; ++late) {
+    const Nanos at = 2 * late * kPeriod;
+    EXPECT_EQ(client_.on_datagram(golden::reply_long_held(), at, reply_), std::nullopt);
+    EXPECT_EQ(client_.deadline(), at + kPeriod * (late < 3 ? 15 : 9) / 16) << late;
+    EXPECT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
+  }
+  EXPECT_EQ(client_.on_datagram(golden::reply_long_held(), 12 * kPeriod, reply_), std::nullopt);
+  ASSERT_EQ(client_.deadline(), 26 * kPeriod);
+  EXPECT_EQ(client_.poll(26 * kPeriod, reply_), RobotEvent::kSilence);
+  hear_first(27 * kPeriod);
 }
 
 }  // namespace
