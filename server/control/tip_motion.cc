@@ -71,6 +71,9 @@ void play(const PlanLimits& limits, MotionState& state) {
   move_to(limits, q, same ? state.X_ST : forward(limits.guard.arm, q), state);
 }
 
+// Whether the stop is over in two cycles: the arm is all but at rest.
+bool ends(const StopPlan& stop) { return stop.next + 2 >= stop.size; }
+
 // Steps of the tip to choose from.
 struct Ways {
   Twist wanted, gentle;  // with all, and with little of what the joints can do
@@ -101,7 +104,9 @@ class Planner {
     if (!solve_near(limits_.guard.arm, X, state_.joints.q, q)) {
       return refuse({Reason::kOutOfReach, -1});
     }
-    return take(q, X, beside_);
+    if (!take(q, X, beside_)) return false;
+    state_.around = 0;
+    return true;
   }
 
   // What the stop would do now.
@@ -122,16 +127,18 @@ class Planner {
     return false;
   }
 
-  // By the joints' own way: the tip keeps its place and way while its turn lags; and where that
-  // does not lead on, nothing holding the tip, the joints go round.
-  bool otherwise(const Ways& ways, const JointVector& there, double speed) {
+  // By the joints' own way: the tip keeps its place and way while its turn lags. Where that does
+  // not lead on, nothing holds the tip and it is `stuck`, the joints go round. They begin at rest:
+  // what moves them then would take the tip anywhere.
+  bool otherwise(const Ways& ways, const JointVector& there, double speed, bool stuck) {
     state_.sliding = kStraightAgain;
     if (state_.around == 0) {
       for (const Twist* step : {&ways.wanted, &ways.gentle, &ways.stop}) {
         if (sliding(there, state_.X_ST.p + step->linear, speed)) return true;
       }
     }
-    if (!space_.everything()) return false;
+    const bool begins = stuck && ends(state_.stop);
+    if (!space_.everything() || (state_.around == 0 && !begins)) return false;
     state_.around = state_.around > 0 ? state_.around - 1 : kAround;
     for (const double share : {1.0, 0.4, 0.15}) {
       if (by_joints(there, share * speed, kAnywhere)) return true;
@@ -301,7 +308,6 @@ Moved move_toward(const MotionSettings& settings, const TipSpace& space, const P
       proposal.cycles() < kDetour * own_cycles(planner.limits(), state.joints.q, reached.q) + kSoon;
   if (direct && planner.straight(wanted)) {
     state.sliding = std::max(0, state.sliding - 1);
-    state.around = std::max(0, state.around - 1);
     const bool behind = way.linear.norm() > kBehind || way.angular.norm() > kTurnBehind;
     if (behind) moved.limit = proposal.limiting();
     return moved;
@@ -328,12 +334,12 @@ Moved move_toward(const MotionSettings& settings, const TipSpace& space, const P
       return moved;
     }
   }
-  // Slowed into first, then slid along; and before the stop would end, so that the arm never waits.
-  const bool ends = state.stop.next + 2 >= state.stop.size;
-  if (free && ends && !stuck && planner.by_joints(reached.q, share, kUnheld)) return moved;
+  // Slowed into first, then slid along; and before the stop ends, so that the arm never waits.
+  const bool waits = free && ends(state.stop);
+  if (waits && !stuck && planner.by_joints(reached.q, share, kUnheld)) return moved;
   const bool slow = tip_speed(state) < (stuck ? kSlow : kStanding) * settings.dt;
-  const bool slides = state.sliding > 0 || slow || (free && ends);
-  if (!slides || !planner.otherwise(ways, reached.q, share)) play(planner.limits(), state);
+  const bool slides = state.sliding > 0 || slow || waits;
+  if (!slides || !planner.otherwise(ways, reached.q, share, stuck)) play(planner.limits(), state);
   return moved;
 }
 
