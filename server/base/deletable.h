@@ -37,6 +37,7 @@ enum class Check : std::uint8_t {
   kToolLatch,     // a hand that a tool held back does not take the arm along once it lets go
   kReach,         // a target is a rated step from all that the controller may hold
   kWay,           // no session opens over too long a way to the controller
+  kPhase,         // a reply before its cycle is not taken for the next one's
   kHeardEnd,      // a motion's end that the controller was not heard to hold is not sent again
   kUnseen,        // after time that passed unseen nothing known is younger
   kMasterHold,    // a master in hold leads nobody

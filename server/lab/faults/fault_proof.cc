@@ -48,6 +48,7 @@ constexpr std::array kProofs = {
     FaultProof{Check::kToolLatch, "tool-latch", "X2c", 1, "further by itself"},
     FaultProof{Check::kReach, "reach", "R1a", 5, "target further away"},
     FaultProof{Check::kWay, "way", "R1b", 12, "engaged over too long a way"},
+    FaultProof{Check::kPhase, "phase", "R1b", 3, "beyond the limits at the controller"},
     FaultProof{Check::kHeardEnd, "heard-end", "R2", 15, "moved after it had stood"},
     FaultProof{Check::kUnseen, "unseen", "R4", 7, "engaged after a long pause"},
     FaultProof{Check::kMasterHold, "master-hold", "N10b", 2, "stopped late"},

@@ -117,9 +117,9 @@ FaultOutcome r1a(const RowRun& row) {
   return out;
 }
 
-// Replies late by up to a period, twice, out of order; commands late by up to half a period, or
-// twice; or both ways long from the start, and packets lost: of up to 1.55 ms each, which wavers by
-// 0.3 ms, or so long that the session must not open. A controller that queues plays what comes
+// Replies late by up to a period, twice, both, out of order; commands late by up to half a period,
+// or twice; or both ways long from the start, and packets lost: of up to 1.55 ms each, which wavers
+// by 0.3 ms, or so long that the session must not open. A controller that queues plays what comes
 // twice for two cycles, as it does what comes after its cycle: those holds are its own, and it is
 // spared them here.
 FaultOutcome r1b(const RowRun& row) {
@@ -137,7 +137,7 @@ FaultOutcome r1b(const RowRun& row) {
       commands.duplicate = options.queues ? 0.0 : 0.1;
       break;
     case 2:
-      replies.reorder = 0.1;
+      replies.reorder = replies.duplicate = 0.1;
       replies.reorder_by = kPeriod * 9 / 10;
       break;
     case 3:

@@ -164,6 +164,30 @@ TEST_F(MxtClientTest, AReplyThatComesAfterItsCyclesPacketIsNoOtherCycle) {
   EXPECT_EQ(reply_.cycles, 1);
 }
 
+// A computer, or the way, that stood still for a while: what comes together answers the cycles that
+// were silent. Taken for the next cycle's, one would have a second packet sent before that begins,
+// and none after.
+TEST_F(MxtClientTest, RepliesThatComeTogetherBeginNoCycleThatHasNotBegun) {
+  open();
+  const auto at = [](int cycle) { return cycle * kPeriod + 50 * kMicrosecond; };
+  for (int i = 2; i <= 100; ++i) {
+    ASSERT_EQ(client_.on_datagram(golden::reply_long(), at(i), reply_), RobotEvent::kReply);
+  }
+  for (int i = 0; i < 2; ++i) {
+    ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
+  }
+  // Both in the last twentieth of the 102nd cycle, for which a packet has been sent.
+  for (const Nanos early : {300 * kMicrosecond, 290 * kMicrosecond}) {
+    EXPECT_EQ(client_.on_datagram(golden::reply_long(), at(103) - early, reply_), std::nullopt);
+  }
+  EXPECT_EQ(client_.on_datagram(golden::reply_long(), at(103), reply_), RobotEvent::kReply);
+  EXPECT_EQ(reply_.cycles, 1);
+  // One that comes twice, the second time so late.
+  EXPECT_EQ(client_.on_datagram(golden::reply_long(), at(104) - 300 * kMicrosecond, reply_),
+            std::nullopt);
+  EXPECT_EQ(client_.on_datagram(golden::reply_long(), at(104), reply_), RobotEvent::kReply);
+}
+
 TEST_F(MxtClientTest, ALateReplyIsFreshInTheNextCycle) {
   open();
   ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
