@@ -19,7 +19,7 @@ constexpr int kMoved = 8;
 // 0.14 ms early. What comes so early may also be an earlier reply, late or twice; two packets are
 // then sent for one cycle and none for the next.
 constexpr int kEarly = 4;
-constexpr int kEarlyFound = 32;
+constexpr int kEarlyFound = 32;  // of a period
 // Silent cycles after which the controller may be another one, with cycles of its own: none starts
 // anew in less than 0.1 s.
 constexpr int kAnother = 14;
@@ -34,7 +34,7 @@ constexpr int kMargin = 16;
 constexpr int kTries = 3;  // answers of each may be late: this thread, too, may be
 // Answers in time in a row. A way that wavers by 0.3 ms about 0.5 ms was short enough once in 170
 // runs; three times in a row by chance it is once in millions.
-constexpr int kInTime = 3;
+constexpr int kInTime = 3;  // [answers]
 // What was sent is not answered any more after 0.1 s on any way in one building.
 constexpr int kGone = 14;  // [cycles]
 // Packets after one whose reply with the measured joints is missing, or after a reply too many,
@@ -87,14 +87,16 @@ void MxtClient::begin_cycle(int cycles, RobotReply& reply) noexcept {
 void MxtClient::learn_phase(Nanos late) noexcept {
   least_late_ = std::min(least_late_, late);
   if (late >= 0 && ++seen_ < kPhaseWindow) return;
-  if (late < 0 || least_late_ > options_.period / kMoved) {
+  const bool moves = late < 0 || least_late_ > options_.period / kMoved;
+  if (moves) {
     // Replies that all come late in a cycle are early ones of the next: no cycle is left out.
     const Nanos moved =
         2 * least_late_ > options_.period ? least_late_ - options_.period : least_late_;
     cycle_ += moved;
     deadline_ += moved;
   }
-  phase_found_ = phase_found_ || late >= 0;
+  // Where all were late for a while, they may come in time again.
+  if (late >= 0) phase_found_ = !moves;
   least_late_ = kForever;
   seen_ = 0;
 }

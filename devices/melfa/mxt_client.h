@@ -133,7 +133,7 @@ class MxtClient {
   Nanos cycle_ = 0;              // when the present cycle began
   Nanos least_late_ = kForever;  // replies behind their cycle's beginning, of the last `seen_`
   int seen_ = 0;
-  bool phase_found_ = false;  // by as many replies
+  bool phase_found_ = false;  // the last kPhaseWindow replies did not move it
   // Of the short form.
   int doubt_ = 0;                             // packets to come that ask for the target
   bool asked_measured_ = false;               // the packet last sent did, and has no reply yet

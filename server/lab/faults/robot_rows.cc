@@ -123,7 +123,7 @@ FaultOutcome r1a(const RowRun& row) {
 // twice for two cycles, as it does what comes after its cycle: those holds are its own, and it is
 // spared them here.
 FaultOutcome r1b(const RowRun& row) {
-  constexpr int kLevels = 6;  // the cases below
+  constexpr int kLevels = 6;  // [cases]: those below
   const FaultOptions options = robot_options(row, kLevels);
   FaultRun run(row.seed, options);
   LinkFaults replies, commands;

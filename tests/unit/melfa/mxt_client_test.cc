@@ -188,6 +188,17 @@ TEST_F(MxtClientTest, RepliesThatComeTogetherBeginNoCycleThatHasNotBegun) {
   EXPECT_EQ(client_.on_datagram(golden::reply_long(), at(104), reply_), RobotEvent::kReply);
 }
 
+TEST_F(MxtClientTest, RepliesThatWereLateForHalfASecondAreHeardAtOnceWhenTheyComeInTimeAgain) {
+  open();
+  for (int i = 2; i <= 400; ++i) {
+    const Nanos late = i > 150 && i <= 300 ? kMillisecond : 0;
+    ASSERT_EQ(client_.on_datagram(golden::reply_long(), i * kPeriod + late, reply_),
+              RobotEvent::kReply)
+        << i;
+    ASSERT_EQ(reply_.cycles, 1) << i;
+  }
+}
+
 TEST_F(MxtClientTest, ALateReplyIsFreshInTheNextCycle) {
   open();
   ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
