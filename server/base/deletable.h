@@ -35,6 +35,7 @@ enum class Check : std::uint8_t {
   kHashes,        // the slave's own look at the master's scene
   kToolReach,     // no tool is called further from the tip than the scene says
   kToolLatch,     // a hand that a tool held back does not take the arm along once it lets go
+  kStay,          // no tip leaves a target that stands out of reach
   kReach,         // a target is a rated step from all that the controller may hold
   kWay,           // no session opens over too long a way to the controller
   kPhase,         // a reply before its cycle is not taken for the next one's

@@ -15,6 +15,7 @@ constexpr double kOff = 2e-6;         // [m]
 constexpr double kFromEnd = 1e-7;     // of a range, so that rounding does not end there [rad]
 constexpr double kLeastSpeed = 0.05;  // of a joint's that has little way to go
 constexpr int kIterations = 4;
+constexpr int kParts = 8;  // of a way, to see how far off it leads
 
 // What each joint may do this cycle [rad].
 struct StepBox {
@@ -86,6 +87,25 @@ bool slide(const PlanLimits& limits, const TipSpace& space, const TipMotion& fro
 JointVector own_way(const PlanLimits& limits, const GuardState& joints, const JointVector& there,
                     double speed) noexcept {
   return joints.q + own_steps(limits, joints, there, speed);
+}
+
+double own_cycles(const PlanLimits& limits, const JointVector& q,
+                  const JointVector& there) noexcept {
+  double most = 0.0;
+  for (int i = 0; i < kJoints; ++i) {
+    const AxisLimits& l = limits.axis[static_cast<std::size_t>(i)];
+    const double way = std::abs(there[i] - q[i]);
+    most = std::max({most, way / l.speed, std::sqrt(way / l.acceleration)});
+  }
+  return most;
+}
+
+double detour(const ArmGeometry& arm, const JointVector& q, const JointVector& there,
+              const Vec3& p) noexcept {
+  const auto off = [&](double part) { return (forward(arm, q + part * (there - q)).p - p).norm(); };
+  double most = 0.0;
+  for (int i = 1; i < kParts; ++i) most = std::max(most, off(static_cast<double>(i) / kParts));
+  return most - off(0.0);
 }
 
 }  // namespace handrail

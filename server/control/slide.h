@@ -18,4 +18,12 @@ bool slide(const PlanLimits& limits, const TipSpace& space, const TipMotion& fro
 JointVector own_way(const PlanLimits& limits, const GuardState& joints, const JointVector& there,
                     double speed) noexcept;
 
+// About how many cycles that way takes.
+double own_cycles(const PlanLimits& limits, const JointVector& q,
+                  const JointVector& there) noexcept;
+
+// How much further from p the joints' own way from q takes the tip than it is at q [m].
+double detour(const ArmGeometry& arm, const JointVector& q, const JointVector& there,
+              const Vec3& p) noexcept;
+
 }  // namespace handrail

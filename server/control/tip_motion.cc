@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/base/deletable.h"
 #include "server/control/slide.h"
 #include "server/control/tip_law.h"
 #include "server/kinematics/reach.h"
@@ -17,7 +18,10 @@ constexpr double kOnSpace = 5e-6;    // further off a tip is not on its space [m
 constexpr double kSlow = 0.02;       // a tip that moves less is as good as standing [m/s]
 constexpr double kStanding = 0.002;  // [m/s]
 constexpr double kLever = 0.1;
-constexpr int kAround = 70;           // cycles
+constexpr int kAround = 70;  // cycles
+// With 0.05 an arm that turns through a straight wrist waits there for the hand; with 0.12 one
+// whose wrist unwinds takes the tip as far away from a hand that stands [m].
+constexpr double kDetourMost = 0.085;
 constexpr double kGoing = 1e-5;       // slower is standing [rad]
 constexpr double kNearly = 1e-2;      // [rad]
 constexpr int kStraightAgain = 15;    // straight steps in a row end a slide
@@ -91,6 +95,8 @@ class Planner {
         state_(state) {}
 
   void set_goal(const Vec3& p) { p_goal_ = p; }
+  // From here on no step, nor its stop, takes the tip further from p than it is, or its goal.
+  void stay_near(const Vec3& p) { p_stay_ = p; }
   const PlanLimits& limits() const { return limits_; }
   const Verdict& refused() const { return refused_; }
 
@@ -129,7 +135,8 @@ class Planner {
 
   // By the joints' own way: the tip keeps its place and way while its turn lags. Where that does
   // not lead on, nothing holds the tip and it is `stuck`, the joints go round. They begin at rest:
-  // what moves them then would take the tip anywhere.
+  // what moves them then would take the tip anywhere. And not where that is a way nobody would
+  // expect: there the arm waits for the hand to lead on.
   bool otherwise(const Ways& ways, const JointVector& there, double speed, bool stuck) {
     state_.sliding = kStraightAgain;
     if (state_.around == 0) {
@@ -137,7 +144,8 @@ class Planner {
         if (sliding(there, state_.X_ST.p + step->linear, speed)) return true;
       }
     }
-    const bool begins = stuck && ends(state_.stop);
+    const bool begins = stuck && ends(state_.stop) &&
+                        detour(limits_.guard.arm, state_.joints.q, there, p_goal_) < kDetourMost;
     if (!space_.everything() || (state_.around == 0 && !begins)) return false;
     state_.around = state_.around > 0 ? state_.around - 1 : kAround;
     for (const double share : {1.0, 0.4, 0.15}) {
@@ -183,9 +191,22 @@ class Planner {
     Verdict why;
     if (!plan_stop(limits_, space_, next, beside, trial_, why)) return refuse(why);
     if (passes(next)) return refuse({Reason::kJointAcceleration, -1});
+    if (leaves(X.p) || leaves(end_of_stop(next))) return refuse({Reason::kOutOfReach, -1});
     static_cast<TipMotion&>(state_) = next;
     state_.stop = trial_;
     return true;
+  }
+
+  // Where the tip comes to rest that stops from `next`.
+  Vec3 end_of_stop(const TipMotion& next) const {
+    if (trial_.size == 0) return next.X_ST.p;
+    return forward(limits_.guard.arm, trial_.q[static_cast<std::size_t>(trial_.size - 1)]).p;
+  }
+
+  bool leaves(const Vec3& p) const {
+    if (!p_stay_) return false;
+    const auto off = [&](const Vec3& place) { return (place - *p_stay_).norm(); };
+    return off(p) > std::max(off(state_.X_ST.p), off(p_goal_) + kUnheld);
   }
 
   // Whether the stop from `next` ends beyond the goal that lies ahead.
@@ -195,14 +216,14 @@ class Planner {
     // A slow tip that turns may waver about its place.
     if (trial_.size == 0 || step.norm() < kSlow * settings_.dt) return false;
     if (way.dot(step) < kAhead * way.norm() * step.norm()) return false;
-    const JointVector& end = trial_.q[static_cast<std::size_t>(trial_.size - 1)];
     const double held = space_.freedom() < 3 ? kPasses : kPassesFree;
     const double most = std::max(beside_, held);
-    return (forward(limits_.guard.arm, end).p - p_goal_).dot(way) > most * way.norm();
+    return (end_of_stop(next) - p_goal_).dot(way) > most * way.norm();
   }
 
   const MotionSettings& settings_;
   Vec3 p_goal_ = Vec3::Zero();
+  std::optional<Vec3> p_stay_;
   PlanLimits limits_;
   const TipSpace& space_;
   const double beside_;  // how far a stop may end beside the tip's way or past its goal
@@ -247,15 +268,10 @@ double tip_speed(const TipMotion& m) {
   return m.tip_step.linear.norm() + kLever * m.tip_step.angular.norm();
 }
 
-// About how many cycles the joints' own way takes.
-double own_cycles(const PlanLimits& limits, const JointVector& q, const JointVector& there) {
-  double most = 0.0;
-  for (int i = 0; i < kJoints; ++i) {
-    const AxisLimits& l = limits.axis[static_cast<std::size_t>(i)];
-    const double way = std::abs(there[i] - q[i]);
-    most = std::max({most, way / l.speed, std::sqrt(way / l.acceleration)});
-  }
-  return most;
+// Whether a target that was at `before` a cycle of dt [s] ago is as good as standing.
+bool standing_since(const Pose& before, const Pose& now, double dt) {
+  const Twist way = between(before, now);
+  return way.linear.norm() + kLever * way.angular.norm() < kSlow * dt;
 }
 
 // True for what the straight way runs into; false for what only slows it.
@@ -284,12 +300,18 @@ Moved move_toward(const MotionSettings& settings, const TipSpace& space, const P
   const TipSpace within = space_now(space, target.p, state);
   const bool free = space.everything() && !space.touched;
   Planner planner(settings, within, free, state);
-  const Reached reached =
-      nearest_reachable(settings.arm, settings.limits, within, {within.nearest(target.p), target.q},
-                        state.joints.q, planner.limits().from_end);
+  // A target in reach is gone to whatever the way; out of reach there is none that is worth a
+  // detour unless the hand moves on.
+  const bool stands =
+      state.beyond && kept(Check::kStay) && standing_since(state.beyond->asked, asked, settings.dt);
+  const Reached reached = nearest_reachable(
+      settings.arm, settings.limits, within, {within.nearest(target.p), target.q}, state.joints.q,
+      planner.limits().from_end, stands ? &state.beyond->p : nullptr);
   const Pose goal{within.nearest(reached.X.p), reached.X.q};
   planner.set_goal(goal.p);
   const bool in_reach = reached.joint < 0;
+  state.beyond = in_reach ? std::nullopt : std::optional(BeyondReach{asked, reached.X.p});
+  if (!in_reach && stands) planner.stay_near(target.p);
   Moved moved{goal.p, beyond_reach(reached), {}};
   if (in_reach && target.p != asked.p) moved.reach = {Reason::kWorkspace, -1};
 

@@ -181,26 +181,26 @@ void Auditor::remember_place(const Vec3& p, Nanos at) noexcept {
   box.high = box.high.cwiseMax(p);
 }
 
-// A tip that only ever moves toward fresh commands stays among them and where it stood, but for its
-// stop where they turn before it. From commands that the arm cannot reach it only never goes away,
-// but as far as they go themselves.
+// A tip that only ever moves toward fresh commands comes nearer to the newest, but as far as that
+// goes itself; or it stays among them and where it stood, where the arm can reach them. But for its
+// stop where they turn before it.
 void Auditor::check_place(Nanos at) noexcept {
   if (!heard_) return;
   const Pose& asked = newest_.X_SU;
-  if (newest_.has_command && !in_reach(asked)) {
-    const double gap = (tip() - asked.p).norm();
-    const double went =
-        (asked.p - asked_.p).norm() + limits_.arm.d6 * angle_between(asked.q, asked_.q);
+  const double gap = (tip() - asked.p).norm();
+  const double went =
+      (asked.p - asked_.p).norm() + limits_.arm.d6 * angle_between(asked.q, asked_.q);
+  gap_ = std::min(gap_ + went, gap);
+  asked_ = asked;
+  const bool was_beyond = beyond_reach_;
+  beyond_reach_ = newest_.has_command && !in_reach(asked);
+  if (beyond_reach_) {
     // What now is asked may lie behind a tip on its way.
-    if (!beyond_reach_ || went > 0.0) remember_stop();
-    gap_ = beyond_reach_ ? std::min(gap_ + went, gap) : gap;
-    beyond_reach_ = true;
-    asked_ = asked;
+    if (!was_beyond || went > 0.0) remember_stop();
     if (too_far(gap - gap_)) breach(Breach::kUnasked);
     remember_place(tip(), at);
     return;
   }
-  beyond_reach_ = false;
   Vec3 low = rest_.cwiseMin(asked.p);
   Vec3 high = rest_.cwiseMax(asked.p);
   for (const Box& box : boxes_) {
@@ -209,8 +209,9 @@ void Auditor::check_place(Nanos at) noexcept {
     high = high.cwiseMax(box.high);
   }
   const double outside = std::max((low - tip()).maxCoeff(), (tip() - high).maxCoeff());
-  if (outside <= 0.0) remember_stop();
-  if (too_far(outside)) breach(Breach::kUnasked);
+  const double off = std::min(outside, gap - gap_);
+  if (off <= 0.0) remember_stop();
+  if (too_far(off)) breach(Breach::kUnasked);
 }
 
 // The place commanded, out of the surface as far as the tip is, is one where it may be.

@@ -156,7 +156,7 @@ class Auditor {
   double even_way_ = 0.0;       // then [m]
   bool beyond_reach_ = false;   // as of the last command
   Pose asked_;                  // then
-  double gap_ = 0.0;            // from it to the tip, at most [m]
+  double gap_ = 1e9;            // from it to the tip, at most [m]
   double stop_time_ = 0.0;      // that the joints needed at the last command [s]
   ToolDefinition tool_;
   std::uint32_t tool_of_ = 0;  // incarnation

@@ -46,6 +46,7 @@ constexpr std::array kProofs = {
     FaultProof{Check::kHashes, "hashes", "D3", 8, "ms engaged with another scene"},
     FaultProof{Check::kToolReach, "tool-reach", "X2c", 1, "further by itself"},
     FaultProof{Check::kToolLatch, "tool-latch", "X2c", 1, "further by itself"},
+    FaultProof{Check::kStay, "stay", "X2d", 80, "left a hand that stands"},
     FaultProof{Check::kReach, "reach", "R1a", 5, "target further away"},
     FaultProof{Check::kWay, "way", "R1b", 12, "engaged over too long a way"},
     FaultProof{Check::kPhase, "phase", "R1b", 3, "beyond the limits at the controller"},

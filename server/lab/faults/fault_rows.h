@@ -44,7 +44,7 @@ using Row = FaultOutcome(const RowRun& run);
 // network_rows.cc
 Row n1a, n1b, n1c, n2, n3, n4, n5, n6, n9, n10a, n10b, n11, n13;
 // process_rows.cc
-Row p1, p5, c2, x2b, x9a;
+Row p1, p5, c2, x2b, x2d, x9a;
 // device_rows.cc
 Row s1a, s1b, s1c, s2a, s2b, s3a, s3b, s4, s5;
 // robot_rows.cc

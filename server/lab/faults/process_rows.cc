@@ -87,6 +87,8 @@ Quat random_turn(Random& random, double angle) {
   return Quat(Eigen::AngleAxisd(angle * random.uniform(), random_vector(random, 1.0).normalized()));
 }
 
+Vec3 any_direction(Random& random) { return random_vector(random, 1.0).normalized(); }
+
 ToolDefinition hostile_tool(Random& random, const Vec3& p, std::uint32_t epoch) {
   ToolDefinition tool;
   tool.epoch = epoch;
@@ -140,6 +142,39 @@ FaultOutcome x2b(const RowRun& row) {
   const AuditReport& report = run.auditor().report();
   measure(out, std::max({report.speed, report.acceleration, report.jerk}), 1.0);
   find(out, report.moved < 1000, "hardly moved: nothing was tried");
+  return out;
+}
+
+// A hand that goes far out of the arm's reach, turns, and stands. While it stands the arm goes no
+// further from it.
+FaultOutcome x2d(const RowRun& row) {
+  constexpr int kWay = 1400;     // [ms]
+  constexpr int kStands = 6000;  // [ms]
+  constexpr Nanos kComesToRest = 400 * kMillisecond;
+  FaultRun run(row.seed);
+  const Vec3 way = (0.1 + 0.4 * run.random().uniform()) * any_direction(run.random());
+  const Vec3 turn = 1.5 * run.random().uniform() * any_direction(run.random());
+  double done = 0.0;
+  run.layers().hand = [&](Nanos, HandReading& hand) {
+    hand.X_MH.p = done * way;
+    hand.X_MH.q = rotation_exp(done * turn);
+    hand.v_MH.setZero();
+  };
+  if (!run.engage()) return not_engaged();
+  for (int i = 1; i <= kWay; ++i) {
+    done = static_cast<double>(i) / kWay;
+    run.tick();
+  }
+  run.run(kComesToRest);
+  double nearest = run.auditor().behind(), away = 0.0;
+  for (int i = 0; i < kStands; ++i) {
+    run.tick();
+    nearest = std::min(nearest, run.auditor().behind());
+    away = std::max(away, run.auditor().behind() - nearest);
+  }
+  FaultOutcome out = run.outcome();
+  measure(out, 1e3 * away, 1e3 * Auditor::kRoom);
+  find(out, nearest > Auditor::kRoom && away > Auditor::kRoom, "left a hand that stands");
   return out;
 }
 

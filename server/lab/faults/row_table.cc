@@ -63,6 +63,7 @@ constexpr FaultRow kRows[] = {
     {"X2a", "a million hostile sequences to the guard alone", "of the limits", 20, 2, rows::x2a},
     {"X2b", "20 000 hostile sequences to the whole slave", "of the limits", 8, 1, rows::x2b},
     {"X2c", "tools called anywhere with the hand still", "mm", 8, 2, rows::x2c},
+    {"X2d", "a hand far out of reach, turned, that stands", "mm away", 80, 8, rows::x2d},
     {"X9a", "a second master at the same slave", "datagrams applied", 4, 1, rows::x9a},
     {"X4", "a stop at 30 % loss, a stop in a mad master's datagrams", "ms to stop", 20, 2,
      rows::x4},
