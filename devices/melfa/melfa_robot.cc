@@ -58,17 +58,17 @@ RobotEvent MelfaRobot::wait(RobotReply& reply) noexcept { return wait_until(repl
 
 RobotEvent MelfaRobot::wait_until(RobotReply& reply, Nanos until) noexcept {
   for (;;) {
-    bool fresh = false;
+    int cycles = 0;  // that replies have begun
     bool rejected = false;
     for (int i = 0; i < kMaxDrain; ++i) {
       const std::optional<std::size_t> size = socket_.receive(buffer_);
       if (!size) break;
       const std::optional<RobotEvent> event =
           client_.on_datagram({buffer_.data(), *size}, monotonic_now(), reply);
-      fresh = fresh || event == RobotEvent::kReply;
+      if (event == RobotEvent::kReply) reply.cycles = cycles += reply.cycles;
       rejected = rejected || event == RobotEvent::kRejected;
     }
-    if (fresh) return RobotEvent::kReply;
+    if (cycles > 0) return RobotEvent::kReply;
     const Nanos now = monotonic_now();
     if (const std::optional<RobotEvent> event = client_.poll(now, reply)) {
       if (client_.opening()) socket_.send(client_.packet());

@@ -14,12 +14,13 @@ constexpr int kPhaseWindow = 64;
 // So much later it has, of a period: a controller of 7.11 ms, for which 7.1 ms are reckoned, needs
 // 89 cycles for it.
 constexpr int kMoved = 8;
-// A reply may come so much before its cycle, of a period: a quarter while the phase is new. Once it
-// is found, 0.2 ms: after all silent cycles that do not begin it anew, a controller of 7.09 ms is
-// 0.14 ms early. What comes so early may also be an earlier reply, late or twice; two packets are
-// then sent for one cycle and none for the next.
-constexpr int kEarly = 4;
-constexpr int kEarlyFound = 32;  // of a period
+// A reply may come so much before its cycle, of a period, 0.2 ms: after all silent cycles that do
+// not begin it anew, a controller of 7.09 ms is 0.14 ms early.
+constexpr int kEarly = 32;
+// While the phase is new, a reply that is early by up to a quarter of a period tells that the
+// cycles begin earlier. It may also be an earlier one, late or twice: were it the next cycle's, two
+// packets would be sent for one cycle and none for the next.
+constexpr int kEarlyNew = 4;
 // Silent cycles after which the controller may be another one, with cycles of its own: none starts
 // anew in less than 0.1 s.
 constexpr int kAnother = 14;
@@ -165,9 +166,10 @@ std::optional<RobotEvent> MxtClient::on_datagram(Bytes bytes, Nanos now,
     phase_found_ = false;
   }
   // A little early it is the next cycle's, unless the present one still waits for its own.
+  bool early = false;
   if (cycles == 0 && cycle_answered_) {
-    const bool found = phase_found_ && kept(Check::kPhase);
-    cycles = cycles_begun(now + options_.period / (found ? kEarlyFound : kEarly));
+    cycles = cycles_begun(now + options_.period / (kept(Check::kPhase) ? kEarly : kEarlyNew));
+    early = cycles == 0 && !phase_found_ && cycles_begun(now + options_.period / kEarlyNew) > 0;
   }
   const bool late = cycles == 0;
   if (late) {
@@ -175,6 +177,10 @@ std::optional<RobotEvent> MxtClient::on_datagram(Bytes bytes, Nanos now,
     cycle_answered_ = true;
   } else {
     begin_cycle(cycles, reply);
+  }
+  if (early) {
+    learn_phase(now - cycle_ - options_.period);
+    return std::nullopt;
   }
   if (!anew) learn_phase(now - cycle_);
   if (!late) return RobotEvent::kReply;
