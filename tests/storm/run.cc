@@ -138,6 +138,8 @@ void Run::restart(const Act& act) {
     violated(fmt::format("{} ended with {}, expected {}", name(act.who), code, expected));
   }
   if (act.who == Who::kMaster) client_.close();
+  // Each tells the other; what neither remembers is over, and an operator has to engage anyway.
+  std::erase(stopped_, act.who);
   if (act.who != Who::kRig) forbid(std::string("the ") + name(act.who) + " had ended");
   live(monotonic_now() + act.lasts);
   if (!over()) (void)start(act.who);
@@ -146,7 +148,7 @@ void Run::restart(const Act& act) {
 
 void Run::stop() {
   std::string said;
-  stopped_ = true;
+  stopped_ = {Who::kMaster, Who::kSlave};
   const bool done = order("stop: true", said);
   if (done && said.find("the slave has it") != std::string::npos) forbid("the stop was confirmed");
 }
@@ -184,10 +186,10 @@ void Run::follow_way_out(const std::string& way) {
   if (says("reset")) {
     // One that the slave has not followed in time still counts: it acts when the slave can.
     (void)order("reset: true", said);
-    stopped_ = false;
+    stopped_.clear();
   }
   if (says("engage") && !says("engage --hold")) {
-    if (!stopped_) allow();
+    if (stopped_.empty()) allow();
     if (order("engage: true", said)) {
       led_ = true;
     } else {

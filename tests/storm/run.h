@@ -68,12 +68,12 @@ class Run {
   Outcome outcome_;
   std::vector<Forbidden> forbidden_;
   std::optional<Forbidden> forbidden_now_;
-  std::string told_;         // of the last order
-  bool stopped_ = false;     // a stop was ordered and not reset
-  bool led_ = false;         // seen engaged on both sides
-  bool driving_ = false;     // the hand moves
-  std::optional<Who> away_;  // ended, and not yet started anew
-  bool ended_ = false;       // a program ended by itself: no more to be seen
+  std::string told_;          // of the last order
+  std::vector<Who> stopped_;  // programs that know of a stop which was not reset
+  bool led_ = false;          // seen engaged on both sides
+  bool driving_ = false;      // the hand moves
+  std::optional<Who> away_;   // ended, and not yet started anew
+  bool ended_ = false;        // a program ended by itself: no more to be seen
 };
 
 }  // namespace handrail::storm
