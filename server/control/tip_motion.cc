@@ -191,7 +191,9 @@ class Planner {
     Verdict why;
     if (!plan_stop(limits_, space_, next, beside, trial_, why)) return refuse(why);
     if (passes(next)) return refuse({Reason::kJointAcceleration, -1});
-    if (leaves(X.p) || leaves(end_of_stop(next))) return refuse({Reason::kOutOfReach, -1});
+    if (p_stay_ && (leaves(X.p) || leaves(end_of_stop(next)))) {
+      return refuse({Reason::kOutOfReach, -1});
+    }
     static_cast<TipMotion&>(state_) = next;
     state_.stop = trial_;
     return true;
@@ -204,7 +206,6 @@ class Planner {
   }
 
   bool leaves(const Vec3& p) const {
-    if (!p_stay_) return false;
     const auto off = [&](const Vec3& place) { return (place - *p_stay_).norm(); };
     return off(p) > std::max(off(state_.X_ST.p), off(p_goal_) + kUnheld);
   }
@@ -223,7 +224,7 @@ class Planner {
 
   const MotionSettings& settings_;
   Vec3 p_goal_ = Vec3::Zero();
-  std::optional<Vec3> p_stay_;
+  std::optional<Vec3> p_stay_;  // no step leads further from it [m]
   PlanLimits limits_;
   const TipSpace& space_;
   const double beside_;  // how far a stop may end beside the tip's way or past its goal
@@ -300,8 +301,8 @@ Moved move_toward(const MotionSettings& settings, const TipSpace& space, const P
   const TipSpace within = space_now(space, target.p, state);
   const bool free = space.everything() && !space.touched;
   Planner planner(settings, within, free, state);
-  // A target in reach is gone to whatever the way; out of reach there is none that is worth a
-  // detour unless the hand moves on.
+  // The place gone to for a target out of reach is looked for from where the tip is: it would move
+  // away as the tip turns. A hand that moves on leads out of what holds the tip there.
   const bool stands =
       state.beyond && kept(Check::kStay) && standing_since(state.beyond->asked, asked, settings.dt);
   const Reached reached = nearest_reachable(

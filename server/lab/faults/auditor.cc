@@ -188,12 +188,13 @@ void Auditor::check_place(Nanos at) noexcept {
   if (!heard_) return;
   const Pose& asked = newest_.X_SU;
   const double gap = (tip() - asked.p).norm();
-  const double went =
-      (asked.p - asked_.p).norm() + limits_.arm.d6 * angle_between(asked.q, asked_.q);
-  gap_ = std::min(gap_ + went, gap);
-  asked_ = asked;
   const bool was_beyond = beyond_reach_;
   beyond_reach_ = newest_.has_command && !in_reach(asked);
+  double went = (asked.p - asked_.p).norm();
+  // Out of reach the place that the tip gets to goes along with the turn asked for.
+  if (beyond_reach_) went += limits_.arm.d6 * angle_between(asked.q, asked_.q);
+  asked_ = asked;
+  gap_ = beyond_reach_ && !was_beyond ? gap : std::min(gap_ + went, gap);
   if (beyond_reach_) {
     // What now is asked may lie behind a tip on its way.
     if (!was_beyond || went > 0.0) remember_stop();

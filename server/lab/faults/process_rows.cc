@@ -173,8 +173,10 @@ FaultOutcome x2d(const RowRun& row) {
     away = std::max(away, run.auditor().behind() - nearest);
   }
   FaultOutcome out = run.outcome();
-  measure(out, 1e3 * away, 1e3 * Auditor::kRoom);
-  find(out, nearest > Auditor::kRoom && away > Auditor::kRoom, "left a hand that stands");
+  // A hand in reach is gone to, whatever the way: the auditor judges that.
+  const double left = nearest > Auditor::kRoom ? away : 0.0;
+  measure(out, 1e3 * left, 1e3 * Auditor::kRoom);
+  find(out, left > Auditor::kRoom, "left a hand that stands");
   return out;
 }
 

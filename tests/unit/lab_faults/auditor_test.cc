@@ -193,15 +193,19 @@ TEST(AuditorTest, AStopIsDueWhenTheMasterSaysSoOrTheRowDoes) {
 }
 
 TEST(AuditorTest, ATipWhereNobodySentItIsFound) {
-  Stream s;
-  const Pose start = s.state.X_SU;
-  s.change_speed(kFast);
-  s.coast(5);
-  EXPECT_EQ(s.report().total(), 0u);
-  s.state.X_SU = start;
-  for (int i = 0; i < 20; ++i) s.cycle(kFast);  // the commands stay, the tip goes on
-  EXPECT_GT(s.report().of(Breach::kUnasked), 0u);
-  EXPECT_EQ(s.report().total(), s.report().of(Breach::kUnasked));
+  for (const double turn : {0.0, 0.005}) {  // of the hand, in its place, a cycle [rad]
+    Stream s;
+    const Pose start = s.state.X_SU;
+    s.change_speed(kFast);
+    s.coast(5);
+    EXPECT_EQ(s.report().total(), 0u);
+    for (int i = 0; i < 20; ++i) {  // the commands stay, the tip goes on
+      s.state.X_SU = {start.p, rotation_exp(i * turn * Vec3::UnitZ()) * start.q};
+      s.cycle(kFast);
+    }
+    EXPECT_GT(s.report().of(Breach::kUnasked), 0u) << turn;
+    EXPECT_EQ(s.report().total(), s.report().of(Breach::kUnasked));
+  }
 }
 
 // The nearest the arm can do need not lie between the commands.
