@@ -24,6 +24,7 @@ struct RobotReply {
   bool has_measured = false;                      // q_measured is of a reply since the event before
   bool has_commanded = false;                     // ... and q_commanded
   bool fresh = false;                             // either
+  bool prompt = false;                            // ... as its cycle began: it is of no earlier one
   int cycles = 1;                   // of the controller since the event before, 1 or more
   std::uint32_t missed_cycles = 0;  // cycles the controller says it waited for us
 };

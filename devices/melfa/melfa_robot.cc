@@ -58,17 +58,19 @@ RobotEvent MelfaRobot::wait(RobotReply& reply) noexcept { return wait_until(repl
 
 RobotEvent MelfaRobot::wait_until(RobotReply& reply, Nanos until) noexcept {
   for (;;) {
-    int cycles = 0;  // that replies have begun
+    Nanos read_at = 0;  // all of them: one event at most comes of what is read together
+    bool replied = false;
     bool rejected = false;
     for (int i = 0; i < kMaxDrain; ++i) {
       const std::optional<std::size_t> size = socket_.receive(buffer_);
       if (!size) break;
+      if (i == 0) read_at = monotonic_now();
       const std::optional<RobotEvent> event =
-          client_.on_datagram({buffer_.data(), *size}, monotonic_now(), reply);
-      if (event == RobotEvent::kReply) reply.cycles = cycles += reply.cycles;
+          client_.on_datagram({buffer_.data(), *size}, read_at, reply);
+      replied = replied || event == RobotEvent::kReply;
       rejected = rejected || event == RobotEvent::kRejected;
     }
-    if (cycles > 0) return RobotEvent::kReply;
+    if (replied) return RobotEvent::kReply;
     const Nanos now = monotonic_now();
     if (const std::optional<RobotEvent> event = client_.poll(now, reply)) {
       if (client_.opening()) socket_.send(client_.packet());

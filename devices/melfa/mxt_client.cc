@@ -1,6 +1,7 @@
 #include "devices/melfa/mxt_client.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <utility>
 
 #include "server/base/deletable.h"
@@ -14,13 +15,17 @@ constexpr int kPhaseWindow = 64;
 // So much later it has, of a period: a controller of 7.11 ms, for which 7.1 ms are reckoned, needs
 // 89 cycles for it.
 constexpr int kMoved = 8;
+// So many replies in a row that come as late as the first of them, within 0.2 ms, tell it at once:
+// where each comes at any time in half a cycle, they do so by chance once in four hours.
+constexpr int kAlike = 8;     // [replies]
+constexpr int kAlikeBy = 32;  // of a period
 // A reply may come so much before its cycle, of a period, 0.2 ms: after all silent cycles that do
 // not begin it anew, a controller of 7.09 ms is 0.14 ms early.
 constexpr int kEarly = 32;
-// While the phase is new, a reply that is early by up to a quarter of a period tells that the
-// cycles begin earlier. It may also be an earlier one, late or twice: were it the next cycle's, two
-// packets would be sent for one cycle and none for the next.
-constexpr int kEarlyNew = 4;
+// And so much where it says that the target of the present cycle is taken: 1.8 ms.
+constexpr int kEarlyTaken = 4;
+// A reply later than this in its cycle, of a period, may be of the cycle before.
+constexpr int kPrompt = 8;
 // Silent cycles after which the controller may be another one, with cycles of its own: none starts
 // anew in less than 0.1 s.
 constexpr int kAnother = 14;
@@ -74,32 +79,41 @@ int MxtClient::cycles_begun(Nanos now) const noexcept {
   return static_cast<int>(std::clamp<Nanos>((now - cycle_) / options_.period, 0, kMost));
 }
 
-void MxtClient::begin_cycle(int cycles, RobotReply& reply) noexcept {
+void MxtClient::begin_cycle(int cycles, Nanos now, RobotReply& reply) noexcept {
   cycle_ += cycles * options_.period;
   deadline_ = cycle_ + 2 * options_.period - spare();
   reply.cycles = cycles;
   reply.has_measured = has_measured_;
   reply.has_commanded = has_commanded_;
   reply.fresh = cycle_answered_ = has_measured_ || has_commanded_;
+  const bool prompt = now - cycle_ <= options_.period / kPrompt || !kept(Check::kPrompt);
+  reply.prompt = reply.fresh && prompt;
   has_measured_ = has_commanded_ = false;
+  told_ = Told::kNothing;
 }
 
 // `late`: of a reply, behind where its cycle was thought to begin. None is sent before that.
 void MxtClient::learn_phase(Nanos late) noexcept {
+  const bool alike = std::abs(late - run_late_) <= options_.period / kAlikeBy;
+  alike_ = alike ? alike_ + 1 : 1;
+  if (!alike) run_late_ = late;
   least_late_ = std::min(least_late_, late);
-  if (late >= 0 && ++seen_ < kPhaseWindow) return;
-  const bool moves = late < 0 || least_late_ > options_.period / kMoved;
-  if (moves) {
+  const bool sure = late < 0 || alike_ >= kAlike;
+  if (++seen_ < kPhaseWindow && !sure) return;
+  const Nanos least = sure ? late : least_late_;
+  if (least < 0 || least > options_.period / kMoved) {
     // Replies that all come late in a cycle are early ones of the next: no cycle is left out.
-    const Nanos moved =
-        2 * least_late_ > options_.period ? least_late_ - options_.period : least_late_;
+    const Nanos moved = 2 * least > options_.period ? least - options_.period : least;
     cycle_ += moved;
     deadline_ += moved;
   }
-  // Where all were late for a while, they may come in time again.
-  if (late >= 0) phase_found_ = !moves;
+  forget_phase();
+}
+
+void MxtClient::forget_phase() noexcept {
   least_late_ = kForever;
-  seen_ = 0;
+  run_late_ = -options_.period;
+  seen_ = alike_ = 0;
 }
 
 // The packet last sent asked for `q_measured`, and this is its reply. Of a target that is held
@@ -110,18 +124,27 @@ bool MxtClient::taken(const JointVector& q_measured) noexcept {
   return asked_measured_ && (held_ || !again);
 }
 
-void MxtClient::hear_short(const JointVector* q_measured, RobotReply& reply) noexcept {
-  if (q_measured == nullptr) {
-    held_ = reply.q_commanded == q_sent_;
-    return;
-  }
-  if (taken(*q_measured)) {
+// Whether the reply says that the controller holds the target last sent.
+bool MxtClient::hear(const JointVector* q_measured, bool commanded, RobotReply& reply) noexcept {
+  if (commanded || !short_form()) return held_ = commanded && reply.q_commanded == q_sent_;
+  const bool took = taken(*q_measured);
+  if (took) {
     reply.q_commanded = q_sent_;
     held_ = has_commanded_ = true;
   } else {
     doubt_ = kDoubt;
   }
   asked_measured_ = false;
+  return took;
+}
+
+// How long before its cycle a reply may come that says or not that it `took` the newest target.
+// Who has not told this cycle anything yet cannot be answered, and a target that was held before is
+// held at any time.
+Nanos MxtClient::most_early(bool took) const noexcept {
+  if (told_ == Told::kNothing) return 0;
+  if (told_ == Told::kSame || !kept(Check::kPhase)) return options_.period / kEarly;
+  return took ? options_.period / kEarlyTaken : 0;
 }
 
 std::optional<RobotEvent> MxtClient::on_datagram(Bytes bytes, Nanos now,
@@ -153,7 +176,7 @@ std::optional<RobotEvent> MxtClient::on_datagram(Bytes bytes, Nanos now,
     if (!hear_opening(packet.type[0] == MxtType::kJoint, now)) return std::nullopt;
     q_sent_ = reply.q_commanded;
   }
-  if (short_form()) hear_short(measured != nullptr ? &reply.q_measured : nullptr, reply);
+  const bool took = hear(&reply.q_measured, commanded != nullptr, reply);
   int cycles = answered_ ? cycles_begun(now) : 1;
   // The first one, and the first of what may be another controller, begins the cycles anew.
   const bool anew = !answered_ || silent > kAnother;
@@ -161,33 +184,24 @@ std::optional<RobotEvent> MxtClient::on_datagram(Bytes bytes, Nanos now,
     answered_ = true;
     cycle_ = now - cycles * options_.period;
     deadline_ = cycle_ + 2 * options_.period - spare();
-    least_late_ = kForever;
-    seen_ = 0;
-    phase_found_ = false;
+    forget_phase();
   }
   // A little early it is the next cycle's, unless the present one still waits for its own.
-  bool early = false;
-  if (cycles == 0 && cycle_answered_) {
-    cycles = cycles_begun(now + options_.period / (kept(Check::kPhase) ? kEarly : kEarlyNew));
-    early = cycles == 0 && !phase_found_ && cycles_begun(now + options_.period / kEarlyNew) > 0;
-  }
+  if (cycles == 0 && cycle_answered_) cycles = cycles_begun(now + most_early(took));
   const bool late = cycles == 0;
+  const bool second = late && cycle_answered_;
   if (late) {
     ++counters_.late;
     cycle_answered_ = true;
   } else {
-    begin_cycle(cycles, reply);
+    begin_cycle(cycles, now, reply);
   }
-  if (early) {
-    learn_phase(now - cycle_ - options_.period);
-    return std::nullopt;
-  }
-  if (!anew) learn_phase(now - cycle_);
+  if (!anew && !second) learn_phase(now - cycle_);
   if (!late) return RobotEvent::kReply;
   // By what was learnt just now it may be the next one's after all.
   cycles = cycles_begun(now);
   if (cycles == 0) return std::nullopt;
-  begin_cycle(cycles, reply);
+  begin_cycle(cycles, now, reply);
   return RobotEvent::kReply;
 }
 
@@ -196,7 +210,7 @@ std::optional<RobotEvent> MxtClient::poll(Nanos now, RobotReply& reply) noexcept
   if (now < deadline_) return std::nullopt;
   if (!answered_) return poll_opening(now);
   if (lost()) return RobotEvent::kLost;
-  begin_cycle(std::max(cycles_begun(now), 1), reply);
+  begin_cycle(std::max(cycles_begun(now), 1), now, reply);
   cycle_answered_ = false;
   return RobotEvent::kSilence;
 }
@@ -288,6 +302,7 @@ MxtClient::Bytes MxtClient::write(MxtCommand command, const JointVector& q_targe
     const JointVector q = packet.block[0].joints();
     held_ = held_ && q == q_sent_;
     q_sent_ = q;
+    told_ = held_ ? Told::kSame : Told::kNew;
   }
   if (command != MxtCommand::kEnd) packet.type = {MxtType::kFeedbackJoint, MxtType::kJoint};
   if (asked_measured_) doubt_ = kDoubt;

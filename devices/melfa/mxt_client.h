@@ -101,14 +101,23 @@ class MxtClient {
     kGivenUp,     // not answered in time; what may be on its way is waited for
   };
 
+  // What the present cycle's packet asks of the arm.
+  enum class Told : std::uint8_t {
+    kNothing,  // none is sent, or one without a target
+    kSame,     // the target that is held already
+    kNew,      // another one
+  };
+
   bool short_form() const noexcept { return options_.packet_bytes == kMxtShort; }
   bool taken(const JointVector& q_measured) noexcept;
-  void hear_short(const JointVector* q_measured, RobotReply& reply) noexcept;
+  bool hear(const JointVector* q_measured, bool commanded, RobotReply& reply) noexcept;
+  Nanos most_early(bool took) const noexcept;
   Bytes write(MxtCommand command, const JointVector& q_target = JointVector::Zero()) noexcept;
   Nanos spare() const noexcept;
   int cycles_begun(Nanos now) const noexcept;
-  void begin_cycle(int cycles, RobotReply& reply) noexcept;
+  void begin_cycle(int cycles, Nanos now, RobotReply& reply) noexcept;
   void learn_phase(Nanos late) noexcept;
+  void forget_phase() noexcept;
   bool lost() noexcept;
   bool hear_opening(bool second, Nanos now) noexcept;
   void begin_try(Nanos now) noexcept;
@@ -127,19 +136,21 @@ class MxtClient {
   bool has_measured_ = false;  // said since the last event
   bool has_commanded_ = false;
   bool cycle_answered_ = false;
+  Told told_ = Told::kNothing;
   int losses_ = 0;
   std::uint32_t c_count_ = 0;
   Nanos deadline_ = kForever;
   Nanos cycle_ = 0;              // when the present cycle began
   Nanos least_late_ = kForever;  // replies behind their cycle's beginning, of the last `seen_`
   int seen_ = 0;
-  bool phase_found_ = false;  // the last kPhaseWindow replies did not move it
-  // Of the short form.
-  int doubt_ = 0;                             // packets to come that ask for the target
-  bool asked_measured_ = false;               // the packet last sent did, and has no reply yet
+  Nanos run_late_ = 0;                        // of the first of those in a row that are alike
+  int alike_ = 0;                             // how many these are
   bool held_ = false;                         // the controller has said that it holds `q_sent_`
   JointVector q_sent_ = JointVector::Zero();  // the last target, in 32 bits [rad]
-  std::array<JointVector, kKnown> q_heard_;   // measured, of the last replies [rad]
+  // Of the short form.
+  int doubt_ = 0;                            // packets to come that ask for the target
+  bool asked_measured_ = false;              // the packet last sent did, and has no reply yet
+  std::array<JointVector, kKnown> q_heard_;  // measured, of the last replies [rad]
   std::size_t heard_next_ = 0;
   std::array<std::uint8_t, kMxtLong> buffer_{};
   Bytes packet_;

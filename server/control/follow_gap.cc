@@ -9,8 +9,9 @@ constexpr int kMostCycles = 4;
 // A silent controller is asked every so many cycles: one that queues what it gets has little to
 // work off then, and one that is back is heard 28 ms later at most.
 constexpr int kAskEvery = 4;
-// One such answer may be late by a whole cycle.
-constexpr int kQueuedFor = 2;
+// An answer that is late by anything up to two periods looks so once in 16 times: four in a row are
+// chance once in eight minutes of such answers.
+constexpr int kQueuedFor = 4;
 
 }  // namespace
 
@@ -54,10 +55,10 @@ void hear_controller(const FollowSettings& settings, const FollowInput& in,
 }
 
 bool controller_has_enough(const FollowInput& in, FollowState& s) noexcept {
-  if (!in.has_commanded) return false;
-  const bool behind = s.train.unconfirmed() > 0;
-  if (in.answer == Answer::kOnTime) s.queued_for = behind ? s.queued_for + 1 : 0;
-  return in.answer == Answer::kOnTime && s.queued_for >= kQueuedFor;
+  if (in.answer == Answer::kOnTime && !in.has_commanded) return false;
+  const bool behind = in.answer == Answer::kOnTime && s.train.unconfirmed() > 0;
+  s.queued_for = behind ? s.queued_for + 1 : 0;
+  return s.queued_for >= kQueuedFor;
 }
 
 int joint_out_of_range(const FollowSettings& settings, const JointVector& q) noexcept {

@@ -36,14 +36,14 @@ struct FollowSettings {
 // What the controller has said since the last step.
 enum class Answer : std::uint8_t {
   kOnTime,  // of its newest cycle
-  kLate,    // of the cycle before: this one is silent
+  kLate,    // of that or of an earlier one
   kNone,    // nothing: what is known of the arm is old
 };
 
 struct FollowInput {
   JointVector q_measured = JointVector::Zero();   // [rad]
   JointVector q_commanded = JointVector::Zero();  // the target the controller holds [rad]
-  bool has_measured = true;   // the answer says where the arm is
+  bool has_measured = true;                       // the answer says where the arm is
   bool has_commanded = true;  // ... and which target is held; one that does not confirms nothing
   Answer answer = Answer::kOnTime;
   int cycles = 1;    // of the controller since the last step, at least 1
@@ -82,9 +82,9 @@ struct FollowState {
   bool placed = false;  // motion stands on a pose the controller confirmed
   CommandTrain train;   // what was sent, from what the controller has confirmed on
   bool gap = false;  // the arm was halted; it goes on from rest, from where the controller has it
-  bool halted = false;      // the motion was not over then
-  int waited = 0;           // cycles since then
-  int owed = 0;             // answers to what was sent before the first question
+  bool halted = false;  // the motion was not over then
+  int waited = 0;       // cycles since then
+  int owed = 0;         // answers to what was sent before the first question
   // By which joint most, a gap has ended where nobody sent the arm: another controller, or somebody
   // moved it. -1: it has not, or the session was off since.
   int elsewhere = -1;

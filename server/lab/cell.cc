@@ -213,9 +213,9 @@ void Cell::on_event(RobotEvent event, Nanos at) noexcept {
   follow_in_.q_commanded = reply_.q_commanded;
   follow_in_.has_measured = reply_.has_measured;
   follow_in_.has_commanded = reply_.has_commanded;
-  follow_in_.answer = event == RobotEvent::kReply                     ? Answer::kOnTime
-                      : reply_.fresh && event == RobotEvent::kSilence ? Answer::kLate
-                                                                      : Answer::kNone;
+  follow_in_.answer = event == RobotEvent::kLost || !reply_.fresh ? Answer::kNone
+                      : reply_.prompt                             ? Answer::kOnTime
+                                                                  : Answer::kLate;
   follow_in_.cycles = reply_.cycles;
   follow_in_.robot_ready = event != RobotEvent::kLost;
   follow_in_.fault = event == RobotEvent::kLost ? Reason::kRobotLost : Reason::kNone;

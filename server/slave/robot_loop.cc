@@ -55,9 +55,9 @@ Nanos RobotLoop::turn() {
     case RobotEvent::kReply:
     case RobotEvent::kSilence:
       ++(event == RobotEvent::kReply ? cycles_ : silences_);
-      input_.answer = event == RobotEvent::kReply ? Answer::kOnTime
-                      : reply_.fresh              ? Answer::kLate
-                                                  : Answer::kNone;
+      input_.answer = reply_.prompt  ? Answer::kOnTime
+                      : reply_.fresh ? Answer::kLate
+                                     : Answer::kNone;
       take_reply();
       step(now, Reason::kNone);
       send();

@@ -53,7 +53,7 @@ constexpr FaultRow kRows[] = {
     {"S2e", "in contact without noise: the sensor repeats itself", "N", 9, 3, rows::s2e},
     {"R1c", "robot packets lost, then a contact", "N", 12, 4, rows::r1c},
     {"R1a", "0.1 to 10 % of the robot's packets lost each way", "of the limits", 20, 5, rows::r1a},
-    {"R1b", "the robot's packets late, twice, out of order", "of the limits", 24, 6, rows::r1b},
+    {"R1b", "the robot's packets late, twice, out of order", "of the limits", 28, 7, rows::r1b},
     {"R2", "controller not heard for 10 ms to 1.4 s, stops meanwhile", "of the limits", 40, 5,
      rows::r2},
     {"R3", "slave stopped for 5 ms to a minute", "of the limits", 28, 7, rows::r3},

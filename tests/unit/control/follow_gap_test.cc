@@ -286,6 +286,28 @@ TEST_F(FollowGap, AControllerThatQueuesIsLeftToWorkOff) {
   EXPECT_EQ(rig.state.halts, 0u);
 }
 
+// The controller takes every target, but its answers come a cycle late: after the cycle's, or with
+// silent cycles between. Without a target in every cycle it would hold a moving arm.
+TEST_F(FollowGap, AnswersThatAreLateShowNoQueue) {
+  target.p.z() -= 0.29;  // slow enough for two targets of which nobody knows
+  cycles(8);
+  const FollowState start = rig.state;
+  const JointVector first = held;
+  for (const Answer between : {Answer::kLate, Answer::kNone}) {
+    rig.state = start;
+    JointVector before = held = first;
+    for (int i = 0; i < 12; ++i) {
+      // Three in a row that look in time, as chance would have it.
+      rig.in.answer = i % 4 == 3 ? between : Answer::kOnTime;
+      rig.in.q_measured = rig.in.q_commanded = before;
+      before = held;
+      follow_step(rig.settings, rig.in, rig.state, rig.out);
+      ASSERT_EQ(rig.out.send, Send::kTarget) << i;
+      held = rig.out.q_target;
+    }
+  }
+}
+
 TEST_F(FollowGap, AMasterInHoldLeadsNobody) {
   cycles(60);
   rig.in.master.state = SessionState::kHold;

@@ -3,9 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
-#include <thread>
-
 #include "server/base/clock.h"
 #include "tests/support/mxt/scripted_mxt_peer.h"
 
@@ -98,22 +95,6 @@ TEST(MelfaRobot, ReportsGarbageOnceAndWaitsOnForTheReply) {
   robot.send(golden::kTarget);
   EXPECT_TRUE(hears(robot, reply));
   robot.end();
-}
-
-// A program that stood still finds two replies, each of which begins a cycle.
-TEST(MelfaRobot, CountsEveryCycleOfRepliesThatAreReadTogether) {
-  ScriptedMxtPeer peer;
-  open_long(peer);
-  peer.expect(golden::move_long(4)).reply(golden::reply_long()).reply(golden::reply_long());
-  peer.ignore_the_rest().play();
-  MelfaRobot robot(options_for(peer, kCycle));
-  RobotReply reply;
-  ASSERT_TRUE(robot.connect(kNoHurry, reply));
-  robot.send(golden::kTarget);
-  // The second comes so little before the cycle after that it is taken for that one's.
-  std::this_thread::sleep_for(std::chrono::nanoseconds(2 * kCycle - 2 * kMillisecond));
-  EXPECT_EQ(robot.wait(reply), RobotEvent::kReply);
-  EXPECT_GE(reply.cycles, 2);
 }
 
 TEST(MelfaRobot, SendsNothingByItselfWhenTheControllerIsSilent) {

@@ -6,6 +6,7 @@
 
 #include "tests/support/mxt/mxt_golden.h"
 #include "tests/support/no_allocation.h"
+#include "tests/unit/melfa/mxt_client_rig.h"
 
 namespace handrail {
 namespace {
@@ -13,32 +14,6 @@ namespace {
 using golden::Packet;
 
 constexpr Nanos kPeriod = kMxtPeriod;
-
-Packet copy(MxtClient::Bytes bytes) { return {bytes.begin(), bytes.end()}; }
-
-class MxtClientTest : public ::testing::Test {
- protected:
-  // With the last reply of the opening after a period.
-  void open() {
-    client_.start(-3 * kPeriod);
-    hear_first(client_, golden::reply_long(), golden::reply_long_held());
-    ASSERT_EQ(client_.on_datagram(golden::reply_long_held(), kPeriod, reply_), RobotEvent::kReply);
-  }
-  std::optional<RobotEvent> hear(Nanos now) {
-    return client_.on_datagram(golden::reply_long(), now, reply_);
-  }
-  // The replies before the opening's last.
-  void hear_first(MxtClient& client, const Packet& first, const Packet& second) {
-    for (int i = -2; i <= 0; ++i) {
-      EXPECT_EQ(client.on_datagram(i == -2 ? first : second, i * kPeriod, reply_), std::nullopt);
-      EXPECT_EQ(client.poll(client.deadline(), reply_), RobotEvent::kSilence);
-    }
-    EXPECT_TRUE(client.opening());
-  }
-
-  MxtClient client_{MxtClientOptions{}};
-  RobotReply reply_;
-};
 
 TEST_F(MxtClientTest, SpeaksTheGoldenConversation) {
   EXPECT_EQ(copy(client_.start(-3 * kPeriod)), golden::null_long());
@@ -139,143 +114,6 @@ TEST_F(ShortForm, AnArmThatStandsNeedNotMeasureDifferently) {
     EXPECT_EQ(send(1), MxtType::kFeedbackJoint);
     hear(MxtType::kFeedbackJoint, measured(1));
     EXPECT_TRUE(reply_.has_commanded);
-  }
-}
-
-TEST_F(MxtClientTest, ACycleWithoutAReplyIsToldWhileAPacketCanStillCome) {
-  open();
-  client_.send(golden::kTarget);
-  const Nanos deadline = 3 * kPeriod - kPeriod / 8;
-  EXPECT_EQ(client_.deadline(), deadline);
-  EXPECT_EQ(client_.poll(deadline - 1, reply_), std::nullopt);
-  EXPECT_EQ(client_.poll(deadline, reply_), RobotEvent::kSilence);
-  EXPECT_FALSE(reply_.fresh);
-  EXPECT_EQ(reply_.cycles, 1);
-  EXPECT_EQ(client_.poll(deadline, reply_), std::nullopt) << "one event a cycle";
-  EXPECT_EQ(client_.poll(deadline + kPeriod, reply_), RobotEvent::kSilence);
-  EXPECT_EQ(client_.counters().silences, 2u);
-}
-
-TEST_F(MxtClientTest, AReplyThatComesAfterItsCyclesPacketIsNoOtherCycle) {
-  open();
-  ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
-  // Of the cycle that begins at 2 kPeriod, late by all but a microsecond of a period.
-  EXPECT_EQ(hear(3 * kPeriod - 1000), std::nullopt);
-  EXPECT_EQ(client_.counters().late, 1u);
-  EXPECT_EQ(hear(3 * kPeriod + 1000), RobotEvent::kReply);
-  EXPECT_EQ(reply_.cycles, 1);
-}
-
-// A computer, or the way, that stood still for a while: what comes together answers the cycles that
-// were silent. Taken for the next cycle's, one would have a second packet sent before that begins,
-// and none after.
-TEST_F(MxtClientTest, RepliesThatComeTogetherBeginNoCycleThatHasNotBegun) {
-  const auto at = [](int cycle) { return cycle * kPeriod + 50 * kMicrosecond; };
-  for (const int n : {10, 100}) {  // while the phase is new, and once it is found
-    open();
-    for (int i = 2; i <= n; ++i) ASSERT_EQ(hear(at(i)), RobotEvent::kReply);
-    for (int i = 0; i < 2; ++i) {
-      ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
-    }
-    // Both in the last twentieth of the second cycle, for which a packet has been sent.
-    for (const int early : {300, 290}) {
-      EXPECT_EQ(hear(at(n + 3) - early * kMicrosecond), std::nullopt) << n;
-    }
-    EXPECT_EQ(hear(at(n + 3)), RobotEvent::kReply);
-    EXPECT_EQ(reply_.cycles, 1);
-  }
-  // One that comes twice, the second time so late.
-  EXPECT_EQ(hear(at(104) - 300 * kMicrosecond), std::nullopt);
-  EXPECT_EQ(hear(at(104)), RobotEvent::kReply);
-}
-
-// The first may be an earlier one, late: it only tells where the cycles begin.
-TEST_F(MxtClientTest, RepliesThatWereLateForHalfASecondAreHeardWhenTheyComeInTimeAgain) {
-  open();
-  for (int i = 2; i <= 400; ++i) {
-    const Nanos now = i * kPeriod + (i > 150 && i <= 300 ? kMillisecond : 0);
-    auto event = hear(now);
-    if (i == 301 && !event && client_.deadline() < 302 * kPeriod) {
-      event = client_.poll(client_.deadline(), reply_);
-    }
-    ASSERT_EQ(event, i == 301 ? RobotEvent::kSilence : RobotEvent::kReply) << i;
-    ASSERT_TRUE(reply_.fresh && reply_.cycles == 1) << i;
-  }
-}
-
-TEST_F(MxtClientTest, ALateReplyIsFreshInTheNextCycle) {
-  open();
-  ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
-  ASSERT_EQ(hear(3 * kPeriod - 1000), std::nullopt);
-  EXPECT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
-  EXPECT_TRUE(reply_.fresh);
-}
-
-TEST_F(MxtClientTest, FindsThePhaseAgainWithoutLeavingOutACycle) {
-  // The first reply was read late and the second is lost: the others come just before their cycles.
-  const Nanos read_late = 500 * kMicrosecond;
-  client_.start(-3 * kPeriod);
-  hear_first(client_, golden::reply_long(), golden::reply_long_held());
-  ASSERT_EQ(client_.on_datagram(golden::reply_long_held(), kPeriod + read_late, reply_),
-            RobotEvent::kReply);
-  ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
-  int in_time = 0;
-  for (int i = 3; i < 100; ++i) {
-    // Between two cycles of the controller one packet is sent.
-    const Nanos at = i * kPeriod;
-    const bool replied = hear(at) == RobotEvent::kReply;
-    in_time = replied ? in_time + 1 : 0;
-    if (replied) {
-      ASSERT_GE(client_.deadline(), at + kPeriod) << i;
-    } else {
-      ASSERT_LT(client_.deadline(), at + kPeriod) << i;
-      ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence) << i;
-    }
-    ASSERT_EQ(reply_.cycles, 1) << i;
-  }
-  EXPECT_GT(in_time, 30);
-}
-
-TEST_F(MxtClientTest, AControllerThatStartedAnewHasCyclesOfItsOwn) {
-  for (const Nanos phase : {Nanos{0}, kPeriod / 3, kPeriod * 15 / 16}) {
-    open();
-    for (int i = 0; i < 20; ++i) {
-      ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
-    }
-    Nanos at = 22 * kPeriod + phase;
-    (void)hear(at);
-    for (int i = 0; i < 5; ++i) {
-      at += kPeriod;
-      ASSERT_EQ(hear(at), RobotEvent::kReply);
-      EXPECT_EQ(reply_.cycles, 1);
-    }
-    // Read so late that by the old phase two cycles have begun.
-    EXPECT_EQ(hear(at + kPeriod + kPeriod * 7 / 8), RobotEvent::kReply);
-    EXPECT_EQ(reply_.cycles, 1) << phase;
-    client_.end();
-  }
-}
-
-TEST_F(MxtClientTest, CountsTheCyclesThatPassedWhileNobodyAsked) {
-  open();
-  EXPECT_EQ(hear(704 * kPeriod + 1000), RobotEvent::kReply);
-  EXPECT_EQ(reply_.cycles, 703);
-  EXPECT_EQ(client_.poll(client_.deadline() + 9 * kPeriod, reply_), RobotEvent::kSilence);
-  EXPECT_EQ(reply_.cycles, 10);
-}
-
-TEST_F(MxtClientTest, KeepsUpWithAControllerOf711MillisecondsAndOneAsFast) {
-  for (const Nanos period : {7'110 * kMicrosecond, 7'090 * kMicrosecond}) {
-    open();
-    for (int i = 1; i <= 2000; ++i) {
-      const Nanos now = kPeriod + i * period;
-      if (now >= client_.deadline()) {
-        ADD_FAILURE() << "silent in cycle " << i;
-      }
-      ASSERT_EQ(hear(now), RobotEvent::kReply) << i;
-      ASSERT_EQ(reply_.cycles, 1) << i;
-    }
-    client_.end();
   }
 }
 

@@ -49,7 +49,7 @@ class ScriptedRobot : public Robot {
       script.pop_front();
     }
     if (event == RobotEvent::kLost) open = false;
-    reply.fresh = event == RobotEvent::kReply;
+    reply.fresh = reply.prompt = event == RobotEvent::kReply;
     reply.has_measured = reply.has_commanded = true;
     reply.cycles = cycles;
     if (reply.fresh) reply.q_measured = reply.q_commanded = q;

@@ -1,0 +1,230 @@
+// Where the controller's cycles begin, as far as its replies tell.
+#include "tests/unit/melfa/mxt_client_rig.h"
+
+namespace handrail {
+namespace {
+
+constexpr Nanos kPeriod = kMxtPeriod;
+
+class MxtPhase : public MxtClientTest {};
+
+TEST_F(MxtPhase, ACycleWithoutAReplyIsToldWhileAPacketCanStillCome) {
+  open();
+  client_.send(golden::kTarget);
+  const Nanos deadline = 3 * kPeriod - kPeriod / 8;
+  EXPECT_EQ(client_.deadline(), deadline);
+  EXPECT_EQ(client_.poll(deadline - 1, reply_), std::nullopt);
+  EXPECT_EQ(client_.poll(deadline, reply_), RobotEvent::kSilence);
+  EXPECT_FALSE(reply_.fresh);
+  EXPECT_EQ(reply_.cycles, 1);
+  EXPECT_EQ(client_.poll(deadline, reply_), std::nullopt) << "one event a cycle";
+  EXPECT_EQ(client_.poll(deadline + kPeriod, reply_), RobotEvent::kSilence);
+  EXPECT_EQ(client_.counters().silences, 2u);
+}
+
+TEST_F(MxtPhase, AReplyThatComesAfterItsCyclesPacketIsNoOtherCycle) {
+  open();
+  ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
+  // Of the cycle that begins at 2 kPeriod, late by all but a microsecond of a period.
+  EXPECT_EQ(hear(3 * kPeriod - 1000), std::nullopt);
+  EXPECT_EQ(client_.counters().late, 1u);
+  EXPECT_EQ(hear(3 * kPeriod + 1000), RobotEvent::kReply);
+  EXPECT_EQ(reply_.cycles, 1);
+}
+
+// A computer, or the way, that stood still for a while: what comes together answers the cycles that
+// were silent. Taken for the next cycle's, one would have a second packet sent before that begins,
+// and none after.
+TEST_F(MxtPhase, RepliesThatComeTogetherBeginNoCycleThatHasNotBegun) {
+  const auto at = [](int cycle) { return cycle * kPeriod + 50 * kMicrosecond; };
+  for (const int n : {10, 100}) {  // while the phase is new, and once it is found
+    open();
+    for (int i = 2; i <= n; ++i) ASSERT_EQ(hear(at(i)), RobotEvent::kReply);
+    for (int i = 0; i < 2; ++i) {
+      ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
+    }
+    // Both in the last twentieth of the second cycle, for which a packet has been sent.
+    for (const int early : {300, 290}) {
+      EXPECT_EQ(hear(at(n + 3) - early * kMicrosecond), std::nullopt) << n;
+    }
+    EXPECT_EQ(hear(at(n + 3)), RobotEvent::kReply);
+    EXPECT_EQ(reply_.cycles, 1);
+  }
+  // One that comes twice, the second time so late.
+  EXPECT_EQ(hear(at(104) - 300 * kMicrosecond), std::nullopt);
+  EXPECT_EQ(hear(at(104)), RobotEvent::kReply);
+}
+
+TEST_F(MxtPhase, RepliesThatWereLateForHalfASecondAreHeardWhenTheyComeInTimeAgain) {
+  open();
+  for (int i = 2; i <= 400; ++i) {
+    client_.send(target(i));
+    const Nanos now = i * kPeriod + (i > 150 && i <= 300 ? kMillisecond : 0);
+    ASSERT_EQ(hear_held(i, now), RobotEvent::kReply) << i;
+    ASSERT_TRUE(reply_.fresh && reply_.cycles == 1) << i;
+  }
+}
+
+TEST_F(MxtPhase, ALateReplyIsFreshInTheNextCycle) {
+  open();
+  ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
+  ASSERT_EQ(hear(3 * kPeriod - 1000), std::nullopt);
+  EXPECT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
+  EXPECT_TRUE(reply_.fresh);
+}
+
+TEST_F(MxtPhase, FindsThePhaseAgainWithoutLeavingOutACycle) {
+  // The first reply was read late and the second is lost: the others come just before their cycles.
+  const Nanos read_late = 500 * kMicrosecond;
+  client_.start(-3 * kPeriod);
+  hear_first(client_, golden::reply_long(), golden::reply_long_held());
+  ASSERT_EQ(client_.on_datagram(golden::reply_long_held(), kPeriod + read_late, reply_),
+            RobotEvent::kReply);
+  ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
+  int in_time = 0;
+  for (int i = 3; i < 100; ++i) {
+    // Between two cycles of the controller one packet is sent.
+    const Nanos at = i * kPeriod;
+    const bool replied = hear(at) == RobotEvent::kReply;
+    in_time = replied ? in_time + 1 : 0;
+    if (replied) {
+      ASSERT_GE(client_.deadline(), at + kPeriod) << i;
+    } else {
+      ASSERT_LT(client_.deadline(), at + kPeriod) << i;
+      ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence) << i;
+    }
+    ASSERT_EQ(reply_.cycles, 1) << i;
+  }
+  EXPECT_GT(in_time, 30);
+}
+
+TEST_F(MxtPhase, AControllerThatStartedAnewHasCyclesOfItsOwn) {
+  for (const Nanos phase : {Nanos{0}, kPeriod / 3, kPeriod * 15 / 16}) {
+    open();
+    for (int i = 0; i < 20; ++i) {
+      ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
+    }
+    Nanos at = 22 * kPeriod + phase;
+    (void)hear(at);
+    for (int i = 0; i < 5; ++i) {
+      at += kPeriod;
+      ASSERT_EQ(hear(at), RobotEvent::kReply);
+      EXPECT_EQ(reply_.cycles, 1);
+    }
+    // Read so late that by the old phase two cycles have begun.
+    EXPECT_EQ(hear(at + kPeriod + kPeriod * 7 / 8), RobotEvent::kReply);
+    EXPECT_EQ(reply_.cycles, 1) << phase;
+    client_.end();
+  }
+}
+
+TEST_F(MxtPhase, CountsTheCyclesThatPassedWhileNobodyAsked) {
+  open();
+  EXPECT_EQ(hear(704 * kPeriod + 1000), RobotEvent::kReply);
+  EXPECT_EQ(reply_.cycles, 703);
+  EXPECT_EQ(client_.poll(client_.deadline() + 9 * kPeriod, reply_), RobotEvent::kSilence);
+  EXPECT_EQ(reply_.cycles, 10);
+}
+
+TEST_F(MxtPhase, KeepsUpWithAControllerOf711MillisecondsAndOneAsFast) {
+  for (const Nanos period : {7'110 * kMicrosecond, 7'090 * kMicrosecond}) {
+    open();
+    for (int i = 1; i <= 2000; ++i) {
+      const Nanos now = kPeriod + i * period;
+      if (now >= client_.deadline()) {
+        ADD_FAILURE() << "silent in cycle " << i;
+      }
+      client_.send(target(i / 2));  // one that moves in every second cycle
+      ASSERT_EQ(hear_held(i / 2, now), RobotEvent::kReply) << i;
+      ASSERT_EQ(reply_.cycles, 1) << i;
+    }
+    client_.end();
+  }
+}
+
+// A computer or a controller that stands still now and then: a reply comes a cycle late, and that
+// of the cycle itself just before the next. As the next one's it would be answered twice in one
+// cycle.
+TEST_F(MxtPhase, OnlyAReplyThatHasTheCyclesTargetBeginsTheNextOneEarly) {
+  open();
+  for (int i = 2; i < 10; ++i) {
+    client_.send(target(i));
+    ASSERT_EQ(hear_held(i, i * kPeriod), RobotEvent::kReply);
+  }
+  client_.send(target(10));
+  ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
+  client_.send(target(11));
+  ASSERT_EQ(hear_held(10, 11 * kPeriod + kMillisecond), RobotEvent::kReply);
+  client_.send(target(12));
+  EXPECT_EQ(hear_held(11, 12 * kPeriod - 100 * kMicrosecond), std::nullopt);
+  EXPECT_EQ(hear_held(12, 12 * kPeriod), RobotEvent::kReply);
+  EXPECT_EQ(reply_.cycles, 1);
+  // The phase was wrong: the target that was sent in this cycle is held.
+  client_.send(target(13));
+  EXPECT_EQ(hear_held(13, 13 * kPeriod - kMillisecond), RobotEvent::kReply);
+  EXPECT_EQ(reply_.cycles, 1);
+  client_.send(target(14));
+  EXPECT_EQ(hear_held(14, 14 * kPeriod - kMillisecond), RobotEvent::kReply);
+}
+
+// A program that was paused reads all replies of that time at once: they tell of no phase.
+TEST_F(MxtPhase, RepliesThatAreReadTogetherAreOneThatIsLate) {
+  open();
+  for (int i = 2; i < 10; ++i) ASSERT_EQ(hear(i * kPeriod), RobotEvent::kReply);
+  const Nanos woken = 30 * kPeriod + kPeriod / 2;
+  EXPECT_EQ(hear(woken), RobotEvent::kReply);
+  EXPECT_EQ(reply_.cycles, 21);
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(hear(woken), std::nullopt);
+  EXPECT_EQ(client_.deadline(), 32 * kPeriod - kPeriod / 8);
+}
+
+// Whoever is read before anything was sent cannot be an answer to it.
+TEST_F(MxtPhase, RepliesReadTogetherJustBeforeACycleDoNotBeginIt) {
+  open();
+  client_.send(target(2));
+  ASSERT_EQ(hear_held(2, 2 * kPeriod), RobotEvent::kReply);
+  client_.send(target(3));
+  const Nanos now = 5 * kPeriod - 100 * kMicrosecond;
+  EXPECT_EQ(hear_held(3, now), RobotEvent::kReply);
+  EXPECT_EQ(reply_.cycles, 2);
+  EXPECT_EQ(hear_held(3, now), std::nullopt);
+}
+
+TEST_F(MxtPhase, AReplyIsPromptInTheFirstEighthOfItsCycle) {
+  open();
+  EXPECT_TRUE(reply_.prompt);
+  const Nanos eighth = kPeriod / 8;
+  ASSERT_EQ(hear(2 * kPeriod + eighth), RobotEvent::kReply);
+  EXPECT_TRUE(reply_.prompt);
+  ASSERT_EQ(hear(3 * kPeriod + eighth + 1), RobotEvent::kReply);
+  EXPECT_FALSE(reply_.prompt);
+  EXPECT_TRUE(reply_.fresh);
+  ASSERT_EQ(hear(4 * kPeriod), RobotEvent::kReply);
+  ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
+  EXPECT_FALSE(reply_.prompt);
+  ASSERT_EQ(hear(6 * kPeriod - 1000), std::nullopt);
+  ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
+  EXPECT_TRUE(reply_.fresh);
+  EXPECT_FALSE(reply_.prompt) << "of the cycle before";
+}
+
+// The reply that opened the session was read late, on a busy computer.
+TEST_F(MxtPhase, EightRepliesThatComeAlikeTellThePhaseAtOnce) {
+  for (const Nanos read_late : {2 * kMillisecond, 4 * kMillisecond, 6 * kMillisecond}) {
+    client_.start(-3 * kPeriod);
+    hear_first(client_, golden::reply_long(), golden::reply_long_held());
+    const auto opened =
+        client_.on_datagram(golden::reply_long_held(), kPeriod / 2 + read_late, reply_);
+    ASSERT_EQ(opened, RobotEvent::kReply);
+    const auto at = [](int i) { return kPeriod / 2 + i * kPeriod + i % 3 * 30 * kMicrosecond; };
+    for (int i = 1; i < 12; ++i) {
+      if (hear(at(i)) == RobotEvent::kReply) client_.send(golden::kTarget);
+      if (client_.deadline() < at(i + 1)) client_.poll(client_.deadline(), reply_);
+    }
+    EXPECT_NEAR(to_seconds(client_.deadline()), to_seconds(at(13) - kPeriod / 8), 2e-4);
+    client_.end();
+  }
+}
+
+}  // namespace
+}  // namespace handrail
