@@ -34,6 +34,7 @@ void hear_controller(const FollowSettings& settings, const FollowInput& in,
     if (!standing(s.motion)) s.motion = standing_at(settings.motion.arm, s.train.newest());
     return;
   }
+  const std::size_t unheard = s.train.unconfirmed();
   const bool told = in.answer != Answer::kNone && in.has_commanded;
   const bool elsewhere = told && !s.train.confirm(in.q_commanded, rated_step(settings));
   const bool paused = in.cycles > kMostCycles;
@@ -46,6 +47,9 @@ void hear_controller(const FollowSettings& settings, const FollowInput& in,
   // The controller answers in order. What it holds is known once it has answered a question, or
   // holds what was sent last.
   if ((elsewhere || s.train.unconfirmed() > 0) && s.owed-- > 0) return;
+  // It may have taken this target just now. It has to hold it for a cycle: the next target is a
+  // step from rest, and would end the motion at once.
+  if (s.halted && s.train.unconfirmed() < unheard) return;
   const JointVector q = elsewhere ? in.q_commanded : s.train.confirmed();
   if (joint_out_of_range(settings, q) >= 0) return;
   // The controller did not get the end of a motion that had ended here.

@@ -308,6 +308,30 @@ TEST_F(FollowGap, AnswersThatAreLateShowNoQueue) {
   }
 }
 
+// A fast arm; a target comes just after its cycle, so the next one would be two steps, and the arm
+// is halted. The answer after that has the late target: a step from rest, sent at once, would
+// follow a step at full speed.
+TEST_F(FollowGap, AHaltedArmIsHeldForACycleBeforeItSetsOut) {
+  target = rig.state.motion.X_ST;
+  target.p.y() += 0.5;
+  for (int i = 0; i < 60 && step < 0.6 * rated_step(rig.settings)[0]; ++i) cycle();
+  ASSERT_GE(step, 0.6 * rated_step(rig.settings)[0]);
+  const auto answers = [&](const JointVector& q) {
+    rig.in.answer = Answer::kOnTime;
+    rig.in.q_measured = rig.in.q_commanded = q;
+    follow_step(rig.settings, rig.in, rig.state, rig.out);
+    return rig.out.send;
+  };
+  const JointVector before = held;
+  ASSERT_EQ(answers(before), Send::kTarget);
+  const JointVector late = rig.out.q_target;
+  ASSERT_EQ(answers(before), Send::kQuestion);
+  ASSERT_EQ(rig.state.halts, 1u);
+  EXPECT_EQ(answers(late), Send::kQuestion) << "taken just now";
+  EXPECT_EQ(answers(late), Send::kTarget);
+  EXPECT_LT((rig.out.q_target - late).cwiseAbs().maxCoeff(), 0.1 * step);
+}
+
 TEST_F(FollowGap, AMasterInHoldLeadsNobody) {
   cycles(60);
   rig.in.master.state = SessionState::kHold;
