@@ -93,7 +93,8 @@ void MxtClient::begin_cycle(int cycles, Nanos now, RobotReply& reply) noexcept {
 }
 
 // `late`: of a reply, behind where its cycle was thought to begin. None is sent before that.
-void MxtClient::learn_phase(Nanos late) noexcept {
+// `begins`: it is the first that is known of its cycle.
+void MxtClient::learn_phase(Nanos late, bool begins) noexcept {
   const bool alike = std::abs(late - run_late_) <= options_.period / kAlikeBy;
   alike_ = alike ? alike_ + 1 : 1;
   if (!alike) run_late_ = late;
@@ -102,8 +103,10 @@ void MxtClient::learn_phase(Nanos late) noexcept {
   if (++seen_ < kPhaseWindow && !sure) return;
   const Nanos least = sure ? late : least_late_;
   if (least < 0 || least > options_.period / kMoved) {
-    // Replies that all come late in a cycle are early ones of the next: no cycle is left out.
-    const Nanos moved = 2 * least > options_.period ? least - options_.period : least;
+    // A reply after its cycle's packet, so late that it is an early one of the next: no cycle is
+    // left out. One that begins a cycle still does, and no second packet is sent for it.
+    const bool next = !begins && 2 * least > options_.period;
+    const Nanos moved = next ? least - options_.period : least;
     cycle_ += moved;
     deadline_ += moved;
   }
@@ -196,7 +199,7 @@ std::optional<RobotEvent> MxtClient::on_datagram(Bytes bytes, Nanos now,
   } else {
     begin_cycle(cycles, now, reply);
   }
-  if (!anew && !second) learn_phase(now - cycle_);
+  if (!anew && !second) learn_phase(now - cycle_, !late);
   if (!late) return RobotEvent::kReply;
   // By what was learnt just now it may be the next one's after all.
   cycles = cycles_begun(now);

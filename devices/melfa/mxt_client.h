@@ -116,7 +116,7 @@ class MxtClient {
   Nanos spare() const noexcept;
   int cycles_begun(Nanos now) const noexcept;
   void begin_cycle(int cycles, Nanos now, RobotReply& reply) noexcept;
-  void learn_phase(Nanos late) noexcept;
+  void learn_phase(Nanos late, bool begins) noexcept;
   void forget_phase() noexcept;
   bool lost() noexcept;
   bool hear_opening(bool second, Nanos now) noexcept;

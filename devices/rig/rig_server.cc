@@ -18,6 +18,7 @@
 #include <spdlog/spdlog.h>
 #include <boost/asio.hpp>
 
+#include "devices/melfa/mxt_packet.h"
 #include "devices/rig/tap.h"
 #include "server/base/clock.h"
 #include "server/base/units.h"
@@ -138,7 +139,10 @@ struct RigServer::Impl {
       if (cable_out || in.at <= away_until) {
         rig->controller().missed(in.span());
       } else {
-        robot_came = in.at;
+        MxtPacket packet;
+        const bool move = decode_mxt_request(in.span(), packet) == MxtParse::kOk &&
+                          packet.command == MxtCommand::kMove;
+        if (move) robot_came = in.at;
         rig->controller().on_datagram(in.span(), in.from);
       }
     }
@@ -231,7 +235,7 @@ struct RigServer::Impl {
   std::optional<PeerId> session;
   bool cable_out = false;
   Nanos away_until = std::numeric_limits<Nanos>::min();  // what came before nobody hears
-  Nanos robot_came = 0;                                  // the newest packet for the controller
+  Nanos robot_came = 0;                                  // the newest command to move
   Tap tap;
 };
 

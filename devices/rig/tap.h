@@ -40,14 +40,14 @@ enum TapBit : std::uint16_t {
 
 struct TapRecord {
   std::uint64_t number = 0;
-  Nanos at = 0;                            // of the cycle, the machine's monotonic clock
-  std::uint16_t did = 0;                   // sum of TapBits
-  std::uint16_t came = 0;                  // the newest packet, after the cycle before [us]
-  std::uint8_t alarm = 0;                  // AlarmKind
-  std::uint8_t joint = 0;                  // 1 to 6: to blame for the alarm; 0: none
-  std::uint16_t lost = 0;                  // commands to move that were sent since the last record
-                                           // and did not arrive
-  std::array<double, kJoints> target{};    // that the servos follow from here on [rad]
+  Nanos at = 0;                          // of the cycle, the machine's monotonic clock
+  std::uint16_t did = 0;                 // sum of TapBits
+  std::uint16_t came = 0;                // the newest command to move, after the cycle before [us]
+  std::uint8_t alarm = 0;                // AlarmKind
+  std::uint8_t joint = 0;                // 1 to 6: to blame for the alarm; 0: none
+  std::uint16_t lost = 0;                // commands to move that were sent since the last record
+                                         // and did not arrive
+  std::array<double, kJoints> target{};  // that the servos follow from here on [rad]
   std::array<double, kJoints> measured{};  // what the encoders read [rad]
   std::uint64_t again = 0;                 // the number
 
@@ -72,8 +72,8 @@ class Tap {
   Status open(const std::string& path, Nanos period);
   bool is_open() const noexcept { return memory_ != nullptr; }
 
-  // The cycle that `controller` ran at `at`; its newest packet came at `came`. Open. Real-time safe
-  // as said above.
+  // The cycle that `controller` ran at `at`; its newest command to move came at `came`. Open.
+  // Real-time safe as said above.
   void add(const Controller& controller, Nanos at, Nanos came, bool cable_out) noexcept;
 
  private:
