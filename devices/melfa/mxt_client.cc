@@ -22,10 +22,9 @@ constexpr int kAlikeBy = 32;  // of a period
 // A reply may come so much before its cycle, of a period, 0.2 ms: after all silent cycles that do
 // not begin it anew, a controller of 7.09 ms is 0.14 ms early.
 constexpr int kEarly = 32;
-// And so much where it says that the target of the present cycle is taken: 1.8 ms.
-constexpr int kEarlyTaken = 4;
-// A reply later than this in its cycle, of a period, may be of the cycle before.
-constexpr int kPrompt = 8;
+// A reply later than this in its cycle, of a period, may be of the cycle before. The phase is known
+// no better (kMoved).
+constexpr int kPrompt = kMoved;
 // Silent cycles after which the controller may be another one, with cycles of its own: none starts
 // anew in less than 0.1 s.
 constexpr int kAnother = 14;
@@ -141,13 +140,14 @@ bool MxtClient::hear(const JointVector* q_measured, bool commanded, RobotReply& 
   return took;
 }
 
-// How long before its cycle a reply may come that says or not that it `took` the newest target.
-// Who has not told this cycle anything yet cannot be answered, and a target that was held before is
-// held at any time.
+// How long before its cycle a reply may come that says or not that the controller `took` the newest
+// target. One that has the present cycle's target is the next cycle's, whatever the phase seems to
+// be. Who has not told this cycle anything yet cannot be answered. A target that was held before is
+// held at any time: such a reply may be a little early.
 Nanos MxtClient::most_early(bool took) const noexcept {
   if (told_ == Told::kNothing) return 0;
-  if (told_ == Told::kSame || !kept(Check::kPhase)) return options_.period / kEarly;
-  return took ? options_.period / kEarlyTaken : 0;
+  if (told_ == Told::kNew && kept(Check::kPhase)) return took ? options_.period : 0;
+  return options_.period / kEarly;
 }
 
 std::optional<RobotEvent> MxtClient::on_datagram(Bytes bytes, Nanos now,
@@ -189,8 +189,7 @@ std::optional<RobotEvent> MxtClient::on_datagram(Bytes bytes, Nanos now,
     deadline_ = cycle_ + 2 * options_.period - spare();
     forget_phase();
   }
-  // A little early it is the next cycle's, unless the present one still waits for its own.
-  if (cycles == 0 && cycle_answered_) cycles = cycles_begun(now + most_early(took));
+  if (cycles == 0) cycles = cycles_begun(now + most_early(took));
   const bool late = cycles == 0;
   const bool second = late && cycle_answered_;
   if (late) {

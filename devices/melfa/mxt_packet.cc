@@ -107,6 +107,11 @@ MxtParse decode_mxt_request(std::span<const std::uint8_t> bytes, MxtPacket& out)
   return holds_finite(out.send_type, out.block[0]) ? MxtParse::kOk : MxtParse::kNotFinite;
 }
 
+bool is_mxt_move(std::span<const std::uint8_t> bytes) noexcept {
+  MxtPacket packet;
+  return decode_mxt_request(bytes, packet) == MxtParse::kOk && packet.command == MxtCommand::kMove;
+}
+
 MxtParse decode_mxt_reply(std::span<const std::uint8_t> bytes, MxtPacket& out) noexcept {
   if (const MxtParse parsed = decode_fields(bytes, out); parsed != MxtParse::kOk) return parsed;
   if (out.type[0] == MxtType::kNull) out.type[0] = out.send_type;

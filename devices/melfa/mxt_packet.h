@@ -89,6 +89,9 @@ std::span<const std::uint8_t> encode_mxt(const MxtPacket& packet, std::size_t si
 // kNotFinite. Real-time safe.
 MxtParse decode_mxt_request(std::span<const std::uint8_t> bytes, MxtPacket& out) noexcept;
 
+// Whether this is a command to move that is to be obeyed. Real-time safe.
+bool is_mxt_move(std::span<const std::uint8_t> bytes) noexcept;
+
 // Reads what the controller sends. It writes the first block's type in two places; one may be zero,
 // but they must not contradict each other. Finite: the first six values of every joint or pose
 // block. `out` is meaningful only with kOk. Real-time safe.

@@ -54,10 +54,7 @@ void Controller::on_datagram(std::span<const std::uint8_t> bytes, PeerId from) n
 }
 
 void Controller::missed(std::span<const std::uint8_t> bytes) noexcept {
-  MxtPacket packet;
-  const bool move =
-      decode_mxt_request(bytes, packet) == MxtParse::kOk && packet.command == MxtCommand::kMove;
-  counters_.lost_moves += move ? 1 : 0;
+  counters_.lost_moves += is_mxt_move(bytes) ? 1 : 0;
 }
 
 void Controller::leave_out() noexcept {

@@ -139,10 +139,7 @@ struct RigServer::Impl {
       if (cable_out || in.at <= away_until) {
         rig->controller().missed(in.span());
       } else {
-        MxtPacket packet;
-        const bool move = decode_mxt_request(in.span(), packet) == MxtParse::kOk &&
-                          packet.command == MxtCommand::kMove;
-        if (move) robot_came = in.at;
+        if (is_mxt_move(in.span())) robot_came = in.at;
         rig->controller().on_datagram(in.span(), in.from);
       }
     }

@@ -11,7 +11,7 @@ constexpr int kMostCycles = 4;
 constexpr int kAskEvery = 4;
 // An answer that is late by anything up to two periods looks so once in 16 times: four in a row are
 // chance once in eight minutes of such answers.
-constexpr int kQueuedFor = 4;
+constexpr int kQueuedFor = 4;  // [answers]
 
 }  // namespace
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <thread>
+#include <vector>
 
 #include "devices/rig/tap.h"
 #include "devices/udp/udp_client.h"
@@ -101,6 +102,48 @@ TEST_F(LateRig, ADatagramIsOfTheCycleItCameIn) {
 TEST_F(LateRig, NobodyHearsWhatCameInCyclesThatAreLeftOut) {
   (void)open_while_it_stands(300 * kMillisecond, 100 * kMillisecond);
   EXPECT_EQ(opened(), 0);
+}
+
+// Questions after a command to move do not hide when that came.
+TEST_F(LateRig, TheTapTellsWhenCommandsToMoveCame) {
+  UdpClient client;
+  ASSERT_TRUE(client.open("127.0.0.1", server.robot_port(), 0));
+  std::array<std::uint8_t, kMxtLong> buffer;
+  const auto ask = [&] { client.send(encode_mxt(MxtPacket(), kMxtLong, buffer)); };
+  std::atomic<bool> known{false};
+  MxtPacket move;
+  server.post([&](Rig& rig) {
+    move.block[0].set_joints(rig.controller().arm().target());
+    known = true;
+  });
+  while (!known) sleep_until(monotonic_now() + kMillisecond);
+  move.command = MxtCommand::kMove;
+  move.send_type = MxtType::kJoint;
+  ask();
+  std::vector<std::array<Nanos, 2>> sent;  // before, after
+  for (int i = 0; i < 5; ++i) {
+    sleep_until(monotonic_now() + 20 * kMillisecond);
+    const Nanos before = monotonic_now();
+    client.send(encode_mxt(move, kMxtLong, buffer));
+    sent.push_back({before, monotonic_now()});
+    for (int k = 0; k < 8; ++k) {
+      sleep_until(monotonic_now() + kMillisecond);
+      ask();
+    }
+  }
+  sleep_until(monotonic_now() + 20 * kMillisecond);
+  std::size_t n = 0;
+  constexpr Nanos kClocks = 200 * kMicrosecond;  // the kernel's stamp is of another clock
+  const auto tap = read_tap(path);
+  for (const TapRecord& r : tap->records) {
+    if (!r.has(kTapAccepted)) continue;
+    ASSERT_LT(n, sent.size());
+    const Nanos came = r.at - kMxtPeriod + r.came * kMicrosecond;
+    EXPECT_GE(came, sent[n][0] - kClocks) << n;
+    EXPECT_LE(came, sent[n][1] + kClocks) << n;
+    ++n;
+  }
+  EXPECT_EQ(n, sent.size());
 }
 
 TEST(RigServer, RunsUntilItIsStopped) {
