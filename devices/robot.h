@@ -48,7 +48,8 @@ class Robot {
   // Blocks until the controller's next cycle has begun. Real-time safe apart from the wait.
   virtual RobotEvent wait(RobotReply& reply) noexcept = 0;
   // Sends one absolute target [rad], at most once an event: two in a cycle could be twice the step
-  // that a joint can make. Real-time safe.
+  // that a joint can make. For the same reason one that may miss its cycle, as the program was
+  // paused, is left out: it is as good as lost. Real-time safe.
   virtual void send(const JointVector& q_target) noexcept = 0;
   // Instead of a target: asks where the controller holds the arm, and moves nothing. Real-time
   // safe.

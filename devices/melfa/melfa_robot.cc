@@ -83,7 +83,8 @@ RobotEvent MelfaRobot::wait_until(RobotReply& reply, Nanos until) noexcept {
 }
 
 void MelfaRobot::send(const JointVector& q_target) noexcept {
-  if (const auto bytes = client_.send(q_target); !bytes.empty()) socket_.send(bytes);
+  const auto bytes = client_.send(q_target, monotonic_now());
+  if (!bytes.empty()) socket_.send(bytes);
 }
 
 void MelfaRobot::ask() noexcept {

@@ -278,8 +278,10 @@ void MxtClient::give_up_opening(Nanos now) noexcept {
   deadline_ = now + kGone * options_.period;
 }
 
-MxtClient::Bytes MxtClient::send(const JointVector& q_target) noexcept {
-  if (!open_) return {};
+MxtClient::Bytes MxtClient::send(const JointVector& q_target, Nanos now) noexcept {
+  // The opening has tried how late a packet may be. Half of it is for a way that wavers.
+  const Nanos latest = cycle_ + options_.period - spare() + options_.period / (2 * kMargin);
+  if (!open_ || (now > latest && kept(Check::kInTime))) return {};
   return write(MxtCommand::kMove, q_target);
 }
 

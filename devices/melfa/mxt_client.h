@@ -70,8 +70,9 @@ class MxtClient {
   // no session is open. While opening(), packet() is to be sent with kSilence.
   std::optional<RobotEvent> poll(Nanos now, RobotReply& reply) noexcept;
 
-  // The packet for one absolute target [rad], finite. Empty when no session is open.
-  Bytes send(const JointVector& q_target) noexcept;
+  // The packet for one absolute target [rad], finite. Empty when no session is open, or when it is
+  // so late, a 32nd of a period after deadline(), that the packet may miss its cycle.
+  Bytes send(const JointVector& q_target, Nanos now) noexcept;
 
   // The packet that asks which target the controller holds; in the short form, which has room for
   // one answer, the measured joints are left out of the reply. Empty when no session is open.

@@ -40,6 +40,7 @@ enum class Check : std::uint8_t {
   kWay,           // no session opens over too long a way to the controller
   kPhase,         // a reply before its cycle is not taken for the next one's
   kPrompt,        // an answer that may be of the cycle before shows no queue
+  kInTime,        // a target that may miss its cycle is not sent
   kHeardEnd,      // a motion's end that the controller was not heard to hold is not sent again
   kUnseen,        // after time that passed unseen nothing known is younger
   kMasterHold,    // a master in hold leads nobody

@@ -229,7 +229,7 @@ void Cell::on_event(RobotEvent event, Nanos at) noexcept {
   if (follow_out_.send != Send::kTarget) return;
   target_at_ = at;
   if (target_count_ < targets_.size()) targets_[target_count_++] = follow_out_.q_target;
-  to_controller(client_.send(follow_out_.q_target));
+  to_controller(client_.send(follow_out_.q_target, at));
 }
 
 void Cell::to_controller(MxtClient::Bytes bytes) noexcept {

@@ -98,9 +98,6 @@ Nanos RobotLoop::turn_unconnected() {
 }
 
 void RobotLoop::send() noexcept {
-  // A program that was paused since then would send a target from before the pause: it is as good
-  // as lost, and the next step sees for how long.
-  if (clock_() - stepped_at_ > from_seconds(settings_.motion.dt)) return;
   if (output_.send == Send::kTarget) robot_.send(output_.q_target);
   if (output_.send == Send::kQuestion) robot_.ask();
 }

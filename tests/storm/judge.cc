@@ -34,15 +34,17 @@ class Recorder {
   Nanos last_ = -1;
 };
 
+bool sent(const TapRecord& r) { return r.has(kTapAccepted) || r.lost > 0; }
+
 // A slave sends without a reply only when an eighth of the cycle is left, so what came earlier
-// after a cycle without a packet was on its way when that cycle ran. One that took its way for a
-// long one sends when half is left: what then counts as late without being so is excused only if
+// after a cycle that was sent nothing was on its way when that cycle ran. One that took its way for
+// a long one sends when half is left: what then counts as late without being so is excused only if
 // that alone makes sound what follows.
-bool came_late(const TapFile& tap, std::size_t i, int lost) {
-  if (i < 2 || lost != 0) return false;
+bool came_late(const TapFile& tap, std::size_t i) {
+  if (i < 2) return false;
   const TapRecord &now = tap.records[i], &before = tap.records[i - 1];
-  return now.has(kTapAccepted) && !before.has(kTapAccepted) && before.has(kTapSession) &&
-         tap.records[i - 2].has(kTapAccepted) && now.at - before.at == tap.period &&
+  return now.has(kTapAccepted) && now.lost == 0 && !sent(before) && before.has(kTapSession) &&
+         sent(tap.records[i - 2]) && now.at - before.at == tap.period &&
          8 * now.came * kMicrosecond < 7 * tap.period;
 }
 
@@ -128,7 +130,7 @@ Figures judge_tap(const TapFile& tap, const std::vector<Forbidden>& forbidden,
     judge.until(r.at);
     lost += r.lost;
     if (r.has(kTapAccepted)) {
-      const TargetVerdict verdict = judge.accepted(r, q, lost, came_late(tap, i, lost));
+      const TargetVerdict verdict = judge.accepted(r, q, lost, came_late(tap, i));
       if (!verdict.fine()) {
         limits.add(r.at, breach_text(verdict, r.at - last_target, lost, tap.period));
       }

@@ -83,6 +83,21 @@ TEST(StormJudge, ACommandThatCameAfterItsCycleIsNotTheSlavesHold) {
   EXPECT_EQ(f.halts, 0u);
 }
 
+TEST(StormJudge, ALateCommandMayFollowALostOne) {
+  Drive d;
+  d.speed_up(20, 0.9 * kJolt);
+  d.speed_up(10, 0.0);
+  d.add(0.0, kTapSession);
+  d.tap.records.back().lost = 1;
+  d.add(0.0, kTapSession);
+  d.target(2.0 * d.v);
+  d.speed_up(10, 0.0);
+  d.speed_up(20, -0.9 * kJolt);
+  d.target(0.0);
+  EXPECT_EQ(d.judge().late, 1u);
+  EXPECT_THAT(d.found, IsEmpty());
+}
+
 TEST(StormJudge, WhateverElseAMotionGoesOnAfterIsJudged) {
   Drive silent, longer, lost;
   EXPECT_GT(one_cycle_without(silent, 0.9, 1, 0).breaches, 0u) << "sent without a reply";

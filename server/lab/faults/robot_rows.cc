@@ -234,6 +234,29 @@ FaultOutcome r2(const RowRun& row) {
 FaultOutcome r3(const RowRun& row) { return paused(row, false); }
 FaultOutcome r4(const RowRun& row) { return paused(row, true); }
 
+// A busy computer: now and then the slave stands for up to a cycle. What it then sends may miss its
+// cycle, and what it reads be late. Either way takes up to 0.6 ms.
+FaultOutcome r3b(const RowRun& row) {
+  constexpr std::array<double, 5> kLosses = {0.0, 0.01, 0.03, 0.05, 0.1};
+  FaultRun run(row.seed, robot_options(row, kLosses.size()));
+  LinkFaults faults;
+  faults.loss = row.level(kLosses);
+  faults.delay = faults.jitter = 300 * kMicrosecond;
+  run.set_robot_line(faults, faults);
+  if (!run.engage()) return not_engaged();
+  run.let_pause();
+  for (const Nanos end = run.now() + row.span(30 * kSecond); run.now() < end;) {
+    run.cell().net()->stop_slave(true);
+    run.run(static_cast<Nanos>(run.random().uniform() * static_cast<double>(kPeriod)));
+    run.cell().net()->stop_slave(false);
+    run.run(static_cast<Nanos>(run.random().uniform() * static_cast<double>(kSecond / 10)));
+  }
+  const bool engaged = run.engaged();
+  FaultOutcome out = judge_controller(run);
+  find(out, !engaged, "not engaged at the end");
+  return out;
+}
+
 // The encoders read zero, or beyond a joint's range, from one moment on.
 FaultOutcome r5(const RowRun& row) {
   FaultOptions options;

@@ -46,9 +46,10 @@ TEST(FaultRowsTest, EveryRowHasANameOfItsOwnAndRuns) {
     EXPECT_GT(row.quick_runs, 0) << row.id;
     EXPECT_LE(row.quick_runs, row.runs) << row.id;
   }
-  for (const char* id : {"N2",  "N3",  "N4",  "N5",  "N6",  "N9",  "N11", "N13", "P1",  "P5",
-                         "C2",  "S4",  "S5",  "X2a", "X2b", "X9a", "X9b", "N3c", "P1c", "S1d",
-                         "S2c", "S3c", "S3d", "S3e", "S1e", "S1f", "S2d", "S2e", "R1c", "P8",  "R1a"}) {
+  for (const char* id :
+       {"N2",  "N3",  "N4",  "N5",  "N6",  "N9",  "N11", "N13", "P1",  "P5",  "C2",
+        "S4",  "S5",  "X2a", "X2b", "X9a", "X9b", "N3c", "P1c", "S1d", "S2c", "S3c",
+        "S3d", "S3e", "S1e", "S1f", "S2d", "S2e", "R1c", "P8",  "R1a", "R3b"}) {
     EXPECT_EQ(names.count(id), 1u) << id;
   }
 }

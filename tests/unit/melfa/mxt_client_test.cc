@@ -23,8 +23,8 @@ TEST_F(MxtClientTest, SpeaksTheGoldenConversation) {
   EXPECT_EQ(reply_.q_measured, golden::kMeasured);
   EXPECT_EQ(reply_.q_commanded, golden::kTarget);
   EXPECT_EQ(reply_.missed_cycles, 3u);
-  EXPECT_EQ(copy(client_.send(golden::kTarget)), golden::move_long(4));
-  EXPECT_EQ(copy(client_.send(golden::kTarget)), golden::move_long(5));
+  EXPECT_EQ(copy(send(golden::kTarget)), golden::move_long(4));
+  EXPECT_EQ(copy(send(golden::kTarget)), golden::move_long(5));
   EXPECT_EQ(copy(client_.end()), golden::end_long(6));
   EXPECT_FALSE(client_.open());
 }
@@ -38,7 +38,7 @@ TEST_F(MxtClientTest, SpeaksTheShortFormToOldControllers) {
   EXPECT_TRUE(reply_.has_measured && reply_.has_commanded);
   EXPECT_EQ(reply_.q_measured, golden::kMeasured);
   EXPECT_EQ(reply_.q_commanded, golden::kTarget);
-  EXPECT_EQ(copy(client.send(golden::kTarget)), golden::move_short(4));
+  EXPECT_EQ(copy(client.send(golden::kTarget, kPeriod)), golden::move_short(4));
   EXPECT_EQ(copy(client.end()), golden::end_short(5));
 }
 
@@ -54,7 +54,7 @@ class ShortForm : public MxtClientTest {
   // The n-th target; what its packet asks for.
   MxtType send(int n) {
     MxtPacket packet;
-    EXPECT_EQ(decode_mxt_request(client_.send(target(n)), packet), MxtParse::kOk);
+    EXPECT_EQ(decode_mxt_request(client_.send(target(n), now_), packet), MxtParse::kOk);
     return packet.type[0];
   }
   // The reply comes in the next cycle.
@@ -134,14 +134,14 @@ TEST_F(MxtClientTest, AQuestionMovesNothingAndAsksForTheTarget) {
 
 TEST_F(MxtClientTest, EndsTheSessionAfterASecondAndAHalfOfSilence) {
   open();
-  client_.send(golden::kTarget);
+  send(golden::kTarget);
   for (int loss = 1; loss < 211; ++loss) {
     ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence) << loss;
   }
   EXPECT_NEAR(to_seconds(client_.deadline()), 1.5, 0.02);
   EXPECT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kLost);
   EXPECT_FALSE(client_.open());
-  EXPECT_TRUE(client_.send(golden::kTarget).empty());
+  EXPECT_TRUE(send(golden::kTarget).empty());
   EXPECT_TRUE(client_.ask().empty());
   EXPECT_EQ(hear(kForever), RobotEvent::kLost);
   EXPECT_EQ(client_.poll(kForever, reply_), RobotEvent::kLost);
@@ -211,7 +211,7 @@ TEST_F(MxtClientTest, FindsTheFeedbackInWhicheverBlockCarriesIt) {
 
 TEST_F(MxtClientTest, StartsANewSessionAfterALostOne) {
   open();
-  client_.send(golden::kTarget);
+  send(golden::kTarget);
   while (client_.poll(client_.deadline(), reply_) != RobotEvent::kLost) {
   }
   EXPECT_EQ(copy(client_.start(3 * kSecond)), golden::null_long());
@@ -229,7 +229,7 @@ TEST_F(MxtClientTest, DoesNotAllocate) {
     client_.on_datagram(i == -2 ? reply : second, i * kPeriod, reply_);
     client_.poll(client_.deadline(), reply_);
   }
-  client_.send(golden::kTarget);
+  send(golden::kTarget);
   client_.poll(client_.deadline(), reply_);
   client_.end();
 }

@@ -10,7 +10,7 @@ class MxtPhase : public MxtClientTest {};
 
 TEST_F(MxtPhase, ACycleWithoutAReplyIsToldWhileAPacketCanStillCome) {
   open();
-  client_.send(golden::kTarget);
+  send(golden::kTarget);
   const Nanos deadline = 3 * kPeriod - kPeriod / 8;
   EXPECT_EQ(client_.deadline(), deadline);
   EXPECT_EQ(client_.poll(deadline - 1, reply_), std::nullopt);
@@ -58,7 +58,7 @@ TEST_F(MxtPhase, RepliesThatComeTogetherBeginNoCycleThatHasNotBegun) {
 TEST_F(MxtPhase, RepliesThatWereLateForHalfASecondAreHeardWhenTheyComeInTimeAgain) {
   open();
   for (int i = 2; i <= 400; ++i) {
-    client_.send(target(i));
+    send(target(i));
     const Nanos now = i * kPeriod + (i > 150 && i <= 300 ? kMillisecond : 0);
     ASSERT_EQ(hear_held(i, now), RobotEvent::kReply) << i;
     ASSERT_TRUE(reply_.fresh && reply_.cycles == 1) << i;
@@ -134,7 +134,7 @@ TEST_F(MxtPhase, KeepsUpWithAControllerOf711MillisecondsAndOneAsFast) {
       if (now >= client_.deadline()) {
         ADD_FAILURE() << "silent in cycle " << i;
       }
-      client_.send(target(i / 2));  // one that moves in every second cycle
+      send(target(i / 2));  // one that moves in every second cycle
       ASSERT_EQ(hear_held(i / 2, now), RobotEvent::kReply) << i;
       ASSERT_EQ(reply_.cycles, 1) << i;
     }
@@ -148,22 +148,22 @@ TEST_F(MxtPhase, KeepsUpWithAControllerOf711MillisecondsAndOneAsFast) {
 TEST_F(MxtPhase, OnlyAReplyThatHasTheCyclesTargetBeginsTheNextOneEarly) {
   open();
   for (int i = 2; i < 10; ++i) {
-    client_.send(target(i));
+    send(target(i));
     ASSERT_EQ(hear_held(i, i * kPeriod), RobotEvent::kReply);
   }
-  client_.send(target(10));
+  send(target(10));
   ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
-  client_.send(target(11));
+  send(target(11));
   ASSERT_EQ(hear_held(10, 11 * kPeriod + kMillisecond), RobotEvent::kReply);
-  client_.send(target(12));
+  send(target(12));
   EXPECT_EQ(hear_held(11, 12 * kPeriod - 100 * kMicrosecond), std::nullopt);
   EXPECT_EQ(hear_held(12, 12 * kPeriod), RobotEvent::kReply);
   EXPECT_EQ(reply_.cycles, 1);
   // The phase was wrong: the target that was sent in this cycle is held.
-  client_.send(target(13));
+  send(target(13));
   EXPECT_EQ(hear_held(13, 13 * kPeriod - kMillisecond), RobotEvent::kReply);
   EXPECT_EQ(reply_.cycles, 1);
-  client_.send(target(14));
+  send(target(14));
   EXPECT_EQ(hear_held(14, 14 * kPeriod - 4 * kMillisecond), RobotEvent::kReply);
   EXPECT_EQ(reply_.cycles, 1);
 }
@@ -176,7 +176,7 @@ TEST_F(MxtPhase, ALossIsNoLastingDelayForAFastController) {
     open();
     for (int i = 1; i < 40; ++i) {
       const bool lost = i == 20;
-      client_.send(target(moving ? i : 1));
+      send(target(moving ? i : 1));
       std::optional<RobotEvent> event;
       if (!lost || moving) event = hear_held(!moving ? 1 : lost ? 19 : i, at(i));
       EXPECT_EQ(event.has_value(), !lost) << i;
@@ -202,13 +202,33 @@ TEST_F(MxtPhase, RepliesThatAreReadTogetherAreOneThatIsLate) {
 // Whoever is read before anything was sent cannot be an answer to it.
 TEST_F(MxtPhase, RepliesReadTogetherJustBeforeACycleDoNotBeginIt) {
   open();
-  client_.send(target(2));
+  send(target(2));
   ASSERT_EQ(hear_held(2, 2 * kPeriod), RobotEvent::kReply);
-  client_.send(target(3));
+  send(target(3));
   const Nanos now = 5 * kPeriod - 100 * kMicrosecond;
   EXPECT_EQ(hear_held(3, now), RobotEvent::kReply);
   EXPECT_EQ(reply_.cycles, 2);
   EXPECT_EQ(hear_held(3, now), std::nullopt);
+}
+
+// A busy computer: what comes after its cycle is a second packet in the next, or a double step.
+TEST_F(MxtPhase, ATargetThatMayMissItsCycleIsNotSent) {
+  open();
+  const auto sent = [&](Nanos at) { return !client_.send(golden::kTarget, at).empty(); };
+  const Nanos last = 2 * kPeriod - kPeriod / 8 + kPeriod / 32;
+  EXPECT_FALSE(sent(last + 2 * kSecond));
+  EXPECT_FALSE(sent(last + 1));
+  EXPECT_TRUE(sent(last));
+  // Without a reply little is left when its time has come.
+  for (const Nanos late : {Nanos{0}, kPeriod / 32, kPeriod / 32 + 1}) {
+    const Nanos at = client_.deadline() + late;
+    ASSERT_EQ(client_.poll(at, reply_), RobotEvent::kSilence);
+    EXPECT_EQ(sent(at), late <= kPeriod / 32);
+  }
+  EXPECT_EQ(reply_.cycles, 1);
+  ASSERT_EQ(client_.poll(client_.deadline() + kPeriod / 8, reply_), RobotEvent::kSilence);
+  EXPECT_EQ(reply_.cycles, 2);
+  EXPECT_TRUE(sent(client_.deadline() - kPeriod));
 }
 
 TEST_F(MxtPhase, AReplyIsPromptInTheFirstEighthOfItsCycle) {
@@ -246,7 +266,7 @@ TEST_F(MxtPhase, EightRepliesThatComeAlikeTellThePhaseAtOnce) {
         ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
         ++sent;
       }
-      client_.send(golden::kTarget);
+      send(golden::kTarget);
       EXPECT_LE(sent, 1) << "in cycle " << i;
       packets += sent;
     }

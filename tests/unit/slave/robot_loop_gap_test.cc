@@ -45,23 +45,6 @@ TEST_F(RobotLoopTest, AnArmThatIsNotHeardIsHaltedAskedForAndGoesOnFromRest) {
   EXPECT_NEAR(state.X_ST_command.p.z(), news.state.X_SU.p.z(), 1e-6);
 }
 
-TEST_F(RobotLoopTest, ATargetFromBeforeAPauseIsNotSentAfterIt) {
-  engage();
-  news.state.X_SU.p.z() += 0.2;
-  for (int i = 0; i < 30; ++i) turn();
-  const int sends = robot.sends;
-  // Between the step and what it sends.
-  test::paused_at = 1;
-  test::paused_for = 2 * kSecond;
-  turn();
-  EXPECT_EQ(test::paused_at, -1);
-  EXPECT_EQ(robot.sends, sends);
-  robot.cycles = 282;
-  turn();
-  EXPECT_EQ(robot.sends, sends);
-  EXPECT_EQ(state.fault, Reason::kLinkLost);
-}
-
 TEST_F(RobotLoopTest, APausedSlaveGoesOnFromRestAndIsNotEngagedAfterALongPause) {
   engage();
   news.state.X_SU.p.z() += 0.2;

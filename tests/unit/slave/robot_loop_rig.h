@@ -16,13 +16,7 @@ namespace handrail::test {
 inline constexpr Nanos kPeriod = 7'100'000;
 
 inline Nanos now_value = 0;
-// The program is paused for so long when it asks for the time the n-th time from now; < 0: never.
-inline int paused_at = -1;
-inline Nanos paused_for = 0;
-inline Nanos manual_now() noexcept {
-  if (paused_at >= 0 && paused_at-- == 0) now_value += paused_for;
-  return now_value;
-}
+inline Nanos manual_now() noexcept { return now_value; }
 
 // Answers from a script, then with a reply a period. Its arm is where it was last told to be.
 class ScriptedRobot : public Robot {
