@@ -233,6 +233,7 @@ void Cell::on_event(RobotEvent event, Nanos at) noexcept {
 }
 
 void Cell::to_controller(MxtClient::Bytes bytes) noexcept {
+  if (bytes.empty()) return;
   if (line_) {
     line_->to_robot.send(bytes, at_);
   } else {

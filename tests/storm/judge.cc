@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <array>
 #include <optional>
 
 #include "server/base/rv2a_limits.h"
@@ -36,20 +37,30 @@ class Recorder {
 
 bool sent(const TapRecord& r) { return r.has(kTapAccepted) || r.lost > 0; }
 
+// Why a cycle got nothing between two that were sent something, on a computer that is busy
+// elsewhere.
+enum class Missed {
+  kNo,
+  kLeftOut,  // so late that the slave did not send it: as good as lost
+  kLate,     // that, or it came after its cycle
+};
+
 // A slave sends without a reply only when an eighth of the cycle is left, so what came earlier
 // after a cycle that was sent nothing was on its way when that cycle ran. One that took its way for
 // a long one sends when half is left: what then counts as late without being so is excused only if
 // that alone makes sound what follows.
-bool came_late(const TapFile& tap, std::size_t i) {
-  if (i < 2) return false;
+Missed missed(const TapFile& tap, std::size_t i) {
+  if (i < 2) return Missed::kNo;
   const TapRecord &now = tap.records[i], &before = tap.records[i - 1];
-  return now.has(kTapAccepted) && now.lost == 0 && !sent(before) && before.has(kTapSession) &&
-         sent(tap.records[i - 2]) && now.at - before.at == tap.period &&
-         8 * now.came * kMicrosecond < 7 * tap.period;
+  const bool one = now.has(kTapAccepted) && !sent(before) && before.has(kTapSession) &&
+                   sent(tap.records[i - 2]) && now.at - before.at == tap.period;
+  if (!one) return Missed::kNo;
+  const bool early = 8 * now.came * kMicrosecond < 7 * tap.period;
+  return now.lost == 0 && early ? Missed::kLate : Missed::kLeftOut;
 }
 
-// The audit of one arm. A command that came late may be read as one in time, if that alone makes
-// sound what follows.
+// The audit of one arm. A command that was missed may be read as one in time, or as lost, if that
+// alone makes sound what follows.
 class Judge {
  public:
   explicit Judge(Nanos period) : audit_(rv2a_limits(), period) {}
@@ -57,24 +68,33 @@ class Judge {
   void place(const JointVector& q) { audit_.place(q); }
   void until(Nanos now) {
     audit_.until(now);
-    if (other_) other_->until(now);
+    for (auto& other : others_) {
+      if (other) other->until(now);
+    }
   }
-  TargetVerdict accepted(const TapRecord& r, const JointVector& q, int lost, bool late) {
-    if (late) {
-      other_ = audit_;
-      other_->came_late();
+  TargetVerdict accepted(const TapRecord& r, const JointVector& q, int lost, Missed missed) {
+    if (missed != Missed::kNo) {
       open_ = kOpen;
+      others_[0] = others_[1] = audit_;
+      others_[0]->came_late();
+      if (missed != Missed::kLate) others_[0].reset();
     }
-    const TargetVerdict verdict = audit_.accepted(r.at, q, lost);
-    if (!other_) return verdict;
-    const TargetVerdict other = other_->accepted(r.at, q, lost);
-    const bool instead = !verdict.fine() && other.fine();
-    if (instead) {
-      audit_ = *other_;
-      ++late_;
+    TargetVerdict verdict = audit_.accepted(r.at, q, lost);
+    const bool sound = verdict.fine();
+    --open_;
+    for (std::size_t i = 0; i < others_.size(); ++i) {
+      std::optional<ControllerAudit>& other = others_[i];
+      if (!other) continue;
+      const bool left_out = i == 1 && missed != Missed::kNo;
+      const TargetVerdict instead = other->accepted(r.at, q, lost + (left_out ? 1 : 0));
+      if (instead.fine() && !verdict.fine()) {
+        audit_ = *other;
+        verdict = instead;
+        ++late_;
+      }
+      if (!sound || !instead.fine() || open_ == 0) other.reset();
     }
-    if (instead || !other.fine() || --open_ == 0) other_.reset();
-    return instead ? other : verdict;
+    return verdict;
   }
 
   const ControllerAudit& audit() const { return audit_; }
@@ -84,7 +104,7 @@ class Judge {
   static constexpr int kOpen = 4;  // targets that one cycle has a part in the third differences of
 
   ControllerAudit audit_;
-  std::optional<ControllerAudit> other_;
+  std::array<std::optional<ControllerAudit>, 2> others_;  // it came late, it was left out
   int open_ = 0;
   std::uint64_t late_ = 0;
 };
@@ -130,7 +150,7 @@ Figures judge_tap(const TapFile& tap, const std::vector<Forbidden>& forbidden,
     judge.until(r.at);
     lost += r.lost;
     if (r.has(kTapAccepted)) {
-      const TargetVerdict verdict = judge.accepted(r, q, lost, came_late(tap, i));
+      const TargetVerdict verdict = judge.accepted(r, q, lost, missed(tap, i));
       if (!verdict.fine()) {
         limits.add(r.at, breach_text(verdict, r.at - last_target, lost, tap.period));
       }

@@ -98,6 +98,22 @@ TEST(StormJudge, ALateCommandMayFollowALostOne) {
   EXPECT_THAT(d.found, IsEmpty());
 }
 
+// The first target of a start is lost, the second so late that it was not sent.
+TEST(StormJudge, ACommandThatWasLeftOutIsAsGoodAsLost) {
+  Drive d;
+  d.sound();
+  for (int i = 0; i < 60; ++i) d.add(0.0, kTapSession);
+  d.tap.records.back().lost = 1;
+  d.add(0.0, kTapSession);
+  d.target((1 + 3 + 6) * 0.9 * kJolt);
+  d.tap.records.back().came = 6400;
+  d.v = 6 * 0.9 * kJolt;
+  for (const int change : {2, 1, 0, -1, -2, -3, -2, -1}) d.speed_up(1, change * 0.9 * kJolt);
+  d.target(0.0);
+  EXPECT_EQ(d.judge().late, 1u);
+  EXPECT_THAT(d.found, IsEmpty());
+}
+
 TEST(StormJudge, WhateverElseAMotionGoesOnAfterIsJudged) {
   Drive silent, longer, lost;
   EXPECT_GT(one_cycle_without(silent, 0.9, 1, 0).breaches, 0u) << "sent without a reply";
