@@ -78,6 +78,19 @@ int MxtClient::cycles_begun(Nanos now) const noexcept {
   return static_cast<int>(std::clamp<Nanos>((now - cycle_) / options_.period, 0, kMost));
 }
 
+// Whether a packet that is sent now may miss the cycle that begins `cycles` after the present one.
+// The opening has tried how late it may be; half of that is for a way that wavers.
+bool MxtClient::too_late(int cycles, Nanos now) const noexcept {
+  const Nanos end = cycle_ + (cycles + 1) * options_.period;
+  return now > end - spare() + options_.period / (2 * kMargin) && kept(Check::kInTime);
+}
+
+// That cycle passes unseen. The next one is told of once it has surely begun, and what was heard
+// until then is not prompt.
+void MxtClient::miss_cycle(int cycles) noexcept {
+  deadline_ = cycle_ + (cycles + 1) * options_.period + options_.period / kMoved + 1;
+}
+
 void MxtClient::begin_cycle(int cycles, Nanos now, RobotReply& reply) noexcept {
   cycle_ += cycles * options_.period;
   deadline_ = cycle_ + 2 * options_.period - spare();
@@ -92,8 +105,8 @@ void MxtClient::begin_cycle(int cycles, Nanos now, RobotReply& reply) noexcept {
 }
 
 // `late`: of a reply, behind where its cycle was thought to begin. None is sent before that.
-// `begins`: it is the first that is known of its cycle.
-void MxtClient::learn_phase(Nanos late, bool begins) noexcept {
+// `may_begin`: it may be that of the next cycle, as no packet has been sent for that.
+void MxtClient::learn_phase(Nanos late, bool may_begin) noexcept {
   const bool alike = std::abs(late - run_late_) <= options_.period / kAlikeBy;
   alike_ = alike ? alike_ + 1 : 1;
   if (!alike) run_late_ = late;
@@ -102,9 +115,8 @@ void MxtClient::learn_phase(Nanos late, bool begins) noexcept {
   if (++seen_ < kPhaseWindow && !sure) return;
   const Nanos least = sure ? late : least_late_;
   if (least < 0 || least > options_.period / kMoved) {
-    // A reply after its cycle's packet, so late that it is an early one of the next: no cycle is
-    // left out. One that begins a cycle still does, and no second packet is sent for it.
-    const bool next = !begins && 2 * least > options_.period;
+    // So late that it is an early one of the next cycle: that one is not left out.
+    const bool next = may_begin && 2 * least > options_.period;
     const Nanos moved = next ? least - options_.period : least;
     cycle_ += moved;
     deadline_ += moved;
@@ -190,15 +202,23 @@ std::optional<RobotEvent> MxtClient::on_datagram(Bytes bytes, Nanos now,
     forget_phase();
   }
   if (cycles == 0) cycles = cycles_begun(now + most_early(took));
+  if (cycles > 0 && !anew && too_late(cycles, now)) {
+    ++counters_.late;
+    miss_cycle(cycles);
+    return std::nullopt;
+  }
   const bool late = cycles == 0;
   const bool second = late && cycle_answered_;
+  // Where the controller does not have the present packet's target, that packet came after the
+  // cycle that this reply is of, and is the next one's.
+  const bool may_begin = late && (took || told_ != Told::kNew);
   if (late) {
     ++counters_.late;
     cycle_answered_ = true;
   } else {
     begin_cycle(cycles, now, reply);
   }
-  if (!anew && !second) learn_phase(now - cycle_, !late);
+  if (!anew && !second) learn_phase(now - cycle_, may_begin);
   if (!late) return RobotEvent::kReply;
   // By what was learnt just now it may be the next one's after all.
   cycles = cycles_begun(now);
@@ -211,8 +231,13 @@ std::optional<RobotEvent> MxtClient::poll(Nanos now, RobotReply& reply) noexcept
   if (!open_) return RobotEvent::kLost;
   if (now < deadline_) return std::nullopt;
   if (!answered_) return poll_opening(now);
+  const int cycles = std::max(cycles_begun(now), 1);
+  if (too_late(cycles, now)) {
+    miss_cycle(cycles);
+    return std::nullopt;
+  }
   if (lost()) return RobotEvent::kLost;
-  begin_cycle(std::max(cycles_begun(now), 1), now, reply);
+  begin_cycle(cycles, now, reply);
   cycle_answered_ = false;
   return RobotEvent::kSilence;
 }
@@ -279,9 +304,7 @@ void MxtClient::give_up_opening(Nanos now) noexcept {
 }
 
 MxtClient::Bytes MxtClient::send(const JointVector& q_target, Nanos now) noexcept {
-  // The opening has tried how late a packet may be. Half of it is for a way that wavers.
-  const Nanos latest = cycle_ + options_.period - spare() + options_.period / (2 * kMargin);
-  if (!open_ || (now > latest && kept(Check::kInTime))) return {};
+  if (!open_ || too_late(0, now)) return {};
   return write(MxtCommand::kMove, q_target);
 }
 

@@ -66,8 +66,9 @@ class MxtClient {
   // they put there.
   std::optional<RobotEvent> on_datagram(Bytes bytes, Nanos now, RobotReply& reply) noexcept;
 
-  // Before deadline(): nothing. After it: kSilence, or kLost when that was the last loss allowed or
-  // no session is open. While opening(), packet() is to be sent with kSilence.
+  // Before deadline(), and where it is too late for this cycle's packet: nothing. After it:
+  // kSilence, or kLost when that was the last loss allowed or no session is open. While opening(),
+  // packet() is to be sent with kSilence.
   std::optional<RobotEvent> poll(Nanos now, RobotReply& reply) noexcept;
 
   // The packet for one absolute target [rad], finite. Empty when no session is open, or when it is
@@ -116,8 +117,10 @@ class MxtClient {
   Bytes write(MxtCommand command, const JointVector& q_target = JointVector::Zero()) noexcept;
   Nanos spare() const noexcept;
   int cycles_begun(Nanos now) const noexcept;
+  bool too_late(int cycles, Nanos now) const noexcept;
+  void miss_cycle(int cycles) noexcept;
   void begin_cycle(int cycles, Nanos now, RobotReply& reply) noexcept;
-  void learn_phase(Nanos late, bool begins) noexcept;
+  void learn_phase(Nanos late, bool may_begin) noexcept;
   void forget_phase() noexcept;
   bool lost() noexcept;
   bool hear_opening(bool second, Nanos now) noexcept;

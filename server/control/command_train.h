@@ -45,6 +45,9 @@ class CommandTrain {
     return true;
   }
 
+  // Whether `q` is what the controller has last said it holds, but for that rounding.
+  bool confirms(const JointVector& q) const noexcept { return distance(0, q) < kRounding; }
+
   // Whether `q` is within `step` of all that the controller may hold [rad].
   bool may_send(const JointVector& q, const JointVector& step) const noexcept {
     if (full() && q != newest()) return false;

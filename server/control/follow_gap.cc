@@ -1,5 +1,7 @@
 #include "server/control/follow_gap.h"
 
+#include <algorithm>
+
 namespace handrail {
 namespace {
 
@@ -12,6 +14,9 @@ constexpr int kAskEvery = 4;
 // An answer that is late by anything up to two periods looks so once in 16 times: four in a row are
 // chance once in eight minutes of such answers.
 constexpr int kQueuedFor = 4;  // [answers]
+// After so many silent cycles the controller may be another one: none starts anew in less than
+// 0.1 s. Nothing that was sent before is answered any more, on any way in one building.
+constexpr int kAnother = 14;  // [cycles]
 
 }  // namespace
 
@@ -38,8 +43,10 @@ void hear_controller(const FollowSettings& settings, const FollowInput& in,
   const bool told = in.answer != Answer::kNone && in.has_commanded;
   const bool elsewhere = told && !s.train.confirm(in.q_commanded, rated_step(settings));
   const bool paused = in.cycles > kMostCycles;
+  s.another = s.another || (told && s.silent == kAnother);
+  s.silent = told ? 0 : std::min(s.silent + in.cycles, kAnother);
   if (!s.gap) {
-    if (paused || elsewhere) begin_gap(settings, s);
+    if (paused || elsewhere || s.another) begin_gap(settings, s);
     return;
   }
   if (s.waited == 0 || paused || !told) return;
@@ -50,7 +57,8 @@ void hear_controller(const FollowSettings& settings, const FollowInput& in,
   // It may have taken this target just now. It has to hold it for a cycle: the next target is a
   // step from rest, and would end the motion at once.
   if (s.halted && s.train.unconfirmed() < unheard) return;
-  const JointVector q = elsewhere ? in.q_commanded : s.train.confirmed();
+  const bool as_sent = !elsewhere && (!s.another || s.train.confirms(in.q_commanded));
+  const JointVector q = as_sent ? s.train.confirmed() : in.q_commanded;
   if (joint_out_of_range(settings, q) >= 0) return;
   // The controller did not get the end of a motion that had ended here.
   if (!s.halted && q != s.train.newest()) ++s.halts;

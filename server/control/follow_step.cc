@@ -306,7 +306,7 @@ void place(const FollowSettings& settings, const JointVector& q, FollowState& st
   state.p_measured = state.motion.X_ST.p;
   state.placed = true;
   state.train.restart(q);
-  state.gap = false;
+  state.gap = state.another = false;
   state.waited = state.queued_for = 0;
 }
 

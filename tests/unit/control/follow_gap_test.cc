@@ -200,6 +200,22 @@ TEST_F(FollowGap, AControllerThatComesBackWithTheArmElsewhereIsAFaultOfThatJoint
   EXPECT_EQ(rig.state.session, SessionState::kOff) << "a reset is enough";
 }
 
+// A controller that starts anew holds its arm where that is, not where it was last sent.
+TEST_F(FollowGap, AControllerThatStartedAnewIsNotSentAStepToWhereTheArmWas) {
+  for (int i = 0; i < 400; ++i) cycle();
+  ASSERT_TRUE(standing(rig.state.motion));
+  cycles(14, false);
+  held = held.array() + 0.3 * rig.settings.rated.max_speed[4] * rig.settings.motion.dt;
+  const double most =
+      1.01 * rig.settings.rated.max_jerk.maxCoeff() * std::pow(rig.settings.motion.dt, 3);
+  for (int i = 0; i < 20; ++i) {
+    const JointVector before = held;
+    cycle();
+    EXPECT_LE((held - before).cwiseAbs().maxCoeff(), most * (i + 1)) << i;
+  }
+  EXPECT_EQ(rig.out.link.state, SessionState::kEngaged);
+}
+
 TEST_F(FollowGap, AStopDuringTheSilenceStands) {
   cycles(60);
   cycles(10, false);

@@ -206,29 +206,41 @@ TEST_F(MxtPhase, RepliesReadTogetherJustBeforeACycleDoNotBeginIt) {
   ASSERT_EQ(hear_held(2, 2 * kPeriod), RobotEvent::kReply);
   send(target(3));
   const Nanos now = 5 * kPeriod - 100 * kMicrosecond;
-  EXPECT_EQ(hear_held(3, now), RobotEvent::kReply);
-  EXPECT_EQ(reply_.cycles, 2);
   EXPECT_EQ(hear_held(3, now), std::nullopt);
+  EXPECT_EQ(hear_held(3, now), std::nullopt);
+  EXPECT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
+  EXPECT_EQ(reply_.cycles, 3);
 }
 
 // A busy computer: what comes after its cycle is a second packet in the next, or a double step.
 TEST_F(MxtPhase, ATargetThatMayMissItsCycleIsNotSent) {
   open();
-  const auto sent = [&](Nanos at) { return !client_.send(golden::kTarget, at).empty(); };
   const Nanos last = 2 * kPeriod - kPeriod / 8 + kPeriod / 32;
-  EXPECT_FALSE(sent(last + 2 * kSecond));
-  EXPECT_FALSE(sent(last + 1));
-  EXPECT_TRUE(sent(last));
-  // Without a reply little is left when its time has come.
-  for (const Nanos late : {Nanos{0}, kPeriod / 32, kPeriod / 32 + 1}) {
-    const Nanos at = client_.deadline() + late;
-    ASSERT_EQ(client_.poll(at, reply_), RobotEvent::kSilence);
-    EXPECT_EQ(sent(at), late <= kPeriod / 32);
+  EXPECT_TRUE(client_.send(golden::kTarget, last + 2 * kSecond).empty());
+  EXPECT_TRUE(client_.send(golden::kTarget, last + 1).empty());
+  EXPECT_FALSE(client_.send(golden::kTarget, last).empty());
+}
+
+TEST_F(MxtPhase, ACycleThatIsSeenTooLateIsToldWithTheNext) {
+  const Nanos most = kPeriod / 32;  // behind the deadline
+  const Nanos next = kPeriod / 8 + 1;
+  for (const bool replied : {false, true}) {
+    open();
+    // Cycle 2, just in time.
+    ASSERT_EQ(client_.poll(client_.deadline() + most, reply_), RobotEvent::kSilence);
+    EXPECT_FALSE(client_.send(golden::kTarget, 3 * kPeriod - kPeriod / 8 + most).empty());
+    // Cycle 3, too late.
+    const Nanos late = client_.deadline() + most + 1;
+    ASSERT_EQ(late, 4 * kPeriod - kPeriod / 8 + most + 1);
+    EXPECT_EQ(replied ? hear(late) : client_.poll(late, reply_), std::nullopt);
+    EXPECT_EQ(client_.deadline(), 4 * kPeriod + next);
+    ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
+    EXPECT_EQ(reply_.cycles, 2);
+    EXPECT_EQ(reply_.fresh, replied);
+    EXPECT_FALSE(reply_.prompt);
+    EXPECT_EQ(client_.deadline(), 6 * kPeriod - kPeriod / 8);
+    client_.end();
   }
-  EXPECT_EQ(reply_.cycles, 1);
-  ASSERT_EQ(client_.poll(client_.deadline() + kPeriod / 8, reply_), RobotEvent::kSilence);
-  EXPECT_EQ(reply_.cycles, 2);
-  EXPECT_TRUE(sent(client_.deadline() - kPeriod));
 }
 
 TEST_F(MxtPhase, AReplyIsPromptInTheFirstEighthOfItsCycle) {
@@ -274,6 +286,40 @@ TEST_F(MxtPhase, EightRepliesThatComeAlikeTellThePhaseAtOnce) {
     EXPECT_NEAR(to_seconds(client_.deadline()), to_seconds(at(13) - kPeriod / 8), 2e-4);
     client_.end();
   }
+}
+
+// Until then a packet may go out as the cycle has begun, and its reply is not here yet.
+TEST_F(MxtPhase, APhaseThatIsFoundSendsNoSecondPacketInACycle) {
+  const Nanos way = 50 * kMicrosecond;  // and back
+  const auto reply_of = [&](int cycle) { return cycle * kPeriod + 2 * way; };
+  client_.start(-3 * kPeriod);
+  hear_first(client_, golden::reply_long(), golden::reply_long_held());
+  const Nanos read_late = kPeriod / 8 - way;
+  ASSERT_EQ(client_.on_datagram(golden::reply_long_held(), reply_of(0) + read_late, reply_),
+            RobotEvent::kReply);
+  int sent = 0, held = 0, waiting = 0;
+  const auto send_next = [&](Nanos now) {
+    if (!client_.send(target(++sent), now).empty()) ++waiting;
+  };
+  for (int i = 1; i < 30; ++i) {
+    // The controller's cycle i begins, the packet before it was there in time.
+    while (client_.deadline() + way < i * kPeriod) {
+      const Nanos now = client_.deadline();
+      ASSERT_EQ(client_.poll(now, reply_), RobotEvent::kSilence);
+      send_next(now);
+    }
+    EXPECT_LE(waiting, 1) << "for cycle " << i;
+    if (waiting > 0) held = sent;
+    waiting = 0;
+    while (client_.deadline() < reply_of(i)) {
+      const Nanos now = client_.deadline();
+      ASSERT_EQ(client_.poll(now, reply_), RobotEvent::kSilence);
+      send_next(now);
+    }
+    if (hear_held(held, reply_of(i)) == RobotEvent::kReply) send_next(reply_of(i));
+  }
+  EXPECT_NEAR(to_seconds(client_.deadline()), to_seconds(reply_of(31) - kPeriod / 8), 2e-4);
+  client_.end();
 }
 
 }  // namespace
