@@ -64,12 +64,12 @@ struct Session {
     }
     if (fresh) {
       q_target[0] += 0.005;
-      give(robot.send(q_target));
+      give(robot.send(q_target, now));
     } else if (!robot.open()) {
       q_target = ServoArmOptions::default_start();
       give(robot.start(now));
     } else if (robot.poll(now, reply) == RobotEvent::kSilence) {
-      give(robot.opening() ? robot.packet() : robot.send(q_target));
+      give(robot.opening() ? robot.packet() : robot.send(q_target, now));
     }
   }
 

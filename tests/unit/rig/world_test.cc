@@ -136,7 +136,7 @@ struct Session {
         for (const std::uint8_t byte : out.bytes()) hash.byte(byte);
         if (robot.on_datagram(out.bytes(), now, reply) != RobotEvent::kReply) continue;
         p.z() -= speed;
-        rig.controller().on_datagram(robot.send(joints_at(p)), kPc);
+        rig.controller().on_datagram(robot.send(joints_at(p), now), kPc);
       }
     }
   }
