@@ -24,7 +24,7 @@ constexpr int kAlikeBy = 32;  // of a period
 constexpr int kEarly = 32;
 // A reply later than this in its cycle, of a period, may be of the cycle before. The phase is known
 // no better (kMoved).
-constexpr int kPrompt = kMoved;
+constexpr int kPrompt = kMoved;  // of a period
 // Silent cycles after which the controller may be another one, with cycles of its own: none starts
 // anew in less than 0.1 s.
 constexpr int kAnother = 14;

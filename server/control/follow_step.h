@@ -88,8 +88,8 @@ struct FollowState {
   // By which joint most, a gap has ended where nobody sent the arm: another controller, or somebody
   // moved it. -1: it has not, or the session was off since.
   int elsewhere = -1;
-  int silent = 0;        // cycles since the controller said what it holds, 14 at most
-  bool another = false;  // it was silent for so long that it may be another one
+  int silent = 0;           // cycles since the controller said what it holds, 14 at most
+  bool another = false;     // it was silent for so long that it may be another one
   int queued_for = 0;       // answers in a row that show the controller keeps targets for later
   std::uint64_t halts = 0;  // of an arm in motion
   std::uint64_t stop_epoch = 0;
