@@ -20,6 +20,7 @@ struct ParameterRange {
   double spread = 0.0;           // standard deviation of the logarithm
   double low = 0.0, high = 0.0;  // bounds on a person, and on the median while it is fitted [SI]
   bool fitted = false;           // free for `fit`
+  bool inherited = false;        // as the population's base has it, and never free
   std::string source;            // where median, spread and bounds come from
 };
 
@@ -41,6 +42,7 @@ struct Population {
   std::string description;
   std::string comment;                     // lines the file begins with, each with its '#'
   std::string file;                        // where it was read from
+  std::string base;                        // the population that it differs from; empty: none
   std::vector<ParameterRange> parameters;  // those of the table the file has, in its order
 
   // False when the parameters of people at a screw are missing.

@@ -69,21 +69,43 @@ Problem range_from(const pb::Operators::Parameter& in, const ParameterInfo& info
   return std::nullopt;
 }
 
+// What the base gives, each at its place in the table.
+Problem inherit(const std::string& base, std::vector<ParameterRange>& ranges) {
+  if (base.empty()) return std::nullopt;
+  const Result<std::string> file = find_population(base);
+  if (!file) return FieldProblem{"base", file.message()};
+  Result<Population> people = load_population(*file);
+  if (!people) return FieldProblem{"base", people.message()};
+  if (!people->base.empty()) {
+    return FieldProblem{"base", "'" + base + "' has a base, expected a population without"};
+  }
+  for (ParameterRange& range : people->parameters) {
+    range.fitted = false;
+    range.inherited = true;
+    ranges[static_cast<std::size_t>(info_named(range.name) - operator_parameter_table().data())] =
+        range;
+  }
+  return std::nullopt;
+}
+
 Problem population_from(const pb::Operators& in, Population& out) {
   out.name = in.name();
   out.description = in.description();
+  out.base = in.base();
   if (out.name.empty()) return FieldProblem{"name", "empty"};
   const std::vector<ParameterInfo>& table = operator_parameter_table();
   std::vector<ParameterRange> ranges(table.size());
+  if (Problem p = inherit(out.base, ranges)) return p;
   for (int i = 0; i < in.parameter_size(); ++i) {
     const pb::Operators::Parameter& one = in.parameter(i);
     const std::string path = "parameter[" + std::to_string(i) + "]";
     const ParameterInfo* info = info_named(one.name());
     if (info == nullptr) return FieldProblem{path + ".name", unknown_name(one.name())};
     ParameterRange& range = ranges[static_cast<std::size_t>(info - table.data())];
-    if (range.field != nullptr) {
+    if (range.field != nullptr && !range.inherited) {
       return FieldProblem{path + ".name", "'" + one.name() + "' is given twice"};
     }
+    range.inherited = false;
     if (Problem p = range_from(one, *info, range)) {
       p->path = path + "." + p->path;
       return p;
@@ -174,7 +196,9 @@ std::string to_text(const Population& population) {
   std::string out = population.comment;
   out += "name: " + quoted(population.name) + "\n";
   out += "description: " + quoted(population.description) + "\n";
+  if (!population.base.empty()) out += "base: " + quoted(population.base) + "\n";
   for (const ParameterRange& p : population.parameters) {
+    if (p.inherited) continue;
     out += "\nparameter {\n  name: " + quoted(p.name) + "\n";
     out += "  median: " + in_unit(p.median, p.unit) + "  spread: " + number_text(p.spread);
     out += "  low: " + in_unit(p.low, p.unit) + "  high: " + in_unit(p.high, p.unit);

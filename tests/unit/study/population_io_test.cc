@@ -213,6 +213,61 @@ TEST(PopulationIo, WritesTheShippedFileAsItIs) {
   EXPECT_EQ(to_text(people), *read_file(people.file, 1 << 20));
 }
 
+TEST(PopulationIo, ABaseGivesWhatIsNotNamed) {
+  const Population base = shipped();
+  const Result<Population> people = parse_population(
+      "/x/p.operators", "name: 'p' base: 'linear-movement'\n" +
+                            parameter_text("gain",
+                                           "median: 0.5 spread: 0.3 low: 0.25 high: 1 "
+                                           "fitted: true source: 's'"));
+  ASSERT_TRUE(people.is_ok()) << people.message();
+  ASSERT_EQ(people->parameters.size(), base.parameters.size());
+  EXPECT_EQ(people->base, "linear-movement");
+  int of_base_fitted = 0;
+  for (std::size_t i = 0; i < base.parameters.size(); ++i) {
+    const ParameterRange &p = people->parameters[i], &q = base.parameters[i];
+    ASSERT_EQ(p.field, q.field);
+    of_base_fitted += q.fitted;
+    if (p.field == &OperatorParameters::gain) {
+      EXPECT_TRUE(p.fitted);
+      EXPECT_EQ(p.spread, 0.3);
+      continue;
+    }
+    EXPECT_FALSE(p.fitted) << p.name;  // it is the base's fit that sets it
+    EXPECT_EQ(p.median, q.median) << p.name;
+    EXPECT_EQ(p.low, q.low) << p.name;
+    EXPECT_EQ(p.high, q.high) << p.name;
+    EXPECT_EQ(p.source, q.source) << p.name;
+  }
+  EXPECT_GT(of_base_fitted, 0);
+}
+
+TEST(PopulationIo, ABaseIsAShippedPopulationWithoutOne) {
+  EXPECT_THAT(error_of("name: 'p' base: 'linear'"),
+              HasSubstr("/x/p.operators:1:11: field 'base': population 'linear' not found in /"));
+  EXPECT_EQ(error_of("name: 'p'\nbase: 'screw-fastening'"),
+            "/x/p.operators:2:1: field 'base': 'screw-fastening' has a base, expected a population "
+            "without");
+  EXPECT_THAT(error_of("name: 'p' base: '/no/such.operators'"),
+              HasSubstr("field 'base': /no/such.operators: cannot open: No such file"));
+  EXPECT_EQ(error_of("name: 'p'\nbase: 'linear-movement'\n" + parameter_text("gain", kPlainRange) +
+                     parameter_text("gain", kPlainRange)),
+            "/x/p.operators:4:13: field 'parameter[1].name': 'gain' is given twice");
+  EXPECT_THAT(
+      error_of("name: 'p'\nbase: 'linear-movement'\n" + parameter_text("press_mm", kPlainRange)),
+      HasSubstr("insert_tolerance_mm is missing"));
+}
+
+TEST(PopulationIo, PeopleAtTheScrewAreThoseOfTheLinearMovement) {
+  const Population linear = shipped();
+  const Result<Population> screw = load_population(*find_population("screw-fastening"));
+  ASSERT_TRUE(screw.is_ok()) << screw.message();
+  EXPECT_TRUE(screw->knows_screws());
+  EXPECT_EQ(screw->median().drift, linear.median().drift);
+  EXPECT_NE(screw->median().turn_speed, linear.median().turn_speed);
+  EXPECT_EQ(to_text(*screw), *read_file(screw->file, 1 << 20));
+}
+
 TEST(PopulationIo, WritesAFileThatReadsBackToTheSameBits) {
   Population people = shipped();
   people.comment = "# one\n#two\n";
