@@ -26,7 +26,8 @@ constexpr int kEarly = 32;
 // no better (kMoved).
 constexpr int kPrompt = kMoved;  // of a period
 // Silent cycles after which the controller may be another one, with cycles of its own: none starts
-// anew in less than 0.1 s.
+// anew in less than 0.1 s. What was sent before is not answered any more, on any way in one
+// building.
 constexpr int kAnother = 14;
 // Of a cycle, for a packet without a reply to get to the controller: 0.9 ms. A reply is waited for
 // until then, since a joint faster than half its rating cannot go on without. Over a longer way
@@ -54,7 +55,7 @@ Nanos MxtClientOptions::longest_way() const noexcept {
 
 MxtClient::Bytes MxtClient::start(Nanos now) noexcept {
   open_ = true;
-  answered_ = has_measured_ = has_commanded_ = asked_measured_ = false;
+  answered_ = anew_ = has_measured_ = has_commanded_ = asked_measured_ = false;
   opening_ = Opening::kAsked;
   tries_ = 0;
   in_time_ = 0;
@@ -85,16 +86,24 @@ bool MxtClient::too_late(int cycles, Nanos now) const noexcept {
   return now > end - spare() + options_.period / (2 * kMargin) && kept(Check::kInTime);
 }
 
-// That cycle passes unseen. The next one is told of once it has surely begun, and what was heard
-// until then is not prompt.
-void MxtClient::miss_cycle(int cycles) noexcept {
-  deadline_ = cycle_ + (cycles + 1) * options_.period + options_.period / kMoved + 1;
+// Whether the cycle that begins `cycles` after the present one cannot be told of now. Its packet
+// may come too late: it passes unseen. Or, where nothing proves that it has begun, it may not have,
+// by what is known of the phase. What is put off is told once that cycle, or the next one, has
+// surely begun, and what was heard until then is not prompt.
+bool MxtClient::put_off(int cycles, bool proven, Nanos now) noexcept {
+  const Nanos begins = cycle_ + cycles * options_.period;
+  const Nanos sure = options_.period / kMoved + 1;
+  const bool late = too_late(cycles, now);
+  if (!late && (proven || now >= begins + sure || !kept(Check::kBegun))) return false;
+  deadline_ = begins + sure + (late ? options_.period : 0);
+  return true;
 }
 
 void MxtClient::begin_cycle(int cycles, Nanos now, RobotReply& reply) noexcept {
   cycle_ += cycles * options_.period;
   deadline_ = cycle_ + 2 * options_.period - spare();
   reply.cycles = cycles;
+  reply.anew = anew_;
   reply.has_measured = has_measured_;
   reply.has_commanded = has_commanded_;
   reply.fresh = cycle_answered_ = has_measured_ || has_commanded_;
@@ -124,6 +133,23 @@ void MxtClient::learn_phase(Nanos late, bool may_begin) noexcept {
   forget_phase();
 }
 
+// A reply came now. True: it begins a cycle where those before it do, the earliest of which tells
+// when. Each that does is a vote for that phase, each other one a vote less, and the first one
+// where there is none left is for another.
+void MxtClient::find_phase(Nanos now) noexcept {
+  const Nanos period = options_.period;
+  cycle_ += (now - cycle_ + period / 2) / period * period;
+  const bool alike = alike_ > 0 && std::abs(now - cycle_) <= period / kMoved;
+  if (alike) {
+    cycle_ = std::min(cycle_, now);
+    ++alike_;
+  } else if (--alike_ <= 0) {
+    cycle_ = now;
+    alike_ = 1;
+  }
+  deadline_ = cycle_ + 2 * period - spare();
+}
+
 void MxtClient::forget_phase() noexcept {
   least_late_ = kForever;
   run_late_ = -options_.period;
@@ -140,15 +166,20 @@ bool MxtClient::taken(const JointVector& q_measured) noexcept {
 
 // Whether the reply says that the controller holds the target last sent.
 bool MxtClient::hear(const JointVector* q_measured, bool commanded, RobotReply& reply) noexcept {
-  if (commanded || !short_form()) return held_ = commanded && reply.q_commanded == q_sent_;
-  const bool took = taken(*q_measured);
-  if (took) {
-    reply.q_commanded = q_sent_;
-    held_ = has_commanded_ = true;
+  bool took = commanded && reply.q_commanded == q_sent_;
+  if (commanded || !short_form()) {
+    held_ = took;
   } else {
-    doubt_ = kDoubt;
+    took = taken(*q_measured);
+    if (took) {
+      reply.q_commanded = q_sent_;
+      held_ = has_commanded_ = true;
+    } else {
+      doubt_ = kDoubt;
+    }
+    asked_measured_ = false;
   }
-  asked_measured_ = false;
+  if (commanded || took) q_held_ = reply.q_commanded;
   return took;
 }
 
@@ -185,26 +216,27 @@ std::optional<RobotEvent> MxtClient::on_datagram(Bytes bytes, Nanos now,
   has_commanded_ = has_commanded_ || commanded != nullptr;
   reply.missed_cycles = packet.t_count;
   ++counters_.replies;
-  const int silent = losses_;
   losses_ = 0;
-  if (!answered_) {
-    if (!hear_opening(packet.type[0] == MxtType::kJoint, now)) return std::nullopt;
+  if (opening()) {
+    const bool second = packet.type[0] == MxtType::kJoint;
+    if (!(anew_ ? hear_anew(now) : hear_opening(second, now))) return std::nullopt;
     q_sent_ = reply.q_commanded;
   }
   const bool took = hear(&reply.q_measured, commanded != nullptr, reply);
-  int cycles = answered_ ? cycles_begun(now) : 1;
-  // The first one, and the first of what may be another controller, begins the cycles anew.
-  const bool anew = !answered_ || silent > kAnother;
-  if (anew) {
-    answered_ = true;
-    cycle_ = now - cycles * options_.period;
-    deadline_ = cycle_ + 2 * options_.period - spare();
+  if (opening()) {
+    cycle_ -= options_.period;
+    begin_cycle(1, now, reply);
     forget_phase();
+    answered_ = true;
+    anew_ = false;
+    return RobotEvent::kReply;
   }
+  int cycles = cycles_begun(now);
   if (cycles == 0) cycles = cycles_begun(now + most_early(took));
-  if (cycles > 0 && !anew && too_late(cycles, now)) {
+  // One of before that is late would prove nothing, if the present cycle's is still to come.
+  const bool proven = cycles == 1 && (took || told_ != Told::kNew || cycle_answered_);
+  if (cycles > 0 && put_off(cycles, proven, now)) {
     ++counters_.late;
-    miss_cycle(cycles);
     return std::nullopt;
   }
   const bool late = cycles == 0;
@@ -218,7 +250,7 @@ std::optional<RobotEvent> MxtClient::on_datagram(Bytes bytes, Nanos now,
   } else {
     begin_cycle(cycles, now, reply);
   }
-  if (!anew && !second) learn_phase(now - cycle_, may_begin);
+  if (!second) learn_phase(now - cycle_, may_begin);
   if (!late) return RobotEvent::kReply;
   // By what was learnt just now it may be the next one's after all.
   cycles = cycles_begun(now);
@@ -232,13 +264,15 @@ std::optional<RobotEvent> MxtClient::poll(Nanos now, RobotReply& reply) noexcept
   if (now < deadline_) return std::nullopt;
   if (!answered_) return poll_opening(now);
   const int cycles = std::max(cycles_begun(now), 1);
-  if (too_late(cycles, now)) {
-    miss_cycle(cycles);
-    return std::nullopt;
-  }
+  if (put_off(cycles, cycles == 1, now)) return std::nullopt;
   if (lost()) return RobotEvent::kLost;
+  if (losses_ > kAnother && !anew_) {
+    anew_ = true;
+    forget_phase();
+  }
   begin_cycle(cycles, now, reply);
   cycle_answered_ = false;
+  if (anew_) write(MxtCommand::kNull);
   return RobotEvent::kSilence;
 }
 
@@ -255,6 +289,7 @@ bool MxtClient::hear_opening(bool second, Nanos now) noexcept {
   if (!second || opening_ == Opening::kAsked || opening_ == Opening::kHeard) return false;
   if (opening_ == Opening::kAskedAgain) {
     if (2 * (now - first_) <= 3 * options_.period || !kept(Check::kWay)) {
+      cycle_ = now;
       if (++in_time_ == kInTime) return true;
       begin_try(now);
       return false;
@@ -267,6 +302,15 @@ bool MxtClient::hear_opening(bool second, Nanos now) noexcept {
     }
   }
   ++counters_.far;
+  return false;
+}
+
+// Whether the reply that came now tells where the cycles begin. Those before that say nothing of
+// the arm.
+bool MxtClient::hear_anew(Nanos now) noexcept {
+  find_phase(now);
+  if (alike_ >= kAlike || !kept(Check::kBegun)) return true;
+  has_measured_ = has_commanded_ = false;
   return false;
 }
 
@@ -304,12 +348,12 @@ void MxtClient::give_up_opening(Nanos now) noexcept {
 }
 
 MxtClient::Bytes MxtClient::send(const JointVector& q_target, Nanos now) noexcept {
-  if (!open_ || too_late(0, now)) return {};
+  if (!open_ || opening() || too_late(0, now)) return {};
   return write(MxtCommand::kMove, q_target);
 }
 
 MxtClient::Bytes MxtClient::ask() noexcept {
-  if (!open_) return {};
+  if (!open_ || opening()) return {};
   return write(MxtCommand::kNull);
 }
 
@@ -327,9 +371,10 @@ MxtClient::Bytes MxtClient::write(MxtCommand command, const JointVector& q_targe
     packet.send_type = MxtType::kJoint;
     packet.block[0].set_joints(q_target);
     const JointVector q = packet.block[0].joints();
+    const bool may_be_held = (q == q_sent_ || q == q_held_) && kept(Check::kPhase);
+    told_ = (held_ && q == q_sent_) || may_be_held ? Told::kSame : Told::kNew;
     held_ = held_ && q == q_sent_;
     q_sent_ = q;
-    told_ = held_ ? Told::kSame : Told::kNew;
   }
   if (command != MxtCommand::kEnd) packet.type = {MxtType::kFeedbackJoint, MxtType::kJoint};
   if (asked_measured_) doubt_ = kDoubt;

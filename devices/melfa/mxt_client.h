@@ -46,6 +46,10 @@ struct MxtCounters {
 // there and back is too long for that, packets without a reply are sent when half the cycle is
 // left; where it is too long for that too, by 3.1 ms, the session does not open.
 //
+// After 14 silent cycles the controller may be another one. It is asked in each cycle, and told
+// nothing, until its replies agree: each is a vote for a phase or against it, and eight votes
+// decide.
+//
 // A reply of the short form says where the arm is measured or which target is held, as its packet
 // asked. Packets ask for the measured joints, and these mean that the packet's target was taken: no
 // other packet waits for such a reply, and a repetition is known by its joints. After a reply that
@@ -71,12 +75,14 @@ class MxtClient {
   // packet() is to be sent with kSilence.
   std::optional<RobotEvent> poll(Nanos now, RobotReply& reply) noexcept;
 
-  // The packet for one absolute target [rad], finite. Empty when no session is open, or when it is
-  // so late, a 32nd of a period after deadline(), that the packet may miss its cycle.
+  // The packet for one absolute target [rad], finite. Empty when no session is open, while
+  // opening(), or when it is so late, a 32nd of a period after deadline(), that the packet may miss
+  // its cycle.
   Bytes send(const JointVector& q_target, Nanos now) noexcept;
 
   // The packet that asks which target the controller holds; in the short form, which has room for
-  // one answer, the measured joints are left out of the reply. Empty when no session is open.
+  // one answer, the measured joints are left out of the reply. Empty when no session is open, or
+  // while opening().
   Bytes ask() noexcept;
 
   // The packet that ends external control, and closes the session. Empty when none is open.
@@ -88,8 +94,8 @@ class MxtClient {
   // or half of one over a long way. While opening(): when that goes on.
   Nanos deadline() const noexcept { return deadline_; }
   bool open() const noexcept { return open_; }
-  // A session is open and its first replies have not come.
-  bool opening() const noexcept { return open_ && !answered_; }
+  // A session is open, and the replies that open it, or that find the phase anew, have not come.
+  bool opening() const noexcept { return open_ && (!answered_ || anew_); }
   const MxtCounters& counters() const noexcept { return counters_; }
 
  private:
@@ -106,7 +112,7 @@ class MxtClient {
   // What the present cycle's packet asks of the arm.
   enum class Told : std::uint8_t {
     kNothing,  // none is sent, or one without a target
-    kSame,     // the target that is held already
+    kSame,     // a target that may be held already
     kNew,      // another one
   };
 
@@ -118,12 +124,14 @@ class MxtClient {
   Nanos spare() const noexcept;
   int cycles_begun(Nanos now) const noexcept;
   bool too_late(int cycles, Nanos now) const noexcept;
-  void miss_cycle(int cycles) noexcept;
+  bool put_off(int cycles, bool proven, Nanos now) noexcept;
   void begin_cycle(int cycles, Nanos now, RobotReply& reply) noexcept;
+  void find_phase(Nanos now) noexcept;
   void learn_phase(Nanos late, bool may_begin) noexcept;
   void forget_phase() noexcept;
   bool lost() noexcept;
   bool hear_opening(bool second, Nanos now) noexcept;
+  bool hear_anew(Nanos now) noexcept;
   void begin_try(Nanos now) noexcept;
   std::optional<RobotEvent> poll_opening(Nanos now) noexcept;
   void give_up_opening(Nanos now) noexcept;
@@ -132,6 +140,7 @@ class MxtClient {
   MxtCounters counters_;
   bool open_ = false;
   bool answered_ = false;  // the session has opened
+  bool anew_ = false;      // it may be another controller, and where its cycles begin is not known
   Opening opening_ = Opening::kAsked;
   Nanos first_ = 0;            // reply of the opening, or of a try of it
   int tries_ = 0;              // whose second reply came too late
@@ -151,6 +160,7 @@ class MxtClient {
   int alike_ = 0;                             // how many these are
   bool held_ = false;                         // the controller has said that it holds `q_sent_`
   JointVector q_sent_ = JointVector::Zero();  // the last target, in 32 bits [rad]
+  JointVector q_held_ = JointVector::Zero();  // the last one that it has said it holds [rad]
   // Of the short form.
   int doubt_ = 0;                            // packets to come that ask for the target
   bool asked_measured_ = false;              // the packet last sent did, and has no reply yet

@@ -41,6 +41,7 @@ enum class Check : std::uint8_t {
   kPhase,         // a reply before its cycle is not taken for the next one's
   kPrompt,        // an answer that may be of the cycle before shows no queue
   kInTime,        // a target that may miss its cycle is not sent
+  kBegun,         // no cycle is counted before it has surely begun
   kHeardEnd,      // a motion's end that the controller was not heard to hold is not sent again
   kUnseen,        // after time that passed unseen nothing known is younger
   kMasterHold,    // a master in hold leads nobody

@@ -14,9 +14,6 @@ constexpr int kAskEvery = 4;
 // An answer that is late by anything up to two periods looks so once in 16 times: four in a row are
 // chance once in eight minutes of such answers.
 constexpr int kQueuedFor = 4;  // [answers]
-// After so many silent cycles the controller may be another one: none starts anew in less than
-// 0.1 s. Nothing that was sent before is answered any more, on any way in one building.
-constexpr int kAnother = 14;  // [cycles]
 
 }  // namespace
 
@@ -43,14 +40,14 @@ void hear_controller(const FollowSettings& settings, const FollowInput& in,
   const bool told = in.answer != Answer::kNone && in.has_commanded;
   const bool elsewhere = told && !s.train.confirm(in.q_commanded, rated_step(settings));
   const bool paused = in.cycles > kMostCycles;
-  s.another = s.another || (told && s.silent == kAnother);
-  s.silent = told ? 0 : std::min(s.silent + in.cycles, kAnother);
+  s.another = s.another || in.anew;
   if (!s.gap) {
     if (paused || elsewhere || s.another) begin_gap(settings, s);
     return;
   }
   if (s.waited == 0 || paused || !told) return;
   s.waited = 0;  // it is there: ask again at once
+  if (in.anew) s.owed = 0;
   // The controller answers in order. What it holds is known once it has answered a question, or
   // holds what was sent last.
   if ((elsewhere || s.train.unconfirmed() > 0) && s.owed-- > 0) return;

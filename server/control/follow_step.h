@@ -46,6 +46,9 @@ struct FollowInput {
   bool has_measured = true;                       // the answer says where the arm is
   bool has_commanded = true;  // ... and which target is held; one that does not confirms nothing
   Answer answer = Answer::kOnTime;
+  // The controller was silent for 0.1 s and may be another one. Until it answers it is told
+  // nothing.
+  bool anew = false;
   int cycles = 1;    // of the controller since the last step, at least 1
   Nanos unseen = 0;  // since the last step, by a clock that goes on while the computer sleeps [ns]
   bool robot_ready = false;
@@ -88,8 +91,7 @@ struct FollowState {
   // By which joint most, a gap has ended where nobody sent the arm: another controller, or somebody
   // moved it. -1: it has not, or the session was off since.
   int elsewhere = -1;
-  int silent = 0;           // cycles since the controller said what it holds, 14 at most
-  bool another = false;     // it was silent for so long that it may be another one
+  bool another = false;     // the controller may be another one than before
   int queued_for = 0;       // answers in a row that show the controller keeps targets for later
   std::uint64_t halts = 0;  // of an arm in motion
   std::uint64_t stop_epoch = 0;

@@ -217,6 +217,7 @@ void Cell::on_event(RobotEvent event, Nanos at) noexcept {
                       : reply_.prompt                             ? Answer::kOnTime
                                                                   : Answer::kLate;
   follow_in_.cycles = reply_.cycles;
+  follow_in_.anew = reply_.anew;
   follow_in_.robot_ready = event != RobotEvent::kLost;
   follow_in_.fault = event == RobotEvent::kLost ? Reason::kRobotLost : Reason::kNone;
   follow_in_.unseen = at - stepped_at_;

@@ -108,6 +108,7 @@ void RobotLoop::take_reply() noexcept {
   input_.has_measured = reply_.has_measured;
   input_.has_commanded = reply_.has_commanded;
   input_.cycles = reply_.cycles;
+  input_.anew = reply_.anew;
 }
 
 void RobotLoop::connect() {

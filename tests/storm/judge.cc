@@ -112,7 +112,7 @@ class Judge {
 std::string breach_text(const TargetVerdict& v, Nanos gap, int lost, Nanos period) {
   return fmt::format(
       "J{} beyond its limits: {:.2f} of a step, {:.2f} of speed, {:.2f} of acceleration, {:.2f} of "
-      "jerk, {} {} cycles after the last step, {} targets lost since",
+      "jerk, {} {} cycles after the last step, targets lost for {} cycles",
       v.joint + 1, v.step, v.speed, v.acceleration, v.jerk,
       v.from_rest ? "as a start from rest" : "as a motion that goes on",
       (gap + period / 2) / period, lost);
@@ -138,7 +138,7 @@ Figures judge_tap(const TapFile& tap, const std::vector<Forbidden>& forbidden,
   Recorder limits(violations), motion(violations), alarms(violations);
   JointVector held = JointVector::Zero();
   Nanos last_target = 0;
-  int lost = 0;
+  Nanos first_lost = 0;  // since the last step; 0: none
   for (std::size_t i = 0; i < tap.records.size(); ++i) {
     const TapRecord& r = tap.records[i];
     const JointVector q = vector(r.target);
@@ -148,15 +148,17 @@ Figures judge_tap(const TapFile& tap, const std::vector<Forbidden>& forbidden,
       last_target = r.at;
     }
     judge.until(r.at);
-    lost += r.lost;
+    if (r.lost > 0 && first_lost == 0) first_lost = r.at;
     if (r.has(kTapAccepted)) {
+      const Nanos since = first_lost == 0 ? 0 : r.at - first_lost;
+      const auto lost = static_cast<int>((since + tap.period / 2) / tap.period);
       const TargetVerdict verdict = judge.accepted(r, q, lost, missed(tap, i));
       if (!verdict.fine()) {
         limits.add(r.at, breach_text(verdict, r.at - last_target, lost, tap.period));
       }
       if (q != held) {
         last_target = r.at;
-        lost = 0;
+        first_lost = 0;
       }
     }
     const double moved = (q - held).cwiseAbs().maxCoeff();

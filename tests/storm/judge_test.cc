@@ -110,7 +110,7 @@ TEST(StormJudge, ACommandThatWasLeftOutIsAsGoodAsLost) {
   d.v = 6 * 0.9 * kJolt;
   for (const int change : {2, 1, 0, -1, -2, -3, -2, -1}) d.speed_up(1, change * 0.9 * kJolt);
   d.target(0.0);
-  EXPECT_EQ(d.judge().late, 1u);
+  EXPECT_EQ(d.judge().late, 0u);
   EXPECT_THAT(d.found, IsEmpty());
 }
 

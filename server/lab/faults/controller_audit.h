@@ -50,7 +50,8 @@ class ControllerAudit {
   void place(const JointVector& q) noexcept;
 
   // The controller took `q` [rad], finite, for its target at `at`, later than any target before.
-  // `lost`: targets that were sent since and did not reach it, where that is known.
+  // `lost`: for so many cycles, where that is known, targets that did not reach it were sent, or
+  // their time passed unseen.
   TargetVerdict accepted(Nanos at, const JointVector& q, int lost = kMostLost) noexcept;
 
   // The target to come was sent for the cycle before and came after it: the arm was held by the

@@ -52,6 +52,7 @@ constexpr std::array kProofs = {
     FaultProof{Check::kPhase, "phase", "R1b", 20, "beyond the limits at the controller"},
     FaultProof{Check::kPrompt, "prompt", "R1b", 20, "beyond the limits at the controller"},
     FaultProof{Check::kInTime, "in-time", "R3b", 20, "beyond the limits at the controller"},
+    FaultProof{Check::kBegun, "begun", "R3c", 20, "beyond the limits at the controller"},
     FaultProof{Check::kHeardEnd, "heard-end", "R2", 15, "moved after it had stood"},
     FaultProof{Check::kUnseen, "unseen", "R4", 7, "engaged after a long pause"},
     FaultProof{Check::kMasterHold, "master-hold", "N10b", 2, "stopped late"},

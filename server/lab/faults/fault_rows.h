@@ -48,7 +48,7 @@ Row p1, p5, c2, x2b, x2d, x9a;
 // device_rows.cc
 Row s1a, s1b, s1c, s2a, s2b, s3a, s3b, s4, s5;
 // robot_rows.cc
-Row r1a, r1b, r2, r3, r3b, r4, r5;
+Row r1a, r1b, r2, r3, r3b, r3c, r4, r5;
 // contact_rows.cc
 Row n3c, p1c, s1d, s2c, s3c, s3d, s3e;
 // trust_rows.cc

@@ -117,9 +117,7 @@ double FaultRun::true_force() const {
   return world == nullptr ? 0.0 : world->on_tip().force.dot(normal());
 }
 
-void FaultRun::set_network(const LinkFaults& faults) {
-  to_slave() = to_master() = faults;
-}
+void FaultRun::set_network(const LinkFaults& faults) { to_slave() = to_master() = faults; }
 
 HandReading FaultRun::hand_now() {
   const double t = to_seconds(now() + kMillisecond);
@@ -162,8 +160,9 @@ void FaultRun::set_robot_line(const LinkFaults& commands, const LinkFaults& repl
 void FaultRun::feed_controller_audit() {
   for (const ControllerCycle& cycle : cell_->controller_cycles()) {
     if (cycle.took) {
-      controller_.accepted(cycle.at, cycle.q, sent_since_);
-      sent_since_ = 0;
+      const Nanos since = sent_at_ < 0 ? 0 : cycle.at - sent_at_;
+      controller_.accepted(cycle.at, cycle.q, static_cast<int>(since / kMxtPeriod));
+      sent_at_ = -1;
     } else {
       controller_.until(cycle.at);
     }
@@ -215,8 +214,8 @@ JointVector FaultRun::as_before(const JointVector& q) const {
   return q == rounded ? targets_[0] : q;
 }
 
-void FaultRun::sent_target(const JointVector& q) {
-  ++sent_since_;
+void FaultRun::sent_target(const JointVector& q, Nanos at) {
+  if (sent_at_ < 0) sent_at_ = at;
   maybe_held_.push_back(q);
   targets_ = {q, targets_[0]};
 }
@@ -242,7 +241,7 @@ void FaultRun::feed_auditor() {
     for (const JointVector& target : cell_->targets()) {
       const JointVector q = as_before(target);
       auditor_.commanded(q, cell_->target_at());
-      sent_target(q);
+      sent_target(q, cell_->target_at());
     }
   }
   // An arm that was halted is commanded by nobody: what counts is where the controller holds it.

@@ -127,7 +127,7 @@ class FaultRun {
   void feed_auditor();
   void feed_controller_audit();
   void judge_halt(const std::vector<JointVector>& maybe_held, const JointVector& next);
-  void sent_target(const JointVector& q);
+  void sent_target(const JointVector& q, Nanos at);
   JointVector as_before(const JointVector& q) const;
   void hear_controller(const RobotReply& reply);
   JointVector as_sent(const JointVector& q);
@@ -147,7 +147,7 @@ class FaultRun {
   std::vector<JointVector> maybe_held_;   // the last confirmed, and what was sent since
   std::uint64_t halts_in_vain_ = 0;
   std::uint64_t told_halts_ = 0;
-  int sent_since_ = 0;  // targets, since the controller took one
+  Nanos sent_at_ = -1;  // the first target since the controller took one; -1: none
   FaultLayers layers_;
   std::array<double, 12> hand_{};  // amplitudes, rates and phases
   std::uint32_t incarnation_ = 1;

@@ -257,6 +257,61 @@ FaultOutcome r3b(const RowRun& row) {
   return out;
 }
 
+// A computer that is taken away now and then, for up to three cycles, with the slave and with what
+// simulates the controller: replies come late and together, and are read late. For spells replies
+// take up to 3 ms and the slave stands for as long; or the controller is not heard for 0.1 to 0.2
+// s.
+FaultOutcome r3c(const RowRun& row) {
+  constexpr std::array<double, 5> kLosses = {0.0, 0.01, 0.03, 0.05, 0.1};
+  FaultRun run(row.seed, robot_options(row, kLosses.size()));
+  LinkFaults usual;
+  usual.loss = row.level(kLosses);
+  usual.delay = usual.jitter = 100 * kMicrosecond;
+  run.set_robot_line(usual, usual);
+  if (!run.engage()) return not_engaged();
+  run.let_pause();
+  CellNet& net = *run.cell().net();
+  const auto up_to = [&run](Nanos most) {
+    return static_cast<Nanos>(run.random().uniform() * static_cast<double>(most));
+  };
+  const auto stand = [&](Nanos span) {
+    net.stop_slave(true);
+    run.run(span);
+    net.stop_slave(false);
+  };
+  LinkFaults late = usual, dark = usual;
+  dark.loss = 1.0;
+  for (const Nanos end = run.now() + row.span(30 * kSecond); run.now() < end;) {
+    const Nanos from = run.now();
+    const double kind = run.random().uniform();
+    if (kind < 0.4) {
+      late.delay = up_to(3 * kPeriod);
+      run.set_robot_line(usual, late);
+      stand(late.delay + up_to(kMillisecond));
+    } else if (kind < 0.9) {
+      for (const Nanos until = from + up_to(7 * kPeriod); run.now() < until;) {
+        late.delay = up_to(3 * kMillisecond);
+        run.set_robot_line(usual, late);
+        stand(up_to(3 * kMillisecond));
+        run.run(up_to(kPeriod));
+      }
+    } else {
+      run.set_robot_line(dark, dark);
+      run.run(kSecond / 10 + up_to(kSecond / 10));
+      run.set_robot_line(usual, usual);
+      stand(up_to(kPeriod));
+    }
+    run.set_robot_line(usual, usual);
+    run.run(up_to(kSecond / 20));
+  }
+  run.set_robot_line({}, {});
+  run.drive(6 * kSecond);
+  const bool engaged = run.engaged();
+  FaultOutcome out = judge_controller(run);
+  find(out, !engaged, "not engaged again");
+  return out;
+}
+
 // The encoders read zero, or beyond a joint's range, from one moment on.
 FaultOutcome r5(const RowRun& row) {
   FaultOptions options;

@@ -58,6 +58,8 @@ constexpr FaultRow kRows[] = {
      rows::r2},
     {"R3", "slave stopped for 5 ms to a minute", "of the limits", 28, 7, rows::r3},
     {"R3b", "slave late by up to a cycle, robot packets lost", "of the limits", 20, 5, rows::r3b},
+    {"R3c", "slave and replies late together, controller not heard", "of the limits", 20, 5,
+     rows::r3c},
     {"R4", "both computers asleep for 5 ms to a minute", "of the limits", 28, 7, rows::r4},
     {"R5", "an arm that answers zeros or beyond its ranges", "ms to stop", 12, 4, rows::r5},
     {"D3", "a master with another scene, from off and engaged", "ms engaged", 16, 4, rows::d3},

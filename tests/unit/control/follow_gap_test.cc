@@ -210,6 +210,7 @@ TEST_F(FollowGap, AControllerThatStartedAnewIsNotSentAStepToWhereTheArmWas) {
       1.01 * rig.settings.rated.max_jerk.maxCoeff() * std::pow(rig.settings.motion.dt, 3);
   for (int i = 0; i < 20; ++i) {
     const JointVector before = held;
+    rig.in.anew = i == 0;
     cycle();
     EXPECT_LE((held - before).cwiseAbs().maxCoeff(), most * (i + 1)) << i;
   }

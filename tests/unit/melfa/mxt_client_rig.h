@@ -39,10 +39,12 @@ class MxtClientTest : public ::testing::Test {
     std::array<std::uint8_t, kMxtLong> buffer{};
     return client_.on_datagram(encode_mxt(packet, kMxtLong, buffer), now, reply_);
   }
-  // The replies before the opening's last.
-  void hear_first(MxtClient& client, const golden::Packet& first, const golden::Packet& second) {
+  // The replies before the opening's last, which is to come at kMxtPeriod + `late`.
+  void hear_first(MxtClient& client, const golden::Packet& first, const golden::Packet& second,
+                  Nanos late = 0) {
     for (int i = -2; i <= 0; ++i) {
-      EXPECT_EQ(client.on_datagram(i == -2 ? first : second, i * kMxtPeriod, reply_), std::nullopt);
+      const Nanos at = i * kMxtPeriod + late;
+      EXPECT_EQ(client.on_datagram(i == -2 ? first : second, at, reply_), std::nullopt);
       EXPECT_EQ(client.poll(client.deadline(), reply_), RobotEvent::kSilence);
     }
     EXPECT_TRUE(client.opening());

@@ -6,6 +6,8 @@ namespace {
 
 constexpr Nanos kPeriod = kMxtPeriod;
 
+using golden::Packet;
+
 class MxtPhase : public MxtClientTest {};
 
 TEST_F(MxtPhase, ACycleWithoutAReplyIsToldWhileAPacketCanStillCome) {
@@ -98,29 +100,80 @@ TEST_F(MxtPhase, FindsThePhaseAgainWithoutLeavingOutACycle) {
   EXPECT_GT(in_time, 30);
 }
 
-TEST_F(MxtPhase, AControllerThatStartedAnewHasCyclesOfItsOwn) {
-  for (const Nanos phase : {Nanos{0}, kPeriod / 3, kPeriod * 15 / 16}) {
+// Where several cycles have passed, one too many would be a step too large. The phase is known to
+// an eighth of a period.
+TEST_F(MxtPhase, OfSeveralCyclesTheLastIsCountedOnceItHasSurelyBegun) {
+  const Nanos sure = kPeriod / 8 + 1;
+  for (const bool replied : {false, true}) {
     open();
-    for (int i = 0; i < 20; ++i) {
-      ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
-    }
-    Nanos at = 22 * kPeriod + phase;
-    (void)hear(at);
-    for (int i = 0; i < 5; ++i) {
-      at += kPeriod;
-      ASSERT_EQ(hear(at), RobotEvent::kReply);
-      EXPECT_EQ(reply_.cycles, 1);
-    }
-    // Read so late that by the old phase two cycles have begun.
-    EXPECT_EQ(hear(at + kPeriod + kPeriod * 7 / 8), RobotEvent::kReply);
-    EXPECT_EQ(reply_.cycles, 1) << phase;
+    const Nanos begins = 5 * kPeriod;
+    EXPECT_EQ(replied ? hear(begins + sure - 1) : client_.poll(begins + sure - 1, reply_),
+              std::nullopt);
+    EXPECT_EQ(client_.deadline(), begins + sure);
+    EXPECT_EQ(client_.poll(begins + sure, reply_), RobotEvent::kSilence);
+    EXPECT_EQ(reply_.cycles, 4);
+    EXPECT_EQ(reply_.fresh, replied);
+    EXPECT_FALSE(client_.send(golden::kTarget, begins + sure).empty());
     client_.end();
   }
 }
 
+// It may be another controller: it is asked, and told nothing, until its answers say where its
+// cycles begin.
+TEST_F(MxtPhase, AfterATenthOfASecondOfSilenceThePhaseIsFoundBeforeAnythingIsSaid) {
+  for (const Nanos phase : {Nanos{0}, kPeriod / 3, kPeriod * 15 / 16}) {
+    SCOPED_TRACE(to_seconds(phase));
+    open();
+    for (int i = 0; i < 20; ++i) {
+      ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
+      EXPECT_EQ(client_.opening(), i >= 14) << i;
+    }
+    Packet question = golden::null_long();
+    question[60] = 9;
+    EXPECT_EQ(copy(client_.packet()), question);
+    EXPECT_TRUE(client_.send(golden::kTarget, client_.deadline() - kPeriod).empty());
+    EXPECT_TRUE(client_.ask().empty());
+    // The third one is read 3 ms late, and counts against the two before.
+    Nanos at = 22 * kPeriod + phase;
+    int heard = 0;
+    for (;; at += kPeriod) {
+      ASSERT_LT(++heard, 20);
+      const Nanos late = heard == 3 ? 3 * kMillisecond : heard % 3 * 100 * kMicrosecond;
+      const auto event = client_.on_datagram(golden::reply_long(), at + late, reply_);
+      if (event == RobotEvent::kReply) break;
+      while (client_.deadline() < at + kPeriod) {
+        ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
+        EXPECT_TRUE(reply_.anew && !reply_.fresh);
+      }
+    }
+    EXPECT_EQ(heard, 8 + 2);
+    EXPECT_TRUE(reply_.anew && reply_.has_commanded && reply_.has_measured);
+    EXPECT_FALSE(client_.opening());
+    EXPECT_NEAR(to_seconds(client_.deadline()), to_seconds(at + 2 * kPeriod - kPeriod / 8), 2e-4);
+    ASSERT_EQ(hear(at + kPeriod), RobotEvent::kReply);
+    EXPECT_FALSE(reply_.anew);
+    EXPECT_EQ(reply_.cycles, 1);
+    client_.end();
+  }
+}
+
+// On a busy computer a late reply to what was sent before would begin a cycle in the middle of one.
+TEST_F(MxtPhase, ATargetThatMayBeHeldAlreadyTellsOfNoCycle) {
+  open();
+  send(target(2));
+  ASSERT_EQ(hear_held(2, 2 * kPeriod), RobotEvent::kReply);
+  send(target(3));
+  ASSERT_EQ(hear_held(2, 3 * kPeriod), RobotEvent::kReply) << "lost";
+  send(target(2));
+  EXPECT_EQ(hear_held(2, 3 * kPeriod + 2 * kMillisecond), std::nullopt);
+  send(target(2));
+  EXPECT_EQ(hear_held(2, 3 * kPeriod + 3 * kMillisecond), std::nullopt);
+  EXPECT_EQ(hear_held(2, 4 * kPeriod), RobotEvent::kReply);
+}
+
 TEST_F(MxtPhase, CountsTheCyclesThatPassedWhileNobodyAsked) {
   open();
-  EXPECT_EQ(hear(704 * kPeriod + 1000), RobotEvent::kReply);
+  EXPECT_EQ(hear(704 * kPeriod + kMillisecond), RobotEvent::kReply);
   EXPECT_EQ(reply_.cycles, 703);
   EXPECT_EQ(client_.poll(client_.deadline() + 9 * kPeriod, reply_), RobotEvent::kSilence);
   EXPECT_EQ(reply_.cycles, 10);
@@ -261,15 +314,14 @@ TEST_F(MxtPhase, AReplyIsPromptInTheFirstEighthOfItsCycle) {
   EXPECT_FALSE(reply_.prompt) << "of the cycle before";
 }
 
-// The reply that opened the session was read late, on a busy computer.
+// The replies that opened the session were read late, on a busy computer.
 TEST_F(MxtPhase, EightRepliesThatComeAlikeTellThePhaseAtOnce) {
   for (const Nanos read_late : {2 * kMillisecond, 4 * kMillisecond, 6 * kMillisecond}) {
     client_.start(-3 * kPeriod);
-    hear_first(client_, golden::reply_long(), golden::reply_long_held());
-    const auto opened =
-        client_.on_datagram(golden::reply_long_held(), kPeriod / 2 + read_late, reply_);
+    hear_first(client_, golden::reply_long(), golden::reply_long_held(), read_late);
+    const auto opened = client_.on_datagram(golden::reply_long_held(), kPeriod + read_late, reply_);
     ASSERT_EQ(opened, RobotEvent::kReply);
-    const auto at = [](int i) { return kPeriod / 2 + i * kPeriod + i % 3 * 30 * kMicrosecond; };
+    const auto at = [](int i) { return kPeriod + i * kPeriod + i % 3 * 30 * kMicrosecond; };
     int packets = 0;
     for (int i = 1; i < 12; ++i) {
       int sent = 0;
@@ -292,9 +344,9 @@ TEST_F(MxtPhase, EightRepliesThatComeAlikeTellThePhaseAtOnce) {
 TEST_F(MxtPhase, APhaseThatIsFoundSendsNoSecondPacketInACycle) {
   const Nanos way = 50 * kMicrosecond;  // and back
   const auto reply_of = [&](int cycle) { return cycle * kPeriod + 2 * way; };
-  client_.start(-3 * kPeriod);
-  hear_first(client_, golden::reply_long(), golden::reply_long_held());
+  client_.start(-4 * kPeriod);
   const Nanos read_late = kPeriod / 8 - way;
+  hear_first(client_, golden::reply_long(), golden::reply_long_held(), reply_of(-1) + read_late);
   ASSERT_EQ(client_.on_datagram(golden::reply_long_held(), reply_of(0) + read_late, reply_),
             RobotEvent::kReply);
   int sent = 0, held = 0, waiting = 0;

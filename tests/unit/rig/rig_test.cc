@@ -45,8 +45,11 @@ struct Session {
   void run(Nanos span) {
     const Nanos end = now + span;
     while (rig.next() <= end) {
-      if (robot.opening() && robot.deadline() < rig.next()) {
-        if (robot.poll(robot.deadline(), reply)) give(robot.packet());
+      if (robot.open() && robot.deadline() < rig.next()) {
+        now = std::max(now, robot.deadline());
+        if (robot.poll(now, reply) == RobotEvent::kSilence) {
+          give(robot.opening() ? robot.packet() : robot.send(q_target, now));
+        }
         continue;
       }
       now = rig.next();
@@ -68,8 +71,6 @@ struct Session {
     } else if (!robot.open()) {
       q_target = ServoArmOptions::default_start();
       give(robot.start(now));
-    } else if (robot.poll(now, reply) == RobotEvent::kSilence) {
-      give(robot.opening() ? robot.packet() : robot.send(q_target, now));
     }
   }
 
