@@ -25,10 +25,10 @@ struct RobotReply {
   bool has_commanded = false;                     // ... and q_commanded
   bool fresh = false;                             // either
   bool prompt = false;                            // ... as its cycle began: it is of no earlier one
-  bool anew =
-      false;       // it was silent for 0.1 s and may be another controller: what was sent before is
-                   // over. Until `fresh` nothing is sent, and it is asked when its cycles begin
-  int cycles = 1;  // of the controller since the event before, 1 or more
+  // It was silent for 0.1 s and may be another controller: what was sent before is over. Until
+  // `fresh` nothing is sent, and it is asked when its cycles begin.
+  bool anew = false;
+  int cycles = 1;                   // of the controller since the event before, 1 or more
   std::uint32_t missed_cycles = 0;  // cycles the controller says it waited for us
 };
 

@@ -133,9 +133,9 @@ void MxtClient::learn_phase(Nanos late, bool may_begin) noexcept {
   forget_phase();
 }
 
-// A reply came now. True: it begins a cycle where those before it do, the earliest of which tells
-// when. Each that does is a vote for that phase, each other one a vote less, and the first one
-// where there is none left is for another.
+// A reply came now. One that begins a cycle where those before it do is a vote for that phase,
+// which the earliest of them tells. None comes before its cycle: an earlier one is the first vote
+// for another phase. A later one is a vote less, and where none is left the first for another.
 void MxtClient::find_phase(Nanos now) noexcept {
   const Nanos period = options_.period;
   cycle_ += (now - cycle_ + period / 2) / period * period;
@@ -143,7 +143,7 @@ void MxtClient::find_phase(Nanos now) noexcept {
   if (alike) {
     cycle_ = std::min(cycle_, now);
     ++alike_;
-  } else if (--alike_ <= 0) {
+  } else if (now < cycle_ || --alike_ <= 0) {
     cycle_ = now;
     alike_ = 1;
   }

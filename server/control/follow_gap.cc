@@ -18,7 +18,8 @@ constexpr int kQueuedFor = 4;  // [answers]
 }  // namespace
 
 void begin_gap(const FollowSettings& settings, FollowState& s) noexcept {
-  s.halted = !standing(s.motion);
+  // An end that is not sent any more does not end the motion of the arm.
+  s.halted = !standing(s.motion) || s.motion.joints.q != s.train.newest();
   s.halts += s.halted ? 1 : 0;
   s.motion = standing_at(settings.motion.arm, s.train.newest());
   s.gap = true;

@@ -25,7 +25,7 @@ struct BadSpan {
 
 // Levels: four numbers, each for one cycle, or for good.
 BadSpan bad_span(FaultRun& run, int index) {
-  run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
+  run.run(run.up_to(kSecond));
   BadSpan span;
   span.from = run.now() + kMillisecond;
   span.to = index % 2 == 0 ? span.from + kCycle : kForever;
@@ -114,7 +114,7 @@ FaultOutcome s1c(const RowRun& row) {
 FaultOutcome s2a(const RowRun& row) {
   FaultRun run(row.seed);
   if (!run.engage()) return not_engaged();
-  run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
+  run.run(run.up_to(kSecond));
   const Nanos from = run.now();
   Wrench last;
   bool have = false;
@@ -205,7 +205,7 @@ FaultOutcome s3b(const RowRun& row) {
 FaultOutcome s4(const RowRun& row) {
   FaultRun run(row.seed);
   if (!run.engage()) return not_engaged();
-  run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
+  run.run(run.up_to(kSecond));
   run.auditor().must_stop(run.now());
   const int level = row.index % 3;
   for (int i = 0; i < (level == 1 ? 5 : 1); ++i) {
@@ -269,7 +269,7 @@ FaultOutcome s5(const RowRun& row) {
   if (!run.engage()) return not_engaged();
   const int level = row.index % 3;
   const int joint = (row.index / 3) % 3;  // the first three carry the motion
-  const Nanos from = run.now() + kSecond + static_cast<Nanos>(run.random().uniform() * 1e9);
+  const Nanos from = run.now() + kSecond + run.up_to(kSecond);
   double q = 0.0;
   bool lost = false;
   Nanos beyond_since = kForever;

@@ -100,6 +100,10 @@ class FaultRun {
   // Goes out instead of what the master's step gives, while not null. Not owned.
   void send_instead(const MasterState* state);
   Random& random() { return random_; }
+  // A time of 0 to `most`, drawn from random().
+  Nanos up_to(Nanos most) {
+    return static_cast<Nanos>(random_.uniform() * static_cast<double>(most));
+  }
 
   Cell& cell() { return *cell_; }
   Auditor& auditor() { return auditor_; }

@@ -171,7 +171,7 @@ FaultOutcome n9(const RowRun& row) {
   const Nanos span = row.level(kSpans) * kMillisecond;
   FaultRun run(row.seed);
   if (!run.engage()) return not_engaged();
-  run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
+  run.run(run.up_to(kSecond));
   LinkFaults dark;
   dark.loss = 1.0;
   run.set_network(dark);
@@ -199,7 +199,7 @@ FaultOutcome n10(const RowRun& row, bool to_slave) {
   constexpr Nanos kForceGone = 50 * kMillisecond;
   FaultRun run(row.seed);
   if (!run.engage()) return not_engaged();
-  run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
+  run.run(run.up_to(kSecond));
   MasterState far = run.cell().master().link;
   if (to_slave && row.index % 2 == 1) {
     far.X_SU.p += Vec3(0.0, 0.06, 0.1);

@@ -13,7 +13,7 @@ FaultOutcome p1(const RowRun& row) {
   const Nanos span = row.level(kSpans) * kMillisecond;
   FaultRun run(row.seed);
   if (!run.engage()) return not_engaged();
-  run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
+  run.run(run.up_to(kSecond));
   run.cell().net()->stop_master(true);
   run.run(span);
   if (killed) run.restart_master();
@@ -30,7 +30,7 @@ FaultOutcome p1(const RowRun& row) {
 FaultOutcome p5(const RowRun& row) {
   FaultRun run(row.seed);
   if (!run.engage()) return not_engaged();
-  run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
+  run.run(run.up_to(kSecond));
   run.stall_master(true);
   run.run(row.index % 2 == 0 ? 50 * kMillisecond : 2 * kSecond);
   run.stall_master(false);

@@ -40,6 +40,9 @@ constexpr Nanos kStops = 250 * kMillisecond;
 // plans on for.
 constexpr Nanos kEarly = 20 * kMillisecond;
 
+// Of a busy computer's packets, each way.
+constexpr std::array<double, 5> kBusyLosses = {0.0, 0.01, 0.03, 0.05, 0.1};
+
 // How far the controller moves any joint in the next second [rad].
 double moved_in_a_second(FaultRun& run) {
   const ServoArm& arm = run.cell().rig().controller().arm();
@@ -50,6 +53,13 @@ double moved_in_a_second(FaultRun& run) {
     moved = std::max(moved, (arm.target() - q).cwiseAbs().maxCoeff());
   }
   return moved;
+}
+
+// The slave's program stands still.
+void stand(FaultRun& run, Nanos span) {
+  run.cell().net()->stop_slave(true);
+  run.run(span);
+  run.cell().net()->stop_slave(false);
 }
 
 // What happens while the controller is not heard.
@@ -69,7 +79,7 @@ FaultOutcome paused(const RowRun& row, bool both) {
     run.set_network(way);
   }
   if (!run.engage()) return not_engaged();
-  run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
+  run.run(run.up_to(kSecond));
   run.let_pause();
   CellNet& net = *run.cell().net();
   const auto sleep = [&](bool asleep) {
@@ -171,9 +181,6 @@ FaultOutcome r1b(const RowRun& row) {
   }
   if (!opened) return not_engaged();
   run.set_robot_line(commands, replies);
-  const auto run_at_most = [&run](Nanos most) {
-    run.run(static_cast<Nanos>(run.random().uniform() * static_cast<double>(most)));
-  };
   for (const Nanos end = run.now() + row.span(30 * kSecond); run.now() < end;) {
     if (!in_bursts) {
       run.run(end - run.now());
@@ -181,9 +188,9 @@ FaultOutcome r1b(const RowRun& row) {
     }
     replies.delay = replies.jitter = kPeriod;
     run.set_robot_line(commands, replies);
-    run_at_most(kSecond / 10);
+    run.run(run.up_to(kSecond / 10));
     run.set_robot_line(commands, {});
-    run_at_most(kSecond / 2);
+    run.run(run.up_to(kSecond / 2));
   }
   const bool engaged = run.engaged();
   FaultOutcome out = judge_controller(run);
@@ -201,7 +208,7 @@ FaultOutcome r2(const RowRun& row) {
   options.gentle = row.index % 2 == 0;
   FaultRun run(row.seed, options);
   if (!run.engage()) return not_engaged();
-  run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
+  run.run(run.up_to(kSecond));
   LinkFaults dark;
   dark.loss = 1.0;
   const int way = static_cast<int>(run.random().uniform() * 3.0);
@@ -237,19 +244,16 @@ FaultOutcome r4(const RowRun& row) { return paused(row, true); }
 // A busy computer: now and then the slave stands for up to a cycle. What it then sends may miss its
 // cycle, and what it reads be late. Either way takes up to 0.6 ms.
 FaultOutcome r3b(const RowRun& row) {
-  constexpr std::array<double, 5> kLosses = {0.0, 0.01, 0.03, 0.05, 0.1};
-  FaultRun run(row.seed, robot_options(row, kLosses.size()));
+  FaultRun run(row.seed, robot_options(row, kBusyLosses.size()));
   LinkFaults faults;
-  faults.loss = row.level(kLosses);
+  faults.loss = row.level(kBusyLosses);
   faults.delay = faults.jitter = 300 * kMicrosecond;
   run.set_robot_line(faults, faults);
   if (!run.engage()) return not_engaged();
   run.let_pause();
   for (const Nanos end = run.now() + row.span(30 * kSecond); run.now() < end;) {
-    run.cell().net()->stop_slave(true);
-    run.run(static_cast<Nanos>(run.random().uniform() * static_cast<double>(kPeriod)));
-    run.cell().net()->stop_slave(false);
-    run.run(static_cast<Nanos>(run.random().uniform() * static_cast<double>(kSecond / 10)));
+    stand(run, run.up_to(kPeriod));
+    run.run(run.up_to(kSecond / 10));
   }
   const bool engaged = run.engaged();
   FaultOutcome out = judge_controller(run);
@@ -259,50 +263,39 @@ FaultOutcome r3b(const RowRun& row) {
 
 // A computer that is taken away now and then, for up to three cycles, with the slave and with what
 // simulates the controller: replies come late and together, and are read late. For spells replies
-// take up to 3 ms and the slave stands for as long; or the controller is not heard for 0.1 to 0.2
-// s.
+// take up to 3 ms, and the slave stands for as long. Or nothing is heard for 0.1 to 0.2 s.
 FaultOutcome r3c(const RowRun& row) {
-  constexpr std::array<double, 5> kLosses = {0.0, 0.01, 0.03, 0.05, 0.1};
-  FaultRun run(row.seed, robot_options(row, kLosses.size()));
+  FaultRun run(row.seed, robot_options(row, kBusyLosses.size()));
   LinkFaults usual;
-  usual.loss = row.level(kLosses);
+  usual.loss = row.level(kBusyLosses);
   usual.delay = usual.jitter = 100 * kMicrosecond;
   run.set_robot_line(usual, usual);
   if (!run.engage()) return not_engaged();
   run.let_pause();
-  CellNet& net = *run.cell().net();
-  const auto up_to = [&run](Nanos most) {
-    return static_cast<Nanos>(run.random().uniform() * static_cast<double>(most));
-  };
-  const auto stand = [&](Nanos span) {
-    net.stop_slave(true);
-    run.run(span);
-    net.stop_slave(false);
-  };
   LinkFaults late = usual, dark = usual;
   dark.loss = 1.0;
   for (const Nanos end = run.now() + row.span(30 * kSecond); run.now() < end;) {
     const Nanos from = run.now();
     const double kind = run.random().uniform();
     if (kind < 0.4) {
-      late.delay = up_to(3 * kPeriod);
+      late.delay = run.up_to(3 * kPeriod);
       run.set_robot_line(usual, late);
-      stand(late.delay + up_to(kMillisecond));
+      stand(run, late.delay + run.up_to(kMillisecond));
     } else if (kind < 0.9) {
-      for (const Nanos until = from + up_to(7 * kPeriod); run.now() < until;) {
-        late.delay = up_to(3 * kMillisecond);
+      for (const Nanos until = from + run.up_to(7 * kPeriod); run.now() < until;) {
+        late.delay = run.up_to(3 * kMillisecond);
         run.set_robot_line(usual, late);
-        stand(up_to(3 * kMillisecond));
-        run.run(up_to(kPeriod));
+        stand(run, run.up_to(3 * kMillisecond));
+        run.run(run.up_to(kPeriod));
       }
     } else {
       run.set_robot_line(dark, dark);
-      run.run(kSecond / 10 + up_to(kSecond / 10));
+      run.run(kSecond / 10 + run.up_to(kSecond / 10));
       run.set_robot_line(usual, usual);
-      stand(up_to(kPeriod));
+      stand(run, run.up_to(kPeriod));
     }
     run.set_robot_line(usual, usual);
-    run.run(up_to(kSecond / 20));
+    run.run(run.up_to(kSecond / 20));
   }
   run.set_robot_line({}, {});
   run.drive(6 * kSecond);
@@ -318,7 +311,7 @@ FaultOutcome r5(const RowRun& row) {
   options.short_form = row.index % 3 == 1;
   FaultRun run(row.seed, options);
   if (!run.engage()) return not_engaged();
-  run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
+  run.run(run.up_to(kSecond));
   const Nanos from = run.now() + kMillisecond;
   const int joint = row.index % kJoints;
   run.layers().reply = [&](Nanos at, RobotReply& reply) {

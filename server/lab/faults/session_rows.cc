@@ -88,7 +88,7 @@ FaultOutcome s6(const RowRun& row) {
   bool held = true;
   run.layers().hand = [&](Nanos, HandReading& hand) { hand.enable_button = held; };
   if (!run.engage()) return not_engaged();
-  run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
+  run.run(run.up_to(kSecond));
   held = false;
   run.tick();
   const Vec3 command = run.cell().master().link.X_SU.p;
@@ -118,7 +118,7 @@ FaultOutcome x4(const RowRun& row) {
   constexpr Nanos kEcho = 50 * kMillisecond;
   FaultRun run(row.seed);
   if (!run.engage()) return not_engaged();
-  run.run(static_cast<Nanos>(run.random().uniform() * 1e9));
+  run.run(run.up_to(kSecond));
   MasterState mad = run.cell().master().link;
   const Nanos from = run.now();
   if (row.index % 2 == 0) {

@@ -69,17 +69,28 @@ Problem range_from(const pb::Operators::Parameter& in, const ParameterInfo& info
   return std::nullopt;
 }
 
-// What the base gives, each at its place in the table.
+Problem population_from(const pb::Operators& in, Population& out);
+
+// What the base gives, each at its place in the table. It has no base itself, so this ends.
 Problem inherit(const std::string& base, std::vector<ParameterRange>& ranges) {
   if (base.empty()) return std::nullopt;
   const Result<std::string> file = find_population(base);
   if (!file) return FieldProblem{"base", file.message()};
-  Result<Population> people = load_population(*file);
-  if (!people) return FieldProblem{"base", people.message()};
-  if (!people->base.empty()) {
+  const Result<std::string> text = read_file(*file, TextSource::kMaxBytes);
+  if (!text) return FieldProblem{"base", text.message()};
+  TextSource source;
+  pb::Operators message;
+  if (Status status = source.parse(*file, *text, message); !status) {
+    return FieldProblem{"base", status.message()};
+  }
+  if (!message.base().empty()) {
     return FieldProblem{"base", "'" + base + "' has a base, expected a population without"};
   }
-  for (ParameterRange& range : people->parameters) {
+  Population people;
+  if (const Problem p = population_from(message, people)) {
+    return FieldProblem{"base", source.error_at(*p).message()};
+  }
+  for (ParameterRange& range : people.parameters) {
     range.fitted = false;
     range.inherited = true;
     ranges[static_cast<std::size_t>(info_named(range.name) - operator_parameter_table().data())] =

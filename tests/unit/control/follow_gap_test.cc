@@ -244,6 +244,16 @@ TEST_F(FollowGap, AnEndThatNobodyHeardOfIsNotSentToAnArmThatHasStood) {
   EXPECT_EQ(rig.state.halts, 1u) << "where it is known that the arm did not get there";
 }
 
+TEST_F(FollowGap, AnEndThatIsNotSentAnyMoreHaltsTheArm) {
+  while (step == 0.0) cycle();
+  rig.in.stop_input = true;
+  rig.in.cycles = 4;
+  cycle(false);
+  ASSERT_TRUE(rig.state.gap && standing(rig.state.motion));
+  EXPECT_NE(rig.out.send, Send::kTarget);
+  EXPECT_EQ(rig.state.halts, 1u);
+}
+
 TEST_F(FollowGap, APauseLongerThanAFewCyclesIsAGap) {
   cycles(60);
   rig.in.cycles = 5;

@@ -157,6 +157,26 @@ TEST_F(MxtPhase, AfterATenthOfASecondOfSilenceThePhaseIsFoundBeforeAnythingIsSai
   }
 }
 
+TEST_F(MxtPhase, OneInTimeCountsMoreThanAllThatAreLate) {
+  open();
+  for (int i = 0; i < 16; ++i) {
+    ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
+  }
+  const auto hear_late = [&](int cycle, Nanos late) {
+    return client_.on_datagram(golden::reply_long(), cycle * kPeriod + late, reply_);
+  };
+  EXPECT_EQ(hear_late(19, 2 * kMillisecond), std::nullopt);
+  ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
+  EXPECT_FALSE(reply_.fresh || reply_.has_measured) << "it says nothing of the arm yet";
+  int cycle = 21;
+  for (int i = 0; i < 6; ++i) EXPECT_EQ(hear_late(cycle++, 2 * kMillisecond), std::nullopt);
+  EXPECT_EQ(hear_late(cycle++, 0), std::nullopt);
+  for (int i = 0; i < 7; ++i) EXPECT_EQ(hear_late(cycle++, 2 * kMillisecond), std::nullopt);
+  for (int i = 0; i < 7; ++i) EXPECT_EQ(hear_late(cycle++, 0), std::nullopt);
+  EXPECT_EQ(hear_late(cycle, 0), RobotEvent::kReply);
+  EXPECT_EQ(client_.deadline(), (cycle + 2) * kPeriod - kPeriod / 8);
+}
+
 // On a busy computer a late reply to what was sent before would begin a cycle in the middle of one.
 TEST_F(MxtPhase, ATargetThatMayBeHeldAlreadyTellsOfNoCycle) {
   open();
@@ -169,6 +189,11 @@ TEST_F(MxtPhase, ATargetThatMayBeHeldAlreadyTellsOfNoCycle) {
   send(target(2));
   EXPECT_EQ(hear_held(2, 3 * kPeriod + 3 * kMillisecond), std::nullopt);
   EXPECT_EQ(hear_held(2, 4 * kPeriod), RobotEvent::kReply);
+  send(target(5));
+  ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
+  send(target(5));
+  EXPECT_EQ(hear_held(5, 5 * kPeriod + 2 * kMillisecond), std::nullopt) << "it may be the first";
+  EXPECT_EQ(hear_held(5, 6 * kPeriod), RobotEvent::kReply);
 }
 
 TEST_F(MxtPhase, CountsTheCyclesThatPassedWhileNobodyAsked) {

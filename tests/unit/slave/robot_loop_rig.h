@@ -46,6 +46,7 @@ class ScriptedRobot : public Robot {
     reply.fresh = reply.prompt = event == RobotEvent::kReply;
     reply.has_measured = reply.has_commanded = true;
     reply.cycles = cycles;
+    reply.anew = anew;
     if (reply.fresh) reply.q_measured = reply.q_commanded = q;
     return event;
   }
@@ -72,6 +73,7 @@ class ScriptedRobot : public Robot {
   int asks = 0;
   int cycles = 1;                       // between two events
   bool deaf = false;                    // what is sent is lost
+  bool anew = false;                    // it may be another controller
   std::optional<JointVector> measured;  // at connecting, where it is not `q`
   int ends = 0;
   double largest_step = 0.0;

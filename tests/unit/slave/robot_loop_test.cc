@@ -161,6 +161,19 @@ TEST_F(RobotLoopTest, ALostRobotLatchesAFaultAndIsCalledAgainOnlyAfterReset) {
   EXPECT_TRUE(state.has_pose);
 }
 
+TEST_F(RobotLoopTest, WhatMayBeAnotherControllerIsAskedFirst) {
+  engage();
+  turn();
+  const int asks = robot.asks, sends = robot.sends;
+  robot.anew = true;
+  turn();
+  EXPECT_EQ(robot.asks, asks + 1);
+  EXPECT_EQ(robot.sends, sends);
+  robot.anew = false;
+  for (int i = 0; i < 3; ++i) turn();
+  EXPECT_GT(robot.sends, sends);
+}
+
 TEST_F(RobotLoopTest, TwoStartsOfASlaveHaveNoFaultInCommon) {
   turn();
   const std::uint64_t first = state.fault_epoch;

@@ -250,6 +250,11 @@ TEST(PopulationIo, ABaseIsAShippedPopulationWithoutOne) {
             "without");
   EXPECT_THAT(error_of("name: 'p' base: '/no/such.operators'"),
               HasSubstr("field 'base': /no/such.operators: cannot open: No such file"));
+  const TempFolder folder;
+  const std::string self = folder.path() + "/self.operators";  // its own base
+  folder.write("self.operators", "name: 'p'\nbase: '" + self + "'");
+  EXPECT_EQ(load_population(self).message(),
+            self + ":2:1: field 'base': '" + self + "' has a base, expected a population without");
   EXPECT_EQ(error_of("name: 'p'\nbase: 'linear-movement'\n" + parameter_text("gain", kPlainRange) +
                      parameter_text("gain", kPlainRange)),
             "/x/p.operators:4:13: field 'parameter[1].name': 'gain' is given twice");
