@@ -176,8 +176,10 @@ TEST_P(RobotConformance, ReportsTheCyclesTheControllerWaited) {
     std::this_thread::yield();
   }
   robot_->send(reply_.q_commanded);
-  // On a busy machine an answer to what opened the session may come first.
-  for (int i = 0; i < 3 && reply_.missed_cycles < 5; ++i) ASSERT_EQ(next(), RobotEvent::kReply);
+  // On a busy machine an earlier answer may come first, and this one with a silence.
+  for (int i = 0; i < 10 && reply_.missed_cycles < 5; ++i) {
+    if (robot_->wait(reply_) == RobotEvent::kSilence) robot_->ask();
+  }
   EXPECT_GE(reply_.missed_cycles, 5u);
 }
 
