@@ -47,8 +47,8 @@ struct MxtCounters {
 // left; where it is too long for that too, by 3.1 ms, the session does not open.
 //
 // After 14 silent cycles the controller may be another one. It is asked in each cycle, and told
-// nothing, until its replies agree: each is a vote for a phase or against it, and eight votes
-// decide.
+// nothing, until its replies agree: each is a vote for a phase or against it, one that comes
+// earlier in the cycle begins the count anew, and eight votes decide.
 //
 // A reply of the short form says where the arm is measured or which target is held, as its packet
 // asked. Packets ask for the measured joints, and these mean that the packet's target was taken: no

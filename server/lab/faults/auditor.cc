@@ -8,11 +8,6 @@ namespace handrail {
 namespace {
 
 constexpr double kRounding = 1e-9;  // of a limit
-// The joints may take the tip so much further from what is asked to go round what is in the way, as
-// server/control/README.md says [m].
-constexpr double kRound = 0.085;
-constexpr double kTurn = 6.283185307179586;  // [rad]
-constexpr double kStandingWay = 1e-12;       // of a joint: step times what is left to go [rad^2]
 
 // A master in hold leads nobody: it hears nothing of the arm.
 bool drives(const MasterState& state) {
@@ -203,7 +198,7 @@ void Auditor::check_place(Nanos at) noexcept {
   if (beyond_reach_) {
     // What now is asked may lie behind a tip on its way.
     if (!was_beyond || went > 0.0) remember_stop();
-    if (strays(gap - gap_)) breach(Breach::kUnasked);
+    if (too_far(gap - gap_)) breach(Breach::kUnasked);
     remember_place(tip(), at);
     return;
   }
@@ -217,7 +212,7 @@ void Auditor::check_place(Nanos at) noexcept {
   const double outside = std::max((low - tip()).maxCoeff(), (tip() - high).maxCoeff());
   const double off = std::min(outside, gap - gap_);
   if (off <= 0.0) remember_stop();
-  if (strays(off)) breach(Breach::kUnasked);
+  if (too_far(off)) breach(Breach::kUnasked);
 }
 
 // The place commanded, out of the surface as far as the tip is, is one where it may be.
@@ -237,32 +232,6 @@ void Auditor::remember_stop() noexcept {
 // Further off than any stop since the tip was last where it was asked to be.
 bool Auditor::too_far(double off) const noexcept {
   return off > kRoom + even_way_ && off > kRoom + last_asked_.way_of_joints();
-}
-
-// Further off than it may be, whichever way it goes.
-bool Auditor::strays(double off) const noexcept {
-  return too_far(off) && (too_far(off - kRound) || !goes_round());
-}
-
-// Whether each joint goes to where the tip is as asked, or stands: without a tool they may go round
-// what is in the way. A wrist at the end of its turn has no other way to the same place.
-bool Auditor::goes_round() const noexcept {
-  if (!space_.everything() || !newest_.has_command) return false;
-  InverseSolutions found;
-  inverse_all(limits_.arm, newest_.X_SU, joints_.q(), found);
-  const auto goes_to = [this](double there, Eigen::Index i) {
-    const bool allowed = there >= limits_.joints.lower[i] && there <= limits_.joints.upper[i];
-    return allowed && joints_.step()[i] * (there - joints_.q()[i]) >= -kStandingWay;
-  };
-  for (int k = 0; k < found.count; ++k) {
-    const JointVector& q = found.q[static_cast<std::size_t>(k)];
-    bool all = true;
-    for (Eigen::Index i = 0; i < kJoints && all; ++i) {
-      all = goes_to(q[i], i) || goes_to(q[i] + kTurn, i) || goes_to(q[i] - kTurn, i);
-    }
-    if (all) return true;
-  }
-  return false;
 }
 
 bool Auditor::in_reach(const Pose& X) const noexcept {

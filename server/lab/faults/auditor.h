@@ -117,8 +117,6 @@ class Auditor {
   void record_stop() noexcept;
   void check_place(Nanos at) noexcept;
   bool in_reach(const Pose& X) const noexcept;
-  bool goes_round() const noexcept;
-  bool strays(double off) const noexcept;
   void take_tool(const Sent& entry) noexcept;
   void check_tool() noexcept;
   void hold_out(Nanos at) noexcept;
