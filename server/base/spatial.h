@@ -11,8 +11,8 @@
 //   B  bumped command: U after the virtual bumper, in S.
 //   E  environment: f_E_S is the force the environment exerts on the tip, expressed in S.
 //
-// SI units everywhere: metres, radians, seconds, newtons. Millimetres and degrees appear only at the
-// edges (devices, CLI, configuration), in names that end in _mm or _deg.
+// SI units everywhere: metres, radians, seconds, newtons. Millimetres and degrees appear only at
+// the edges (devices, CLI, configuration), in names that end in _mm or _deg.
 #pragma once
 
 #include <Eigen/Core>
@@ -27,8 +27,8 @@ using Quat = Eigen::Quaterniond;
 
 // Rigid pose X_AB: a point p_B becomes q * p_B + p in A. `q` is a unit quaternion.
 struct Pose {
-  Vec3 p = Vec3::Zero();         // [m]
-  Quat q = Quat::Identity();     // unit
+  Vec3 p = Vec3::Zero();      // [m]
+  Quat q = Quat::Identity();  // unit
 };
 
 // Six-axis displacement or velocity, expressed in the base frame: translation of the body's origin
@@ -37,6 +37,14 @@ struct Twist {
   Vec3 linear = Vec3::Zero();
   Vec3 angular = Vec3::Zero();
 };
+
+inline Twist operator+(const Twist& a, const Twist& b) noexcept {
+  return {a.linear + b.linear, a.angular + b.angular};
+}
+inline Twist operator-(const Twist& a, const Twist& b) noexcept {
+  return {a.linear - b.linear, a.angular - b.angular};
+}
+inline Twist operator*(double s, const Twist& t) noexcept { return {s * t.linear, s * t.angular}; }
 
 // Force [N] and torque [N m] on a body, both at its origin and in the frame the variable names.
 struct Wrench {
@@ -65,6 +73,11 @@ inline Vec3 rotation_log(const Quat& q) {
   const double sign = q.w() < 0.0 ? -1.0 : 1.0;
   if (s < 1e-9) return 2.0 * sign * q.vec();
   return (2.0 * sign * std::atan2(s, std::abs(q.w())) / s) * q.vec();
+}
+
+// From `from` to `to`, the shorter way round.
+inline Twist between(const Pose& from, const Pose& to) {
+  return {to.p - from.p, rotation_log(to.q * from.q.conjugate())};
 }
 
 // Angle between two orientations [rad], 0 to pi.

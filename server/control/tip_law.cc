@@ -34,7 +34,7 @@ Vector6 unit_of(const Vector6& v, double least) {
 TipProposal::TipProposal(const PlanLimits& limits, const TipSpace& space, const TipLaw& law,
                          const TipMotion& from, const Pose& target) noexcept
     : limits_(limits), law_(law) {
-  way_ = {target.p - from.X_ST.p, rotation_log(target.q * from.X_ST.q.conjugate())};
+  way_ = between(from.X_ST, target);
   const TipJacobian J = tip_jacobian(limits.guard.arm, from.joints.q);
   Matrix both;
   both << J.linear, kTurnLength * J.angular;

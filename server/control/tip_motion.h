@@ -28,17 +28,19 @@ struct MotionSettings {
   GuardLimits guard() const noexcept { return {limits, arm, workspace, dt}; }
 };
 
-// A target out of reach.
-struct BeyondReach {
-  Pose asked;
-  Vec3 p = Vec3::Zero();  // the place gone to [m]
+// The newest target.
+struct TipTarget {
+  Pose X;
+  Vec3 p_gone_to = Vec3::Zero();  // the place gone to for it [m]
+  bool beyond = false;            // it is out of reach
+  double least = 0.0;             // the nearest that the tip was to it while it stands [m]
 };
 
 struct MotionState : TipMotion {
   StopPlan stop;
   int sliding = 0;  // > 0: past where the straight way ends; so many straight steps end it
   int around = 0;   // > 0: the joints go round what is in the way, so many cycles more
-  std::optional<BeyondReach> beyond;  // the newest target is
+  std::optional<TipTarget> asked;
 };
 
 // Stands still at `q`.
@@ -53,11 +55,11 @@ struct Moved {
 
 // One cycle toward `target` within `space`; a tip outside of it goes straight to the target. As far
 // as joint range, speed, acceleration and jerk allow, and slow enough to stop on the target. Out of
-// reach the nearest reachable pose is gone to (nearest_reachable), and while the target stands the
-// tip goes no further from it; beyond the workspace the nearest place 5 mm inside is gone to. Where
-// the straight way does not fit the joints, as near singular poses, the tip is slowed, then goes on
-// by what the joints can do: it keeps its place, and its orientation lags. `share` 0..1 slows the
-// approach. Real-time safe, at most 15 stop plans, mostly one.
+// reach the nearest reachable pose is gone to (nearest_reachable); beyond the workspace the nearest
+// place 5 mm inside. From a target that stands the tip goes no further than it was, nor in a stop.
+// Where the straight way does not fit the joints, as near singular poses, the tip is slowed, then
+// goes on by what the joints can do: it keeps its place, and its orientation lags. `share` 0..1
+// slows the approach. Real-time safe, at most 15 stop plans, mostly one.
 Moved move_toward(const MotionSettings& settings, const TipSpace& space, const Pose& target,
                   double share, MotionState& state) noexcept;
 
