@@ -11,7 +11,7 @@ namespace {
 
 constexpr ScrewFigureInfo kInfo[kScrewFigures] = {
     {"completion_time_s", "completion time", "s", 1.0, {42.1, 33.3, 36.6, 28.7}},
-    {"path_mm", "path of the tip", "mm", 1.0 / kMm, {271.0, 154.0, 257.0, 167.0}},
+    {"path_mm", "path of the tip", "mm", 1.0 / kMm, {271.0, 153.4, 257.0, 166.5}},
     {"mean_contact_force_n", "mean contact force", "N", 1.0, {50.2, 48.6, 26.7, 26.0}},
     {"max_contact_force_n", "largest contact force", "N", 1.0, {}},
     {"impulse_n_s", "impulse of the force", "N s", 1.0, {}},

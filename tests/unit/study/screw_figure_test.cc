@@ -60,8 +60,8 @@ TEST(ScrewFigure, ComparesModesOfTheSamePeople) {
 }
 
 TEST(ScrewFigure, TheDissertationsRatiosAreThoseOfItsImpliedMedians) {
-  EXPECT_NEAR(implied_ratio(ScrewPairing::kToolsNC, ScrewFigure::kPath), 0.568, 1e-3);
-  EXPECT_NEAR(implied_ratio(ScrewPairing::kToolsC, ScrewFigure::kPath), 0.650, 1e-3);
+  EXPECT_NEAR(implied_ratio(ScrewPairing::kToolsNC, ScrewFigure::kPath), 0.566, 1e-3);
+  EXPECT_NEAR(implied_ratio(ScrewPairing::kToolsC, ScrewFigure::kPath), 0.648, 1e-3);
   EXPECT_NEAR(implied_ratio(ScrewPairing::kToolsC, ScrewFigure::kTime), 0.784, 1e-3);
   EXPECT_NEAR(implied_ratio(ScrewPairing::kProtectionNV, ScrewFigure::kMeanForce), 0.532, 1e-3);
   EXPECT_EQ(implied_ratio(ScrewPairing::kProtectionNV, ScrewFigure::kMaxForce), 0.0);

@@ -95,7 +95,8 @@ TEST(ScrewTrial, AnUnsteadyHandTurnsBackQuicklyOnItsTools) {
       turns += r.trace[i - 1].phase == ScrewPhase::kReturn ? 0 : 1;
     }
   }
-  ASSERT_GT(turns, 8);
+  ASSERT_GE(turns, 8);  // two between three half turns, in each trial
+  RecordProperty("return_s", std::to_string(time / turns));
   EXPECT_LT(time / turns, 5.5);  // 7 s for who minds the tilt
 }
 
