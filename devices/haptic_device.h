@@ -40,8 +40,10 @@ struct HapticSample {
   bool valid = false;                 // false: nothing else in the sample may be used
 };
 
-// Where a simulated hand should go: a minimum-jerk move from where its intent stands now.
+// Where a simulated hand should go: a minimum-jerk move from where its intent stands now. Limits:
+// hand_move.h.
 struct HandIntent {
+  bool home = false;                  // to where the hand begins, whatever the next two say
   Vec3 displacement_M = Vec3::Zero(); // [m]
   Vec3 rotation_M = Vec3::Zero();     // rotation vector, frame M [rad]
   double duration = 1.0;              // > 0 [s]
@@ -76,9 +78,10 @@ class HapticDevice {
   virtual void write(const Wrench& f_H_M) noexcept = 0;
   // Force off, device released. Safe to call twice.
   virtual void close() noexcept = 0;
-  // A simulated device shows these of its own effects from now on; others have what they have.
-  // Real-time safe.
-  virtual void simulate(const DeviceEffects&) noexcept {}
+  // A simulated device shows these of its own effects from now on, and its hand begins at `home_M`
+  // [m]: before the first reading it is there, after it goes there within a second. Others have
+  // what they have. Real-time safe.
+  virtual void simulate(const DeviceEffects&, const Vec3& home_M) noexcept { (void)home_M; }
   // The simulated hand that holds the device, or null on real hardware and on recordings.
   virtual SteerableHand* hand() noexcept { return nullptr; }
 };

@@ -9,8 +9,10 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 
 #include "server/base/clock.h"
+#include "server/base/folder_owner.h"
 #include "server/base/length_prefix.h"
 
 namespace handrail {
@@ -70,7 +72,26 @@ Status OperatorClient::connect(Nanos deadline) {
     if (monotonic_now() >= deadline) return failure("it does not accept connections");
     ::poll(nullptr, 0, 5);
   }
-  return Status::ok();
+  return check_peer();
+}
+
+Status OperatorClient::check_peer() {
+  ucred peer{};
+  socklen_t size = sizeof(peer);
+  if (::getsockopt(fd_, SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0) {
+    return failure(std::strerror(errno));
+  }
+  if (peer.uid == 0 || peer.uid == ::geteuid()) return Status::ok();
+  const auto parent = [](const std::filesystem::path& p) {
+    return p.has_parent_path() ? p.parent_path() : std::filesystem::path(".");
+  };
+  const std::filesystem::path folder = parent(std::filesystem::absolute(path_));
+  const Result<uid_t> owner = folder_owner(folder), above = folder_owner(parent(folder));
+  if (owner && above && *owner == peer.uid && (*above == 0 || *above == peer.uid)) {
+    return Status::ok();
+  }
+  return failure(user_text(peer.uid) + " listens there, expected " + user_text(::geteuid()) +
+                 ", root, or the owner of a folder that nobody else can replace");
 }
 
 Status OperatorClient::wait(short events, Nanos deadline) {

@@ -13,7 +13,13 @@
 namespace handrail {
 
 // What the command line returns to the shell.
-enum ExitCode : int { kExitDone = 0, kExitRefused = 1, kExitUsage = 2, kExitNoMaster = 3 };
+enum ExitCode : int {
+  kExitDone = 0,
+  kExitRefused = 1,
+  kExitUsage = 2,
+  kExitNoMaster = 3,
+  kExitInterrupted = 130,
+};
 
 // One connection; not thread-safe. After a failed call the connection is closed, and the next call
 // opens a new one.
@@ -35,6 +41,8 @@ class OperatorClient {
 
  private:
   Status connect(Nanos deadline);
+  // Who listens is root, this user, or who owns the folder that nobody else can put there.
+  Status check_peer();
   Status send_all(const std::string& bytes, Nanos deadline);
   Status receive_exactly(char* out, std::size_t size, Nanos deadline);
   Status wait(short events, Nanos deadline);

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 
 #include "client/cli/interrupt.h"
 #include "client/cli/payload_samples.h"
 #include "client/cli/vector_text.h"
 #include "proto/calibration.pb.h"
+#include "server/base/output.h"
 #include "server/scene/json_io.h"
 #include "server/scene/payload_io.h"
 #include "server/task/payload_sampler.h"
@@ -89,14 +89,20 @@ std::string advice(PayloadSampler::State state, const PayloadSampler& sampler, b
     case PayloadSampler::State::kStanding:
       return text_of("standing: %.1f of %.0f s", sampler.stood(), PayloadSampler::kStand);
     case PayloadSampler::State::kMoving:
-      return "moving: let the tip stand; clutch in when the hand cannot";
+      return text_of(
+          "does not count: moved by %.1f mm and %.1f deg, expected at most %.0f mm and %.1f deg "
+          "for "
+          "%.0f s; clutch in when the hand cannot",
+          sampler.moved() / kMm, sampler.moved_turn() / kDeg, PayloadSampler::kStill / kMm,
+          PayloadSampler::kStillTurn / kDeg, PayloadSampler::kStand);
     default:
-      return text_of("tilt the tip on%s: %.0f of %.0f deg from the nearest sample", lean,
-                     sampler.turned() / kDeg, PayloadSampler::kTurn / kDeg);
+      return text_of("does not count: %.0f deg from the nearest sample%s, expected %.0f; tilt on",
+                     sampler.turned() / kDeg, lean, PayloadSampler::kTurn / kDeg);
   }
 }
 
-// Samples of the running system; kExitDone when there are enough.
+// Samples of the running system; kExitDone when there are enough. What there is is in `out` in any
+// case.
 ExitCode watch(const Options& options, const Console& console, std::size_t wanted, Samples& out) {
   OperatorClient client(options.socket, options.as);
   pb::Request request;
@@ -108,8 +114,7 @@ ExitCode watch(const Options& options, const Console& console, std::size_t wante
   for (;;) {
     const Result<pb::Reply> reply = client.call(request, kPatience);
     if (interrupted()) {
-      progress.line(text_of("stopped after %zu of %zu orientations; nothing is written",
-                            sampler.samples().size(), wanted));
+      progress.line(text_of("stopped after %zu of %zu orientations", out.size(), wanted));
       return kExitRefused;
     }
     if (const ExitCode code = exit_code(reply); code != kExitDone) {
@@ -138,13 +143,11 @@ ExitCode watch(const Options& options, const Console& console, std::size_t wante
       const bool alike = samples.size() >= wanted && payload_spread(samples) < kLeastPayloadSpread;
       if (state == PayloadSampler::State::kTaken) {
         const Vec3& f = samples.back().raw_T.force;
+        out = samples;
         progress.line(text_of("%zu of %zu: the sensor reads %.2f %.2f %.2f N%s", samples.size(),
                               wanted, f.x(), f.y(), f.z(),
                               alike ? "; too much alike yet, tilt to another side" : ""));
-        if (samples.size() >= wanted && !alike) {
-          out = samples;
-          return kExitDone;
-        }
+        if (samples.size() >= wanted && !alike) return kExitDone;
       }
       progress.now(advice(state, sampler, alike));
     }
@@ -188,10 +191,7 @@ Status check_new(const char* flag, const std::optional<std::string>& path) {
 
 Status write(const std::optional<std::string>& path, const std::string& text) {
   if (!path) return Status::ok();
-  std::ofstream file(*path, std::ios::binary);
-  file << text;
-  file.flush();
-  return file ? Status::ok() : Status::error(*path + ": cannot be written");
+  return write_file(*path, text);
 }
 
 }  // namespace
@@ -209,17 +209,23 @@ ExitCode run_calibrate_payload(const Options& o, const Console& console) {
     if (!s) return complain(console, s.message());
   }
   Samples samples;
+  ExitCode watched = kExitDone;
   if (o.from) {
     Result<Samples> loaded = load_payload_samples(*o.from);
     if (!loaded) return complain(console, loaded.message());
     samples = std::move(*loaded);
   } else {
-    const ExitCode code = watch(o, console, static_cast<std::size_t>(*poses), samples);
-    if (code != kExitDone) return code;
+    watched = watch(o, console, static_cast<std::size_t>(*poses), samples);
   }
-  // Also when they are none of a calibration: they show why.
-  if (const Status s = write(o.record, payload_samples_text(samples)); !s) {
-    return complain(console, s.message());
+  // Also when they are none of a calibration, or too few: they show why.
+  if (!samples.empty()) {
+    if (const Status s = write(o.record, payload_samples_text(samples)); !s) {
+      return complain(console, s.message());
+    }
+  }
+  if (watched != kExitDone) {
+    if (o.record && !samples.empty()) console.err << "kept in " << *o.record << '\n';
+    return watched;
   }
   const Result<PayloadFit> fit = fit_payload(samples);
   if (!fit) return refuse(console, (o.from ? *o.from + ": " : "") + fit.message());

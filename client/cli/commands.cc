@@ -32,7 +32,7 @@ ExitCode run_stop(const Options& o, const Console& c) {
 ExitCode run_reset(const Options& o, const Console& c) {
   pb::Request r;
   r.set_reset(true);
-  return send_order(o, c, r, "reset; engage to go on");
+  return send_order(o, c, r, "reset");
 }
 
 ExitCode run_stage(const Options& o, const Console& c) {
@@ -105,6 +105,7 @@ constexpr Command kCommands[] = {
     {"scene load", "Load a scene in master and slave", run_scene_load, {.word = "NAME"}},
     {"stage", "Put the walls as they are in a stage of the scene", run_stage, {.word = "NAME"}},
     {"hand to", "Move the simulated hand", run_hand_to, {.hand = true}},
+    {"hand home", "Bring the simulated hand back to where it began", run_hand_home, {}},
     {"calibrate payload",
      "What hangs on the force sensor: watches while you tilt the tip, moves nothing",
      run_calibrate_payload,

@@ -1,11 +1,12 @@
 #include "client/cli/demo_command.h"
 
-#include <poll.h>
-
 #include <array>
 #include <cstdio>
-#include <functional>
+#include <string>
+#include <vector>
 
+#include "client/cli/demo_drive.h"
+#include "client/cli/interrupt.h"
 #include "server/base/clock.h"
 #include "server/base/units.h"
 #include "server/task/linear_measure.h"
@@ -17,11 +18,10 @@ constexpr double kLeg = 75.0 * kMm;       // A to B and B to C, at the robot
 constexpr double kScale = 2.0;            // hand to robot, as in the default scene
 constexpr double kOvershoot = 2.0 * kMm;  // the hand goes past the end, as hands do
 constexpr double kTurn = 45.0;            // about the vertical through B [deg]
-constexpr double kMoveTime = 2.5;         // of one hand move [s]
-constexpr Nanos kSettle = 800 * kMillisecond;
-constexpr double kFollows = 5.0 * kMm;  // an arm further behind a hand at rest is held
-constexpr int kSampleMs = 7;
-constexpr Nanos kPatience = 5 * kSecond;
+constexpr Nanos kPatience = 2 * kSecond;
+constexpr const char* kScene = "linear-movement";
+// Where the rig's arm stands when it starts, and its tip points down: A.
+const Pose kA{Vec3(350.0, 0.0, 429.0) * kMm, Quat(0.0, 0.0, 1.0, 0.0)};
 
 // What one drive gave.
 struct DriveResult {
@@ -30,63 +30,6 @@ struct DriveResult {
   double position_error = 0.0;     // [m]
   double orientation_error = 0.0;  // [rad]
 };
-
-// Talks to the master; the first failure is kept and ends everything after it.
-class Driver {
- public:
-  explicit Driver(const Options& options) : client_(options.socket, options.as) {}
-
-  bool order(const pb::Request& request) {
-    if (code_ != kExitDone) return false;
-    const Result<pb::Reply> reply = client_.call(request, kPatience);
-    code_ = exit_code(reply);
-    if (code_ == kExitDone) return true;
-    problem_ = reply ? "refused: " + reply->reason() : reply.message();
-    return false;
-  }
-
-  bool status(pb::Status& out) {
-    pb::Request request;
-    request.set_status(true);
-    if (code_ != kExitDone) return false;
-    const Result<pb::Reply> reply = client_.call(request, kPatience);
-    code_ = exit_code(reply);
-    if (code_ != kExitDone) problem_ = reply ? "refused: " + reply->reason() : reply.message();
-    if (code_ == kExitDone) out = reply->status();
-    return code_ == kExitDone;
-  }
-
-  void fail(const std::string& problem) {
-    if (code_ != kExitDone) return;
-    code_ = kExitRefused;
-    problem_ = problem;
-  }
-
-  bool ok() const { return code_ == kExitDone; }
-  ExitCode code() const { return code_; }
-  const std::string& problem() const { return problem_; }
-
- private:
-  OperatorClient client_;
-  ExitCode code_ = kExitDone;
-  std::string problem_;
-};
-
-Pose pose_of(const pb::PoseMm& pose) {
-  Pose X;
-  if (pose.position_mm_size() != 3 || pose.quaternion_size() != 4) return X;
-  X.p = kMm * Vec3(pose.position_mm(0), pose.position_mm(1), pose.position_mm(2));
-  X.q = Quat(pose.quaternion(0), pose.quaternion(1), pose.quaternion(2), pose.quaternion(3));
-  return X;
-}
-
-pb::Request hand_move(const Vec3& by_mm, const Vec3& turn_deg) {
-  pb::Request request;
-  request.mutable_hand()->mutable_displacement_mm()->Add(by_mm.begin(), by_mm.end());
-  request.mutable_hand()->mutable_rotation_deg()->Add(turn_deg.begin(), turn_deg.end());
-  request.mutable_hand()->set_duration_s(kMoveTime);
-  return request;
-}
 
 pb::Request line_to(const Vec3& direction, const Vec3& end) {
   pb::Request request;
@@ -112,82 +55,87 @@ pb::Request tools_off(bool position, bool orientation) {
   return request;
 }
 
-// Orders the move and samples the tip until hand and arm have come to rest. Hand in device axes.
-void move(Driver& driver, const Vec3& by_mm, const Vec3& turn_deg, LinearMeasure* measure) {
-  if (!driver.order(hand_move(by_mm, turn_deg))) return;
-  Nanos still_since = -1;
-  const Nanos give_up = monotonic_now() + 20 * kSecond;
-  for (;;) {
-    ::poll(nullptr, 0, kSampleMs);
-    pb::Status status;
-    if (!driver.status(status)) return;
-    if (status.state() != "engaged" && status.state() != "hold") {
-      return driver.fail("the session left '" + status.state() + "': " + status.reason());
-    }
-    if (measure != nullptr && status.has_tip()) measure->add(pose_of(status.tip()));
-    const Nanos now = monotonic_now();
-    if (status.hand_moving()) {
-      still_since = -1;
-    } else if (still_since < 0) {
-      still_since = now;
-    } else if (now - still_since > kSettle) {
-      const double behind = (pose_of(status.command()).p - pose_of(status.tip()).p).norm();
-      if (behind > kFollows) driver.fail("the arm could not follow: " + status.reason());
-      return;
-    }
-    if (now > give_up) return driver.fail("the simulated hand did not come to rest");
-  }
-}
-
-void begin(Driver& driver, LinearMeasure& measure, LinearPhase phase) {
-  pb::Status status;
-  if (!driver.status(status)) return;
-  measure.begin(phase, pose_of(status.tip()).q, pose_of(status.command()).q);
-}
-
 // Device right is -Y, up is +Z at the robot.
 const Vec3 kRight(1.0, 0.0, 0.0);
 const Vec3 kUp(0.0, 1.0, 0.0);
 const Vec3 kDown = -kUp;
 constexpr double kHandLeg = (kLeg / kScale + kOvershoot) / kMm;
 
-DriveResult drive(Driver& driver, bool tools) {
-  pb::Status status;
-  if (!driver.status(status)) return {};
-  const Pose X_SA = pose_of(status.command());
+// One move of the hand, and the tools it is made with; each is called anew when it is repeated.
+struct Leg {
+  LinearPhase phase;
+  std::vector<pb::Request> tools;
+  Vec3 by_mm = Vec3::Zero();  // device axes
+  Vec3 turn_deg = Vec3::Zero();
+};
+
+std::vector<Leg> legs_of(const LinearTask& task, bool tools) {
+  std::vector<Leg> legs = {{LinearPhase::kToB, {}, kHandLeg * kRight},
+                           {LinearPhase::kTurn, {}, Vec3::Zero(), kTurn * kUp},
+                           {LinearPhase::kToC, {}, kHandLeg * kDown}};
+  if (!tools) return legs;
+  legs[0].tools = {line_to(-Vec3::UnitY(), task.p_SB), simple_tool(pb::Tool::N_ROTATION)};
+  legs[1].tools = {simple_tool(pb::Tool::POINT), tools_off(false, true)};
+  legs[2].tools = {simple_tool(pb::Tool::N_ROTATION), line_to(-Vec3::UnitZ(), task.p_SC)};
+  return legs;
+}
+
+// A move after which the session was lost counts for nothing, and is made again from its start.
+class Drive {
+ public:
+  Drive(DemoDriver& driver, const LinearTask& task, const Say& say)
+      : driver_(driver), say_(say), measure_(task) {}
+
+  void make(const Leg& leg) {
+    const Pose start = pose_of(driver_.status().command());
+    const LinearMeasure before = measure_;
+    do {
+      measure_ = before;
+      attempt(leg);
+    } while (driver_.lost() && driver_.recover(start, say_));
+  }
+  DriveResult result() const {
+    return {time_, measure_.path(), measure_.position_error(), measure_.orientation_error()};
+  }
+
+ private:
+  void attempt(const Leg& leg) {
+    const Nanos start = monotonic_now();
+    for (const pb::Request& tool : leg.tools) driver_.order(tool);
+    const pb::Status now = driver_.status();
+    if (!driver_.ok()) return;
+    measure_.begin(leg.phase, pose_of(now.tip()).q, pose_of(now.command()).q);
+    const bool done = driver_.move(leg.by_mm, leg.turn_deg, [this](const pb::Status& s) {
+      if (s.has_tip()) measure_.add(pose_of(s.tip()));
+    });
+    if (done) time_ += to_seconds(monotonic_now() - start);
+  }
+
+  DemoDriver& driver_;
+  const Say& say_;
+  LinearMeasure measure_;
+  double time_ = 0.0;
+};
+
+DriveResult drive(DemoDriver& driver, bool tools, const Say& say) {
+  const Pose X_SA = pose_of(driver.status().command());
   LinearTask task;
   task.p_SA = X_SA.p;
   task.p_SB = task.p_SA - kLeg * Vec3::UnitY();
   task.p_SC = task.p_SB - kLeg * Vec3::UnitZ();
   task.q_first = X_SA.q;
   task.turn = kTurn * kDeg * Vec3::UnitZ();
-  LinearMeasure measure(task);
-  const Nanos start = monotonic_now();
-
-  if (tools) {
-    driver.order(line_to(-Vec3::UnitY(), task.p_SB));
-    driver.order(simple_tool(pb::Tool::N_ROTATION));
-  }
-  begin(driver, measure, LinearPhase::kToB);
-  move(driver, kHandLeg * kRight, Vec3::Zero(), &measure);
-  if (tools) {
-    driver.order(simple_tool(pb::Tool::POINT));
-    driver.order(tools_off(false, true));
-  }
-  begin(driver, measure, LinearPhase::kTurn);
-  move(driver, Vec3::Zero(), kTurn * kUp, &measure);
-  if (tools) {
-    driver.order(simple_tool(pb::Tool::N_ROTATION));
-    driver.order(line_to(-Vec3::UnitZ(), task.p_SC));
-  }
-  begin(driver, measure, LinearPhase::kToC);
-  move(driver, kHandLeg * kDown, Vec3::Zero(), &measure);
+  Drive drive(driver, task, say);
+  for (const Leg& leg : legs_of(task, tools)) drive.make(leg);
   if (tools) driver.order(tools_off(true, true));
-  return {to_seconds(monotonic_now() - start), measure.path(), measure.position_error(),
-          measure.orientation_error()};
+  return drive.result();
 }
 
-void go_back(Driver& driver) { move(driver, -kHandLeg * (kRight + kDown), -kTurn * kUp, nullptr); }
+// From wherever the arm is, as far as the hand leads it there.
+void go_to_a(DemoDriver& driver, const Say& say) {
+  if (driver.ok()) driver.drive_to(kA);
+  if (driver.lost()) driver.recover(kA, say);
+}
 
 void print_row(const Console& console, const char* name, const char* unit, double without,
                double with) {
@@ -197,7 +145,7 @@ void print_row(const Console& console, const char* name, const char* unit, doubl
 }
 
 void print_table(const Console& console, const DriveResult& nv, const DriveResult& v,
-                 const pb::Status& status) {
+                 const DemoDriver& driver, const pb::Status& status) {
   console.out << "\nA to B to C, simulated hand on a simulated device, simulated arm\n"
               << "                                  without       with  tools\n";
   print_row(console, "execution time", "s", nv.time, v.time);
@@ -209,15 +157,22 @@ void print_table(const Console& console, const DriveResult& nv, const DriveResul
   const pb::Lateness& late = status.loop_lateness_us();
   std::array<char, 256> text;
   std::snprintf(text.data(), text.size(),
-                "haptic loop late p50 %.0f us, p99 %.0f us, p99.9 %.0f us; %llu overruns in %llu "
-                "ticks; oldest command applied %.1f ms\n",
-                late.p50(), late.p99(), late.p999(),
+                "haptic loop late p50 %.0f us, p99 %.0f us, p99.9 %.0f us, worst %.1f ms; %llu "
+                "overruns in %llu ticks, %llu of the slave; oldest command applied %.1f ms\n",
+                late.p50(), late.p99(), late.p999(), 1e-3 * late.max(),
                 static_cast<unsigned long long>(status.overruns()),
-                static_cast<unsigned long long>(status.ticks()), status.oldest_applied_ms());
-  console.out << text.data();
+                static_cast<unsigned long long>(status.ticks()),
+                static_cast<unsigned long long>(status.slave_overruns()),
+                status.oldest_applied_ms());
+  console.out << text.data() << "the machine: " << driver.machine().text() << '\n';
+  if (driver.losses() > 0) {
+    console.out << "the session ended by itself " << driver.losses()
+                << " times; those moves were made again\n";
+  }
 }
 
-void print_json(const Console& console, const DriveResult& nv, const DriveResult& v) {
+void print_json(const Console& console, const DriveResult& nv, const DriveResult& v,
+                const DemoDriver& driver) {
   const auto one = [](const DriveResult& r) {
     std::array<char, 256> text;
     std::snprintf(text.data(), text.size(),
@@ -227,39 +182,58 @@ void print_json(const Console& console, const DriveResult& nv, const DriveResult
     return std::string(text.data());
   };
   console.out << "{\"simulated\": true, \"without_tools\": " << one(nv)
-              << ", \"with_tools\": " << one(v) << "}\n";
+              << ", \"with_tools\": " << one(v) << ", \"sessions_lost\": " << driver.losses()
+              << ", \"pauses\": " << driver.machine().pauses()
+              << ", \"longest_pause_ms\": " << 1e3 * to_seconds(driver.machine().longest())
+              << ", \"stolen_s\": " << driver.machine().stolen_s() << "}\n";
+}
+
+// Moves and turns are those of this scene's mapping.
+void check_scene(DemoDriver& driver) {
+  const std::string scene = driver.status().scene();
+  if (driver.ok() && scene != kScene) {
+    driver.fail("scene '" + scene + "' is loaded, expected '" + kScene + "': handrail scene load " +
+                kScene);
+  }
+}
+
+bool disengage(const Options& options) {
+  OperatorClient client(options.socket, options.as);
+  pb::Request request;
+  request.set_disengage(true);
+  return exit_code(client.call(request, kPatience)) == kExitDone;
 }
 
 }  // namespace
 
 ExitCode run_demo(const Options& options, const Console& console) {
-  Driver driver(options);
-  pb::Request engage, disengage;
-  engage.set_engage(true);
-  disengage.set_disengage(true);
-  const auto say = [&](const char* text) {
-    if (!options.json && driver.ok()) console.out << text << std::flush;
+  catch_interrupts();
+  DemoDriver driver(options.socket, options.as);
+  const Say say = [&](const std::string& text) {
+    if (!options.json && driver.code() == kExitDone) console.out << text << std::endl;
   };
-  driver.order(engage);
-  say("engaged; driving A to B to C without tools ...\n");
-  const DriveResult nv = drive(driver, false);
-  say("going back to A ...\n");
-  go_back(driver);
-  say("driving A to B to C with a one-way line, N-rotation and the point tool ...\n");
-  const DriveResult v = drive(driver, true);
-  pb::Status status;
-  driver.status(status);
-  say("going back to A ...\n");
-  go_back(driver);
-  driver.order(disengage);
+  check_scene(driver);
+  if (driver.engage()) say("engaged; going to A ...");
+  go_to_a(driver, say);
+  say("driving A to B to C without tools ...");
+  const DriveResult nv = drive(driver, false, say);
+  say("going back to A ...");
+  go_to_a(driver, say);
+  say("driving A to B to C with a one-way line, N-rotation and the point tool ...");
+  const DriveResult v = drive(driver, true, say);
+  const pb::Status status = driver.status();
+  say("going back to A ...");
+  go_to_a(driver, say);
+  // Whatever happened: nobody drives any more.
+  const bool free = disengage(options);
   if (!driver.ok()) {
-    console.err << "handrail: demo: " << driver.problem() << '\n';
+    console.err << "handrail: demo: " << driver.problem() << (free ? "; disengaged" : "") << '\n';
     return driver.code();
   }
   if (options.json) {
-    print_json(console, nv, v);
+    print_json(console, nv, v, driver);
   } else {
-    print_table(console, nv, v, status);
+    print_table(console, nv, v, driver, status);
   }
   return kExitDone;
 }

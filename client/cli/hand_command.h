@@ -6,5 +6,6 @@
 namespace handrail {
 
 ExitCode run_hand_to(const Options& options, const Console& console);
+ExitCode run_hand_home(const Options& options, const Console& console);
 
 }  // namespace handrail

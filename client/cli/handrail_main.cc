@@ -6,9 +6,10 @@
 #include <vector>
 
 #include "client/cli/command.h"
+#include "server/base/output.h"
 
 int main(int argc, char** argv) {
   const std::vector<std::string> args(argv + (argc > 0 ? 1 : 0), argv + argc);
   const handrail::Console console{std::cout, std::cerr, ::isatty(STDOUT_FILENO) == 1};
-  return handrail::run_cli(args, console);
+  return handrail::end_output("handrail", handrail::run_cli(args, console));
 }

@@ -4,6 +4,8 @@
 
 #include <atomic>
 
+#include "server/base/endings.h"
+
 namespace handrail {
 namespace {
 
@@ -16,8 +18,7 @@ void catch_interrupts() {
   came = false;
   struct sigaction action {};
   action.sa_handler = [](int) { came = true; };
-  ::sigaction(SIGINT, &action, nullptr);
-  ::sigaction(SIGTERM, &action, nullptr);
+  for (const int signal : ending_signals()) ::sigaction(signal, &action, nullptr);
 }
 
 bool interrupted() { return came; }

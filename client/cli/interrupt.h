@@ -3,7 +3,7 @@
 
 namespace handrail {
 
-// From here on SIGINT and SIGTERM no longer end the program.
+// From here on ending_signals() no longer end the program.
 void catch_interrupts();
 // One of them has come since.
 bool interrupted();

@@ -1,11 +1,13 @@
 // The only file that knows the argument parser.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdlib>
 #include <map>
 
 #include "client/cli/command.h"
-#include "proto/config.pb.h"
 #include "server/base/operator_name.h"
+#include "server/base/operator_path.h"
+#include "server/scene/plain_text.h"
 
 namespace handrail {
 namespace {
@@ -75,7 +77,45 @@ std::string default_socket() {
   if (const char* path = std::getenv("HANDRAIL_SOCKET"); path != nullptr && *path != '\0') {
     return path;
   }
-  return pb::MasterConfig().operator_socket();
+  return default_operator_socket();
+}
+
+// Names a word that is no command, and the nearest that is one; empty when all are.
+std::string unknown_command(const std::vector<std::string>& args) {
+  std::string group;
+  for (std::size_t i = 0; i < args.size(); ++i) {
+    if (args[i] == "--socket" || args[i] == "--as") {
+      ++i;  // its value
+      continue;
+    }
+    if (args[i].starts_with('-')) continue;
+    std::vector<std::string> words;
+    bool is_leaf = false, is_group = false;
+    for (const Command& command : commands()) {
+      std::string name = command.name;
+      if (!group.empty()) {
+        if (!name.starts_with(group)) continue;
+        name = name.substr(group.size());
+      }
+      const std::size_t blank = name.find(' ');
+      words.push_back(name.substr(0, blank));
+      if (words.back() != args[i]) continue;
+      is_leaf = is_leaf || blank == std::string::npos;
+      is_group = is_group || blank != std::string::npos;
+    }
+    if (is_leaf) return {};
+    if (is_group) {
+      group = args[i] + ' ';
+      continue;
+    }
+    const std::string nearest = nearest_name(args[i], words);
+    std::string known;
+    words.erase(std::unique(words.begin(), words.end()), words.end());
+    for (const std::string& word : words) known += (known.empty() ? "" : ", ") + word;
+    return "no command '" + group + args[i] + "'" +
+           (nearest.empty() ? "; there are " + known : "; did you mean '" + group + nearest + "'?");
+  }
+  return {};
 }
 
 }  // namespace
@@ -111,6 +151,9 @@ ExitCode run_cli(const std::vector<std::string>& args, const Console& console) {
     CLI::App* leaf = parent->add_subcommand(last, command.help)->fallthrough();
     add_options(*leaf, command.takes, options);
     leaves.emplace_back(leaf, &command);
+  }
+  if (const std::string unknown = unknown_command(args); !unknown.empty()) {
+    return complain(console, unknown);
   }
   try {
     app.parse(std::vector<std::string>(args.rbegin(), args.rend()));

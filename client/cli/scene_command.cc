@@ -96,9 +96,9 @@ ExitCode run_scene_show(const Options& options, const Console& console) {
   const Result<Scene> scene = load_scene_file(*file, &raw);
   if (!scene) return complain(console, scene.message());
   if (options.json) {
-    console.out << json_text(with_sections(raw), true) << '\n';
+    console.out << json_text(with_sections(as_used(raw, *scene)), true) << '\n';
   } else {
-    console.out << *file << '\n' << scene_text(raw);
+    console.out << *file << '\n' << scene_text(as_used(raw, *scene));
   }
   return kExitDone;
 }

@@ -27,6 +27,18 @@ bool has_values(const Message& m, const FieldDescriptor& f) {
 // `all`: also the fields at their defaults.
 void print_message(const Message& m, const std::string& prefix, bool all, std::ostream& out);
 
+pb::Walls::Method method_of(WallMethod method) {
+  switch (method) {
+    case WallMethod::kPublished:
+      return pb::Walls::PUBLISHED;
+    case WallMethod::kExact:
+      return pb::Walls::EXACT;
+    case WallMethod::kSubpixel:
+      break;
+  }
+  return pb::Walls::SUBPIXEL;
+}
+
 std::string value_text(const Message& m, const FieldDescriptor& f) {
   std::string text, one;
   if (!f.is_repeated()) {
@@ -46,7 +58,12 @@ void print_field(const Message& m, const FieldDescriptor& f, const std::string& 
   const std::string name = prefix + f.name();
   if (f.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
     if (!f.is_repeated()) {
-      if (has_values(m, f)) print_message(r.GetMessage(m, &f), name + ".", all, out);
+      if (!has_values(m, f)) return;
+      std::ostringstream inner;
+      print_message(r.GetMessage(m, &f), name + ".", all || r.HasField(m, &f), inner);
+      // An effect that a scene lists is there even when it says nothing more of it.
+      const bool listed = inner.str().empty() && r.HasField(m, &f);
+      out << (listed ? name + "\n" : inner.str());
       return;
     }
     for (int i = 0; i < r.FieldSize(m, &f); ++i) {
@@ -75,6 +92,13 @@ std::string scene_text(const pb::Scene& scene) {
   std::ostringstream out;
   print_message(scene, "", true, out);
   return out.str();
+}
+
+pb::Scene as_used(const pb::Scene& raw, const Scene& scene) {
+  pb::Scene out = raw;
+  // Which one is the default depends on how the walls are given.
+  if (scene.walls) out.mutable_walls()->set_method(method_of(scene.walls->method));
+  return out;
 }
 
 pb::Scene with_sections(pb::Scene scene) {

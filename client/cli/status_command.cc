@@ -23,12 +23,18 @@ void show(const pb::Status& status, const Options& options, const Console& conso
   if (options.watch && !console.is_terminal) console.out << '\n';
 }
 
+// On a terminal in place; elsewhere a line for each change.
 void explain(const pb::Status& status, const Options& options, const Console& console) {
   if (options.json) {
     console.out << json_text(status.ledger(), !options.watch) << '\n';
     return;
   }
-  console.out << why_text(status.ledger()) << '\n';
+  static std::string last;
+  const std::string text = why_text(status.ledger());
+  if (options.watch && console.is_terminal) console.out << "\033[H\033[J";
+  if (options.watch && !console.is_terminal && text == last) return;
+  last = text;
+  console.out << text << '\n';
 }
 
 using Show = void (*)(const pb::Status&, const Options&, const Console&);

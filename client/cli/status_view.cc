@@ -3,6 +3,8 @@
 #include <array>
 #include <cstdio>
 #include <initializer_list>
+#include <string>
+#include <vector>
 
 #include "client/cli/lease_command.h"
 
@@ -22,16 +24,34 @@ std::string milliseconds(double value) {
   return value < 0.0 ? "none yet" : number(value, 2) + " ms";
 }
 
+constexpr std::size_t kWidth = 80, kIndent = 11;
+
+// The label, then the parts side by side, on as many lines as they need.
 std::string line(const char* label, std::initializer_list<std::string> parts) {
-  std::string out = label;
-  out.resize(11, ' ');
-  bool first = true;
+  std::string out, row = label;
+  row.resize(kIndent, ' ');
+  const auto next_row = [&] {
+    out += row.substr(0, row.find_last_not_of(' ') + 1) + '\n';
+    row.assign(kIndent, ' ');
+  };
   for (const std::string& part : parts) {
     if (part.empty()) continue;
-    out.append(first ? "" : "   ").append(part);
-    first = false;
+    const bool first = row.size() == kIndent;
+    if (!first && row.size() + 2 + part.size() > kWidth) next_row();
+    if (row.size() > kIndent) row += "  ";
+    // One that is longer than a line goes on where a word ends.
+    std::string rest = part;
+    while (row.size() + rest.size() > kWidth) {
+      const std::size_t cut = rest.rfind(' ', kWidth - row.size());
+      if (cut == std::string::npos || cut == 0) break;
+      row += rest.substr(0, cut);
+      rest = rest.substr(cut + 1);
+      next_row();
+    }
+    row += rest;
   }
-  return out + '\n';
+  next_row();
+  return out;
 }
 
 std::string labelled(const char* label, const std::string& value) {
@@ -72,6 +92,16 @@ std::string link_text(const pb::Status& s) {
                    labelled("rejected", std::to_string(s.datagrams_rejected()))});
 }
 
+// Of a log that nobody reads to its end.
+std::string log_text(const pb::Status& s) {
+  std::vector<std::string> whose;
+  if (s.log_lost() > 0) whose.push_back(std::to_string(s.log_lost()) + " of the master");
+  if (s.slave_log_lost()) whose.push_back("some of the slave");
+  std::string out = "log lines lost:";
+  for (const std::string& one : whose) out.append(&one == &whose[0] ? " " : ", ").append(one);
+  return out.append(" (nobody reads them, or the disk is full)");
+}
+
 std::string loop_text(const pb::Status& s) {
   const pb::Lateness& l = s.loop_lateness_us();
   return line("loop", {labelled("ticks", std::to_string(s.ticks())),
@@ -80,7 +110,8 @@ std::string loop_text(const pb::Status& s) {
          line("", {"late [us]:", labelled("p50", number(l.p50(), 1)),
                    labelled("p99", number(l.p99(), 1)), labelled("p99.9", number(l.p999(), 1)),
                    labelled("max", number(l.max(), 1))}) +
-         line("", {labelled("real time:", s.realtime())});
+         line("", {labelled("real time:", s.realtime())}) +
+         (s.log_lost() > 0 || s.slave_log_lost() ? line("", {log_text(s)}) : "");
 }
 
 std::string tool_text(const char* label, const pb::ToolStatus& tool, bool is_position) {
@@ -99,17 +130,20 @@ std::string pose_text(const char* label, const pb::PoseMm& pose) {
   std::string name = label;
   name.resize(14, ' ');
   if (pose.position_mm_size() == 0) return name + "-";
-  return name + vector_text(pose.position_mm(), 3, 10) + "   q " +
-         vector_text(pose.quaternion(), 5, 8);
+  return name + vector_text(pose.position_mm(), 2, 9) + "  q " +
+         vector_text(pose.quaternion(), 3, 6);
 }
 
 std::string walls_text(const pb::WallStatus& walls) {
   std::string stage = labelled("stage", std::to_string(walls.stage()));
   if (walls.has_stage_name()) stage += " '" + walls.stage_name() + "'";
+  const std::string at = walls.region_name().empty() ? "" : " at '" + walls.region_name() + "'";
+  const std::string by = walls.place().empty() ? "" : " in '" + walls.place() + "'";
   return line("walls", {stage,
-                        walls.touching() ? number(walls.penetration_mm(), 2) + " mm in a wall"
-                                         : std::string("free"),
-                        walls.locked() ? "locked" : ""});
+                        (walls.touching() ? number(walls.penetration_mm(), 2) + " mm in a wall"
+                                          : std::string("free")) +
+                            at,
+                        walls.locked() ? "locked" + by : ""});
 }
 
 }  // namespace
@@ -125,7 +159,7 @@ std::string status_text(const pb::Status& s) {
   out += line("force [N]",
               {share_text("tool", s.tool_force()), share_text("spring", s.spring_force()),
                share_text("limits", s.limited_force()), share_text("device", s.device_force())});
-  out += line("contact",
+  out += line("touch [N]",
               {s.has_contact_force() ? vector_text(s.contact_force_n(), 2, 0) : "no sensor"});
   if (s.has_walls()) out += walls_text(s.walls());
   out += line("pose [mm]", {pose_text("command", s.command())});

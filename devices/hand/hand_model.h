@@ -72,6 +72,7 @@ class HandModel final : public SteerableHand {
 
   // At rest at `p`, meaning to be there; finite [m].
   void place(const Vec3& p) noexcept;
+  void set_home(const Vec3& p) noexcept { motion_.set_home(p); }
   // Holds another body from now on, where the hand is.
   void hold(const HeldBody& held) noexcept;
 

@@ -2,11 +2,12 @@
 
 #include <cmath>
 
+#include "server/base/hand_move.h"
+
 namespace handrail {
 namespace {
 
-constexpr double kReach = 1.0;           // longest displacement one order may ask for [m]
-constexpr double kLongestMove = 3600.0;  // [s]
+constexpr double kRounding = 1e-9;  // of a limit that was asked for in other units
 
 // Angular velocity of exp(phi) when phi changes by `rate`: the left Jacobian of SO(3) times rate.
 Vec3 angular_velocity(const Vec3& phi, const Vec3& rate) noexcept {
@@ -24,10 +25,10 @@ Vec3 angular_velocity(const Vec3& phi, const Vec3& rate) noexcept {
 void HandMotion::steer(const HandIntent& intent) noexcept {
   const double distance = intent.displacement_M.norm();
   const double angle = intent.rotation_M.norm();
-  if (!(distance <= kReach) || !std::isfinite(angle)) return;
-  if (!(intent.duration > 0.0 && intent.duration <= kLongestMove)) return;
-  goal_p_ = position_.p + intent.displacement_M;
-  goal_q_ = (rotation_exp(intent.rotation_M) * q_).normalized();
+  if (!(distance <= kFarthestHandMove + kRounding && angle <= kWidestHandTurn + kRounding)) return;
+  if (!(intent.duration >= kShortestHandMove && intent.duration <= kLongestHandMove)) return;
+  goal_p_ = intent.home ? home_ : Vec3(position_.p + intent.displacement_M);
+  goal_q_ = intent.home ? Quat::Identity() : (rotation_exp(intent.rotation_M) * q_).normalized();
   goal_duration_ = intent.duration;
   goal_buttons_ = intent.buttons;
   if (!waiting_) wait_left_ = reaction_;

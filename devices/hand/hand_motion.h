@@ -15,11 +15,14 @@ class HandMotion {
   // `reaction`: from an order to the start of its move, >= 0 [s].
   explicit HandMotion(double reaction) noexcept : reaction_(reaction) {}
 
+  // Where the hand begins and `intent.home` leads, not turned; finite [m].
+  void set_home(const Vec3& p) noexcept { home_ = p; }
+
   // Orders a move whose goal lies `intent.displacement_M` and `intent.rotation_M` from where the
-  // intended pose stands now. It begins after the reaction delay, from where the intended pose then
-  // stands and with its velocity and acceleration, so a running move bends into it smoothly. An
-  // order that finds another one waiting takes its place and its start. Rotations go the shorter
-  // way round. Ignored: not finite, over 1 m, or a duration outside (0, 3600] s.
+  // intended pose stands now, or is home. It begins after the reaction delay, from where the
+  // intended pose then stands and with its velocity and acceleration, so a running move bends into
+  // it smoothly. An order that finds another one waiting takes its place and its start. Rotations
+  // go the shorter way round. Ignored: not finite, or beyond the limits of hand_move.h.
   void steer(const HandIntent& intent) noexcept;
 
   // The intent is where `motion` says, from outside, until the next order. Finite.
@@ -43,6 +46,7 @@ class HandMotion {
   void start() noexcept;
 
   double reaction_;
+  Vec3 home_ = Vec3::Zero();
   VectorMotion position_;
   Quat q_ = Quat::Identity();
   Vec3 omega_ = Vec3::Zero();  // angular velocity, frame M [rad/s]

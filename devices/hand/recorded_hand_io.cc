@@ -23,6 +23,8 @@ constexpr std::array<const char*, kMaxColumns> kColumns = {"t_s", "x_mm", "y_mm"
 constexpr std::streamsize kLongestLine = 1000;  // characters
 constexpr double kShortestSpacing = 1e-6;       // [s]; half of it is left to rounding
 constexpr double kLatestTime = 4e9;             // [s]
+// A recorder that misses so much has stopped; what is between is simulated at 1 kHz [s].
+constexpr double kLongestGap = 60.0;
 constexpr double kFarthest_mm = 1e5;
 
 using Line = std::array<char, kLongestLine + 1>;
@@ -158,6 +160,10 @@ class Reader {
     if (!samples_.empty() && !(t - samples_.back().t >= kShortestSpacing * 0.5)) {
       return error("t_s is " + quoted(cells[0]) + ", expected at least 1 us more than the " +
                    text_of(samples_.back().t) + " of the row before");
+    }
+    if (!samples_.empty() && t - samples_.back().t > kLongestGap) {
+      return error("t_s is " + quoted(cells[0]) + ", expected at most " + text_of(kLongestGap) +
+                   " s more than the " + text_of(samples_.back().t) + " of the row before");
     }
     samples_.push_back({t, kMm * Vec3(values[1], values[2], values[3])});
     return Status::ok();

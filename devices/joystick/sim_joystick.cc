@@ -58,9 +58,16 @@ Status SimJoystick::open() {
   return Status::ok();
 }
 
-void SimJoystick::simulate(const DeviceEffects& effects) noexcept {
+void SimJoystick::simulate(const DeviceEffects& effects, const Vec3& home_M) noexcept {
   effects_ = effects;
   hand_.hold(joystick_body(effects));
+  const Vec3 home(home_M.x(), home_M.y(), 0.0);
+  hand_.set_home(home);
+  if (recording_) return;  // plays on
+  if (!started_) return hand_.place(home);
+  HandIntent intent;
+  intent.home = true;
+  steer(intent);
 }
 
 void SimJoystick::steer(const HandIntent& intent) noexcept {

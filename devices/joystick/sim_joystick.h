@@ -33,7 +33,7 @@ class SimJoystick final : public HapticDevice, public SteerableHand {
   void write(const Wrench& f_H_M) noexcept override;
   void close() noexcept override;
   SteerableHand* hand() noexcept override { return recording_ ? nullptr : this; }
-  void simulate(const DeviceEffects& effects) noexcept override;
+  void simulate(const DeviceEffects& effects, const Vec3& home_M) noexcept override;
 
   // Moves in the plane only. Ends following.
   void steer(const HandIntent& intent) noexcept override;

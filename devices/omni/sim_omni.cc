@@ -70,6 +70,15 @@ HapticSample SimOmni::read(Nanos now) noexcept {
   return sample_;
 }
 
+// It has all of its effects always.
+void SimOmni::simulate(const DeviceEffects&, const Vec3& home_M) noexcept {
+  hand_.set_home(home_M);
+  if (!started_) return hand_.place(home_M);
+  HandIntent home;
+  home.home = true;
+  hand_.steer(home);
+}
+
 void SimOmni::observe(double dt) noexcept {
   Pose pose = hand_.pose();
   pose.p = quantised(pose.p);

@@ -24,6 +24,7 @@ class SimOmni final : public HapticDevice {
   // A wrench that is not finite counts as none.
   void write(const Wrench& f_H_M) noexcept override;
   void close() noexcept override;
+  void simulate(const DeviceEffects& effects, const Vec3& home_M) noexcept override;
   SteerableHand* hand() noexcept override { return &hand_; }
 
  private:

@@ -2,14 +2,14 @@
 #include <cstdio>
 #include <string>
 
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include "devices/rig/rig_options_io.h"
 #include "devices/rig/rig_server.h"
 #include "proto/config.pb.h"
-#include "server/base/daemon_args.h"
 #include "server/base/realtime.h"
+#include "server/daemon/daemon_args.h"
+#include "server/daemon/daemon_log.h"
 #include "server/scene/config_io.h"
 
 namespace {
@@ -47,7 +47,7 @@ int main(int argc, char** argv) {
     return 0;
   }
   // Standard output carries only the READY line.
-  spdlog::set_default_logger(spdlog::stderr_color_mt("handrail-rig"));
+  const handrail::DaemonLog log("handrail-rig");
   handrail::RigServer server(*options);
   const auto port = [](std::uint32_t value) { return static_cast<std::uint16_t>(value); };
   const handrail::Status opened =

@@ -21,6 +21,7 @@
 #include "devices/melfa/mxt_packet.h"
 #include "devices/rig/tap.h"
 #include "server/base/clock.h"
+#include "server/base/endings.h"
 #include "server/base/units.h"
 
 namespace handrail {
@@ -260,7 +261,8 @@ std::uint16_t RigServer::sensor_port() const {
 }
 
 void RigServer::handle_signals() {
-  for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGUSR2}) impl_->signals.add(signal);
+  for (const int signal : ending_signals()) impl_->signals.add(signal);
+  for (const int signal : {SIGUSR1, SIGUSR2}) impl_->signals.add(signal);
   impl_->wait_for_signal();
 }
 

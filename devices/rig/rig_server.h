@@ -25,7 +25,7 @@ class RigServer {
   std::uint16_t robot_port() const;
   std::uint16_t sensor_port() const;
 
-  // SIGINT and SIGTERM end run(); SIGUSR1 is the operator's alarm reset; SIGUSR2 pulls both cables,
+  // ending_signals() end run(); SIGUSR1 is the operator's alarm reset; SIGUSR2 pulls both cables,
   // the next one plugs them in: the rig goes on, and neither hears nor is heard. Before run().
   void handle_signals();
   // Serves until stop(); the rig's time begins with the call.

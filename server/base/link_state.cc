@@ -1,19 +1,6 @@
 #include "server/base/link_state.h"
 
-#include <algorithm>
-
 namespace handrail {
-
-SceneName scene_name(std::string_view name) noexcept {
-  SceneName out{};
-  std::copy_n(name.data(), std::min(name.size(), out.size() - 1), out.data());
-  return out;
-}
-
-std::string_view text_of(const SceneName& name) noexcept {
-  return {name.data(),
-          static_cast<std::size_t>(std::find(name.begin(), name.end(), '\0') - name.begin())};
-}
 
 const char* name_of(SessionState state) noexcept {
   switch (state) {

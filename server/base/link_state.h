@@ -1,10 +1,10 @@
 // What master and slave tell each other: absolute state, whole in every datagram.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string_view>
 
+#include "server/base/fixed_text.h"
 #include "server/base/joints.h"
 #include "server/base/reason.h"
 #include "server/base/spatial.h"
@@ -55,16 +55,14 @@ struct LinkView {
   Nanos loop_age = 0;  // of the newest own datagram the other side is known to have
   LinkGrade grade = LinkGrade::kExcellent;       // of what arrives here
   LinkGrade peer_grade = LinkGrade::kExcellent;  // of what arrives there, as it says
-  bool confirmed = true;  // the other side has answered this session of ours, and lately
+  bool confirmed = true;      // the other side has answered this session of ours, and lately
   bool other_master = false;  // the slave says that it is led by another master
 };
 
-// Scene name, fixed capacity so that a state can be copied in a step. UTF-8, zero-terminated.
-using SceneName = std::array<char, 48>;
+// Scene name, UTF-8.
+using SceneName = FixedText<48>;
 // `name`, cut to what fits.
-SceneName scene_name(std::string_view name) noexcept;
-// The text in `name`, up to its first zero.
-std::string_view text_of(const SceneName& name) noexcept;
+inline SceneName scene_name(std::string_view name) noexcept { return fixed_text<SceneName>(name); }
 
 // Master to slave. An epoch begins at a random number of its program's own start and rises by one,
 // so that a number names one stop, fault or engagement and never one of another start: what names
@@ -72,7 +70,7 @@ std::string_view text_of(const SceneName& name) noexcept;
 struct MasterState {
   Desired desired = Desired::kOff;
   SessionState state = SessionState::kOff;
-  Pose X_SU;                          // commanded tip; meaningful when has_command
+  Pose X_SU;  // commanded tip; meaningful when has_command
   bool has_command = false;
   std::uint64_t stop_epoch = 0;        // the newest stop; it stands until that one is released
   std::uint64_t released_epoch = 0;    // the stop the operator has reset last
@@ -99,26 +97,27 @@ struct FollowLedger {
 // Slave to master.
 struct SlaveState {
   SessionState state = SessionState::kOff;
-  Reason reason = Reason::kNone;      // why the arm is held, slowed or clamped, newest cycle
-  Reason fault = Reason::kNone;       // why state is kFault
-  Pose X_ST_command;                  // tip the joints were last commanded to
-  Pose X_ST;                          // tip by forward kinematics of the measured joints
-  bool has_pose = false;              // both poses are meaningful
+  Reason reason = Reason::kNone;  // why the arm is held, slowed or clamped, newest cycle
+  Reason fault = Reason::kNone;   // why state is kFault
+  Pose X_ST_command;              // tip the joints were last commanded to
+  Pose X_ST;                      // tip by forward kinematics of the measured joints
+  bool has_pose = false;          // both poses are meaningful
   JointVector q_measured = JointVector::Zero();
-  Wrench f_E_S;                       // measured contact wrench on the tip
+  Wrench f_E_S;  // measured contact wrench on the tip
   bool has_wrench = false;
-  bool payload_removed = false;       // f_E_S is without what hangs on the sensor, by configuration
+  bool payload_removed = false;  // f_E_S is without what hangs on the sensor, by configuration
+  bool log_lost = false;         // lines of the slave's log were lost since it started
   // While not engaged: why it cannot be engaged now, as long as that lasts.
   Reason obstacle = Reason::kNone;
-  std::uint64_t stop_epoch = 0;        // newest stop of a master that was latched here
-  std::uint64_t fault_epoch = 0;       // newest fault or stop latched here; a reset names it
-  std::uint64_t engagement_epoch = 0;  // of the master's, the one that `state` is of
-  std::uint32_t position_tool_epoch = 0;     // newest tool epochs seen
+  std::uint64_t stop_epoch = 0;           // newest stop of a master that was latched here
+  std::uint64_t fault_epoch = 0;          // newest fault or stop latched here; a reset names it
+  std::uint64_t engagement_epoch = 0;     // of the master's, the one that `state` is of
+  std::uint32_t position_tool_epoch = 0;  // newest tool epochs seen
   std::uint32_t orientation_tool_epoch = 0;
-  Nanos oldest_applied = 0;           // greatest age of a command any cycle has moved toward
-  std::uint64_t cycles = 0;           // controller replies served since the daemon started
-  std::uint64_t silences = 0;         // times the held target was sent again
-  std::uint64_t applied_sequence = 0; // of the datagram the newest cycle moved toward; 0 = none
+  Nanos oldest_applied = 0;            // greatest age of a command any cycle has moved toward
+  std::uint64_t cycles = 0;            // controller replies served since the daemon started
+  std::uint64_t silences = 0;          // times the held target was sent again
+  std::uint64_t applied_sequence = 0;  // of the datagram the newest cycle moved toward; 0 = none
   FollowLedger ledger;
   SectionHashes hashes;
   SceneName scene{};

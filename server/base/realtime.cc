@@ -55,4 +55,11 @@ RealtimeGrant enter_realtime(int priority) {
   return grant;
 }
 
+std::string realtime_advice(const RealtimeGrant& grant) {
+  if (grant.fifo && grant.memory_locked) return {};
+  return "not in real time: late cycles are likelier; to be granted it, as root: printf "
+         "'USER - rtprio 90\\nUSER - memlock unlimited\\n' > /etc/security/limits.d/handrail.conf, "
+         "with this user's name for USER, then log in anew";
+}
+
 }  // namespace handrail

@@ -20,4 +20,7 @@ struct RealtimeGrant {
 // at the start of a thread; not real-time safe itself.
 RealtimeGrant enter_realtime(int priority);
 
+// What to do to be granted more; empty where nothing is missing that matters.
+std::string realtime_advice(const RealtimeGrant& grant);
+
 }  // namespace handrail

@@ -93,4 +93,10 @@ inline bool is_unit(const Quat& q, double tolerance = 1e-6) {
   return std::abs(q.squaredNorm() - 1.0) < tolerance;
 }
 
+// No device and no arm reaches so far from its base: beyond is no place, and is neither sent nor
+// taken [m]. Real-time safe, as are the next two.
+inline constexpr double kFarthest = 10.0;
+inline bool is_place(const Vec3& p) { return is_finite(p) && p.norm() < kFarthest; }
+inline bool is_place(const Pose& x) { return is_place(x.p) && is_finite(x.q) && is_unit(x.q); }
+
 }  // namespace handrail

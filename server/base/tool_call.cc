@@ -52,14 +52,21 @@ bool end_behind_start(const ToolCall& call, const Vec3& p_SA) noexcept {
   return !(forward.dot(call.p_SE - p_SA) > kLeastTravel);
 }
 
+bool end_too_far(const ToolCall& call, const Vec3& p_SA) noexcept {
+  return call.has_end && !((call.p_SE - p_SA).norm() < kFarthest);
+}
+
 Reason check(const ToolCall& call) noexcept {
-  for (const Vec3* v : {&call.p_SA, &call.direction_S, &call.normal_S, &call.axis_S, &call.p_SE}) {
+  for (const Vec3* v : {&call.direction_S, &call.normal_S, &call.axis_S}) {
     if (!is_usable(*v)) return Reason::kToolValueInvalid;
   }
+  if (!is_place(call.p_SA) || !is_place(call.p_SE)) return Reason::kToolValueInvalid;
   if (!std::isfinite(call.stiffness) || call.stiffness < 0.0) return Reason::kToolValueInvalid;
   const Reason direction = check_directions(call);
   if (direction != Reason::kNone) return direction;
-  if (!call.at_present && end_behind_start(call, call.p_SA)) return Reason::kToolEndBehindStart;
+  if (call.at_present) return Reason::kNone;
+  if (end_behind_start(call, call.p_SA)) return Reason::kToolEndBehindStart;
+  if (end_too_far(call, call.p_SA)) return Reason::kToolValueInvalid;
   return Reason::kNone;
 }
 

@@ -24,11 +24,15 @@ struct ToolCall {
 };
 
 // kNone when the call can be anchored; else why not. With at_present the end point is not compared
-// with the start: the caller that knows the tip does so by end_behind_start. Real-time safe.
+// with the start: the caller that knows the tip does so by the two below. Real-time safe.
 Reason check(const ToolCall& call) noexcept;
 
 // True when the call has an end point that leaves nothing to travel along direction_S from p_SA.
 // Real-time safe.
 bool end_behind_start(const ToolCall& call, const Vec3& p_SA) noexcept;
+
+// True when its end point is kFarthest or more from p_SA, which no datagram carries. Real-time
+// safe.
+bool end_too_far(const ToolCall& call, const Vec3& p_SA) noexcept;
 
 }  // namespace handrail

@@ -11,19 +11,19 @@ namespace handrail {
 namespace {
 
 // Lengths in pixels.
-constexpr double kFarthest = 7.0;   // along u from a surface's end to its corner
-constexpr double kNearest = 0.1;    // a surface goes on at least
-constexpr double kParallel = 0.08;  // sine between surfaces that do not meet
-constexpr double kRoughly = 0.3;    // ... if either is rough
-constexpr double kHint = 0.3;       // coverage worth a closer look
-constexpr double kAgree = 0.06;     // coverage as the corner has it
-constexpr double kRefined = 0.5;    // a surface is not moved or turned more
-constexpr double kRough = 20.0;     // rough ends come last
-constexpr double kBeside = 1.0;     // pixels this near its surfaces are looked at
-constexpr double kSame = 1.0;       // corners this near are one
-constexpr double kGoesOn = 0.8;     // a piece this near an end goes on there
-constexpr double kAhead = 1.0;      // looked at where none does, so far past the end
-constexpr double kSkin = 0.3;       // ... and so far inside the wall
+constexpr double kFarthestCorner = 7.0;  // along u from a surface's end to its corner
+constexpr double kNearest = 0.1;         // a surface goes on at least
+constexpr double kParallel = 0.08;       // sine between surfaces that do not meet
+constexpr double kRoughly = 0.3;         // ... if either is rough
+constexpr double kHint = 0.3;            // coverage worth a closer look
+constexpr double kAgree = 0.06;          // coverage as the corner has it
+constexpr double kRefined = 0.5;         // a surface is not moved or turned more
+constexpr double kRough = 20.0;          // rough ends come last
+constexpr double kBeside = 1.0;          // pixels this near its surfaces are looked at
+constexpr double kSame = 1.0;            // corners this near are one
+constexpr double kGoesOn = 0.8;          // a piece this near an end goes on there
+constexpr double kAhead = 1.0;           // looked at where none does, so far past the end
+constexpr double kSkin = 0.3;            // ... and so far inside the wall
 constexpr int kCell = 8;
 
 double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
@@ -88,10 +88,11 @@ bool meet(const SurfaceEnd& a, const SurfaceEnd& b, Corner& out) {
     if (!(std::abs(sine) > parallel * da.norm() * db.norm())) return false;
     ua += cross(pb - pa, db) / sine;
     ub += cross(pb - pa, da) / sine;
-    if (!(std::abs(ua) < 2.0 * kFarthest && std::abs(ub) < 2.0 * kFarthest)) return false;
+    if (!(std::abs(ua) < 2.0 * kFarthestCorner && std::abs(ub) < 2.0 * kFarthestCorner))
+      return false;
   }
   if (!(a.way * ua > kNearest && b.way * ub > kNearest)) return false;
-  if (a.way * ua > kFarthest || b.way * ub > kFarthest) return false;
+  if (a.way * ua > kFarthestCorner || b.way * ub > kFarthestCorner) return false;
   const double into_b = a.way * a.piece.along(ua).dot(b.piece.normal(ub));
   const double into_a = b.way * b.piece.along(ub).dot(a.piece.normal(ua));
   if (!(into_a * into_b > 0.0)) return false;

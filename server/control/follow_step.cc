@@ -16,12 +16,8 @@ constexpr double kAlignAngle = 1e-6;     // [rad]
 // One bad reading costs nothing, a third in a row is a sensor not to be worked with.
 constexpr int kInvalidWrenches = 3;
 
-// No arm reaches this far: a larger coordinate is not a place [m].
-constexpr double kFarthest = 10.0;
-
 bool valid_command(const MasterState& master) {
-  return master.has_command && is_finite(master.X_SU) && is_unit(master.X_SU.q) &&
-         master.X_SU.p.cwiseAbs().maxCoeff() <= kFarthest;
+  return master.has_command && is_place(master.X_SU);
 }
 
 bool aligned(const MasterState& master, const MotionState& motion) {

@@ -39,6 +39,7 @@ Reason anchor(const ToolCall& call, const GuideSettings& settings, const Pose& X
         tool.one_way = call.one_way;
         if (call.has_end) {
           if (end_behind_start(call, tool.p_SA)) return Reason::kToolEndBehindStart;
+          if (end_too_far(call, tool.p_SA)) return Reason::kToolValueInvalid;
           tool.has_end = true;
           tool.end = (call.p_SE - tool.p_SA).dot(tool.direction_S);
         }

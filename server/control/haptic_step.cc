@@ -12,8 +12,6 @@ namespace {
 // Torque per radian falls to zero between these angles: at half a turn the direction back flips.
 constexpr double kTorqueFull = 2.6;  // [rad]
 constexpr double kHalfTurn = 3.14159265358979323846;
-// No device and no arm reaches this far: a larger coordinate is not a place [m].
-constexpr double kFarthest = 10.0;
 constexpr double kFastest = 100.0;  // nor does a hand move like this [m/s]
 // A hand silent for longer takes over again like after a clutch, wherever it comes back [s].
 constexpr double kLongestGap = 0.020;
@@ -22,9 +20,9 @@ constexpr double kLongestAligning = 10.0;
 // A slave silent for longer is lost: what it said last is no fault that an operator sees.
 constexpr Nanos kInSight = 200 * kMillisecond;
 
-bool plausible(const Pose& X) {
-  return is_finite(X) && is_unit(X.q) && X.p.cwiseAbs().maxCoeff() <= kFarthest;
-}
+// Strokes of the clutch add up without end. A command further out is no place, and could not be
+// sent [m].
+constexpr double kFarthestCommand = 0.999 * kFarthest;
 
 // The slave holds another definition of a tool it says it has taken.
 bool tools_differ(const HapticState& s, const SlaveState& slave) {
@@ -174,7 +172,7 @@ void advance_session(const HapticSettings& settings, const HapticInput& in,
 
   if (s.session == SessionState::kAligning) {
     // The command is the pose the slave already stands on: taking over moves nothing.
-    s.has_command = in.slave.has_pose && plausible(in.slave.X_ST_command);
+    s.has_command = in.slave.has_pose && is_place(in.slave.X_ST_command);
     if (s.has_command) {
       s.X_SU = in.slave.X_ST_command;
       // Tools may be called before the hand first drives, with the clutch held: anchored here.
@@ -271,7 +269,7 @@ void begin_epochs(std::uint64_t unique, HapticState& state) noexcept {
 void haptic_step(const HapticSettings& settings, const HapticInput& in, double dt, HapticState& s,
                  HapticOutput& out) noexcept {
   out.reasons = ReasonSet();
-  const bool hand_ok = in.hand.valid && plausible(in.hand.X_MH) && is_finite(in.hand.v_MH) &&
+  const bool hand_ok = in.hand.valid && is_place(in.hand.X_MH) && is_finite(in.hand.v_MH) &&
                        in.hand.v_MH.cwiseAbs().maxCoeff() <= kFastest;
   Vec3 hand_motion = Vec3::Zero();
   if (hand_ok) {
@@ -314,6 +312,10 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
     const double easing = s.session == SessionState::kHold ? 0.0 : dt;
     const Guidance guidance = s.guide.step(settings.guide, X_SH, easing);
     s.X_SU = guidance.X_SC;
+    if (const double far = s.X_SU.p.norm(); far > kFarthestCommand) {
+      s.X_SU.p *= kFarthestCommand / far;
+      out.reasons.add(Reason::kOutOfReach);
+    }
     const Vec3 pull_M = s.engagement.to_hand(guidance.pull);
     f_tool = s.guide.stiffness(settings.guide) * pull_M;  // (3.4)
     if (s.guide.position().active() && hand_ok) f_tool -= settings.damping * in.hand.v_MH;
@@ -331,7 +333,7 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
   // not to be trusted, what there is leaves fast.
   const bool engaged = s.session == SessionState::kEngaged;
   const bool in_doubt = s.session == SessionState::kHold || s.session == SessionState::kFault ||
-                        (engaged && !(in.slave.has_pose && plausible(in.slave.X_ST)));
+                        (engaged && !(in.slave.has_pose && is_place(in.slave.X_ST)));
   if (!hand_ok) s.arbiter.cut();
   out.shares = s.arbiter.share(
       settings.force, ladder.force_share * f_tool, ladder.force_share * f_spring,

@@ -6,10 +6,7 @@
 namespace handrail {
 namespace {
 
-// No device reaches this far: a larger coordinate is not a place [m]; nor does a hand move so
-// [m/s].
-constexpr double kFarthest = 10.0;
-constexpr double kFastest = 100.0;
+constexpr double kFastest = 100.0;     // no hand moves so [m/s]
 constexpr double kLongestGap = 0.020;  // a hand silent for longer starts anew [s]
 constexpr double kOnset = 0.5e-3;      // over which a wall's damper comes on [m]
 

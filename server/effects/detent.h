@@ -35,6 +35,7 @@ class Detent {
   Vec2 force(const EffectInput& in, EffectTick& tick) noexcept {
     move_lock(in.proxy, tick);
     tick.locked = locked_ >= 0;
+    tick.place = locked_;
     for (int i = 0; i < count_; ++i) {
       const Place& place = places_[static_cast<std::size_t>(i)];
       const Vec2 back = place.at - in.hand;

@@ -36,6 +36,7 @@ struct EffectEvent {
 struct EffectTick {
   Vec2 force = Vec2::Zero();  // on the hand [N]
   bool locked = false;        // a detent holds the hand
+  int place = -1;             // which of its places does; -1: none
   std::array<EffectEvent, 4> events{};
   int event_count = 0;
 

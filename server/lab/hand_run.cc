@@ -81,6 +81,11 @@ Result<HandRunResult> run_hand(const Scene& scene, const RecordedMotion& motion,
         fmt::format("the recording reaches {:.0f} mm from its centre; expected at most {:.0f} mm",
                     motion.half_extent().maxCoeff() / kMm, kFarthestHand / kMm));
   }
+  if (scene.walls) {
+    return Status::error("scene " + scene.name +
+                         " has walls and no arm, which a hand on a tool is led past; expected a "
+                         "scene without walls, or: handrail-lab gearshift --hand FILE");
+  }
   auto cell_options = std::make_unique<CellOptions>();
   cell_options->haptic = haptic_settings(scene, omni_capabilities(false));
   cell_options->follow = follow_settings(scene, cell_options->rig.controller.period, true, 1000.0);

@@ -3,11 +3,14 @@
 
 #include <CLI/CLI.hpp>
 #include <atomic>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "server/base/endings.h"
+#include "server/base/output.h"
 #include "server/lab/accuracy/command.h"
 #include "server/lab/bumper/bumper_command.h"
 #include "server/lab/faults/fault_command.h"
@@ -20,6 +23,15 @@
 namespace handrail {
 namespace {
 
+// Numbers only: CLI11's range lets `nan` through.
+const CLI::Validator kFinite(
+    [](std::string& text) {
+      double value = 0.0;
+      const bool number = CLI::detail::lexical_cast(text, value);
+      return number && std::isfinite(value) ? std::string() : text + " is no finite number";
+    },
+    "");
+
 // Raised by Ctrl-C: long work ends soon, and nothing half-done is printed. A second one ends the
 // program at once.
 std::atomic<bool> cancelled = false;
@@ -29,8 +41,7 @@ void let_ctrl_c_cancel() {
   struct sigaction action {};
   action.sa_handler = cancel;
   action.sa_flags = static_cast<int>(SA_RESETHAND);
-  ::sigaction(SIGINT, &action, nullptr);
-  ::sigaction(SIGTERM, &action, nullptr);
+  for (const int signal : ending_signals()) ::sigaction(signal, &action, nullptr);
 }
 
 void add_hand(CLI::App& app, HandCommand& hand) {
@@ -224,6 +235,7 @@ void add_wrench(CLI::App& app, WrenchCommand& wrench) {
   CLI::App* sub = app.add_subcommand(
       "wrench", "tighten and loosen a screw by half turns, led by a guiding ball");
   sub->add_option("--c", wrench.c, "of B_w = c alpha [N s/(m rad)]; without it the scene's")
+      ->check(kFinite)
       ->check(CLI::Range(0.0, 1e6));
   sub->add_option("--turns", wrench.turns, "half turns to tighten")
       ->check(CLI::Range(1, 1000))
@@ -281,6 +293,7 @@ void add_bumper(CLI::App& app, BumperCommand& bumper) {
   sub->add_option("--form", bumper.form, "published or default; else both")
       ->check(CLI::IsMember({"published", "default"}));
   sub->add_option("--noise", bumper.noise, "of the sensor, standard deviation [N]")
+      ->check(kFinite)
       ->check(CLI::Range(0.0, 9.0));
   sub->add_option("--threads", bumper.threads, "0: one a core; results do not depend on it")
       ->check(CLI::Range(0, 1024))
@@ -336,4 +349,6 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace handrail
 
-int main(int argc, char** argv) { return handrail::run(argc, argv); }
+int main(int argc, char** argv) {
+  return handrail::end_output("handrail-lab", handrail::run(argc, argv));
+}

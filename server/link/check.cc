@@ -17,7 +17,7 @@ Reject require(bool holds, Reject otherwise) { return holds ? Reject::kNone : ot
 
 Reject check_position(const Vec3& p) {
   if (!is_finite(p)) return Reject::kNotFinite;
-  return require(p.norm() < kMaxDistance, Reject::kRange);
+  return require(is_place(p), Reject::kRange);
 }
 
 Reject check_rotation(const Quat& q) {
@@ -34,11 +34,10 @@ Reject check_numbers(const ToolDefinition& tool) {
   const bool finite = is_finite(tool.direction_S) && is_finite(tool.normal_S) &&
                       is_finite(tool.axis_T) && std::isfinite(tool.end) &&
                       std::isfinite(tool.stiffness);
-  return first_of(
-      check_pose({tool.p_SA, tool.q_ref}), require(finite, Reject::kNotFinite),
-      require(tool.stiffness >= 0.0, Reject::kRange),
-      require(tool.has_end ? tool.end > 0.0 && tool.end < kMaxDistance : tool.end == 0.0,
-              Reject::kTool));
+  return first_of(check_pose({tool.p_SA, tool.q_ref}), require(finite, Reject::kNotFinite),
+                  require(tool.stiffness >= 0.0, Reject::kRange),
+                  require(tool.has_end ? tool.end > 0.0 && tool.end < kFarthest : tool.end == 0.0,
+                          Reject::kTool));
 }
 
 bool is_bare(const ToolDefinition& tool) {

@@ -7,15 +7,13 @@
 
 namespace handrail {
 
-// Positions at this distance from the base or beyond cannot be the arm's [m].
-inline constexpr double kMaxDistance = 10.0;
-
 // Tolerance of unit vectors and quaternions, on the squared length.
 inline constexpr double kUnitTolerance = 1e-6;
 
 // kNone when the state is sound: enums in range, all numbers finite, unit quaternions, positions
-// within kMaxDistance, tools that agree with their kind (tool.h: fields a kind does not use are at
-// their defaults), a scene name of letters, digits, - and _ that is zero-padded. Real-time safe.
+// within kFarthest (spatial.h), tools that agree with their kind (tool.h: fields a kind does not
+// use are at their defaults), a scene name of letters, digits, - and _ that is zero-padded.
+// Real-time safe.
 Reject check(const MasterState& state) noexcept;
 Reject check(const SlaveState& state) noexcept;
 

@@ -13,7 +13,7 @@
 
 namespace handrail {
 
-inline constexpr std::uint8_t kWireVersion = 5;
+inline constexpr std::uint8_t kWireVersion = 6;
 
 // Largest datagram: fits the smallest MTU every IPv4 path carries (576) with IP and UDP headers.
 inline constexpr std::size_t kMaxDatagram = 548;

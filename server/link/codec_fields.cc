@@ -200,6 +200,7 @@ void put(const SlaveState& s, pb::SlaveDatagram& m) {
   m.set_silences(s.silences);
   m.set_applied_sequence(s.applied_sequence);
   m.set_payload_removed(s.payload_removed);
+  m.set_log_lost(s.log_lost);
   put(s.ledger, m);
   put(m.mutable_hashes(), s.hashes);
   m.mutable_scene()->assign(s.scene.data(), length_of(s.scene));
@@ -213,7 +214,7 @@ bool present(const pb::SlaveDatagram& m) {
          m.has_oldest_applied_ns() && m.has_cycles() && m.has_silences() && m.hashes_size() == 4 &&
          m.has_scene() && m.has_applied_sequence() && m.has_payload_removed() &&
          m.stage_offsets_size() == 3 * FollowLedger::kStages && m.has_stage_reasons() &&
-         m.has_limiting_joint() && m.has_engagement_epoch() && m.has_obstacle();
+         m.has_limiting_joint() && m.has_engagement_epoch() && m.has_obstacle() && m.has_log_lost();
 }
 
 bool take(const pb::SlaveDatagram& m, SlaveState& s) {
@@ -239,6 +240,7 @@ bool take(const pb::SlaveDatagram& m, SlaveState& s) {
   s.silences = m.silences();
   s.applied_sequence = m.applied_sequence();
   s.payload_removed = m.payload_removed();
+  s.log_lost = m.log_lost();
   take(m, s.ledger);
   s.hashes = take_hashes(m.hashes());
   return take_scene(m.scene(), s.scene);

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <csignal>
 #include <functional>
 #include <string>
 #include <utility>
@@ -11,6 +10,7 @@
 #include <boost/asio.hpp>
 
 #include "server/base/clock.h"
+#include "server/base/endings.h"
 #include "server/link/leader_watch.h"
 #include "server/link/pump.h"
 #include "server/link/stall_watch.h"
@@ -26,7 +26,7 @@ class LinkServer {
   struct Hooks {
     std::function<void(Nanos now)> on_news;  // the peer has said something new
     std::function<void(Nanos now)> on_tick;  // a thousand times a second; send() from here
-    std::function<void()> on_signal;         // SIGINT, SIGTERM
+    std::function<void()> on_signal;         // of ending_signals()
     std::function<bool()> finished;          // asked after every tick
     // A line for the log; `bad`: somebody should look.
     std::function<void(bool bad, const std::string& line)> say;
@@ -47,7 +47,7 @@ class LinkServer {
   // it is said to stand still.
   void send(Nanos now, const Local& state, Nanos sent_until, Nanos good_until) {
     speaking_ = true;
-    log_stall(now, good_until);
+    if (const auto line = stall_.step(now, good_until, own_loop_)) hooks_.say(true, *line);
     const std::uint64_t unsendable = snapshot().unsendable;
     pump_.send(now, state, sent_until);
     if (unsendable == 0 && snapshot().unsendable != 0) {
@@ -65,7 +65,8 @@ class LinkServer {
   // Until `finished` says so.
   void run(Hooks hooks) {
     hooks_ = std::move(hooks);
-    boost::asio::signal_set signals(io_, SIGINT, SIGTERM);
+    boost::asio::signal_set signals(io_);
+    for (const int signal : ending_signals()) signals.add(signal);
     signals.async_wait([this](const boost::system::error_code& error, int) {
       if (!error) hooks_.on_signal();
     });
@@ -114,16 +115,6 @@ class LinkServer {
                            "): end that one; until then nothing is obeyed from here");
     } else if (change == LeaderWatch::Change::kAnswers) {
       hooks_.say(false, "the " + peer_name_ + " answers this master now");
-    }
-  }
-
-  void log_stall(Nanos now, Nanos good_until) {
-    const StallWatch::Change change = stall_.step(now, good_until);
-    if (change == StallWatch::Change::kStalled) {
-      hooks_.say(true, "the " + own_loop_ + " loop stands still: nothing is sent, the arm holds");
-    } else if (change == StallWatch::Change::kRunsAgain) {
-      hooks_.say(true, "the " + own_loop_ + " loop runs again, " +
-                           std::to_string(stall_.stood_for() / kMillisecond) + " ms later");
     }
   }
 

@@ -30,7 +30,7 @@ HapticLoop::HapticLoop(HapticDevice& device, const HapticSettings& settings, Mas
       boxes_(boxes),
       pacer_(kPeriod, start),
       last_tick_(start) {
-  if (settings_.walls != nullptr) device_.simulate(settings_.walls->settings.device);
+  set_device();
   begin_epochs(random_session_id(), state_);
 }
 
@@ -76,6 +76,14 @@ void HapticLoop::let_go() noexcept {
   if (settings_.walls != nullptr) settings_.walls->state.arbiter.cut();
 }
 
+// The hand begins where the scene's walls leave it free.
+void HapticLoop::set_device() noexcept {
+  if (settings_.walls == nullptr) return device_.simulate(DeviceEffects(), Vec3::Zero());
+  const WallSettings& walls = settings_.walls->settings;
+  const Vec2 start = walls.walls->stages.front().pose.to_world(walls.walls->start);
+  device_.simulate(walls.device, Vec3(start.x(), start.y(), 0.0));
+}
+
 void HapticLoop::take_settings() noexcept {
   if (boxes_.settings.take(next_settings_)) report_.settings_pending = true;
   if (!report_.settings_pending || !idle(state_.session)) return;
@@ -83,7 +91,7 @@ void HapticLoop::take_settings() noexcept {
   if (settings_.walls != nullptr) state_.arbiter = settings_.walls->state.arbiter;
   settings_ = next_settings_;
   if (settings_.walls != nullptr) settings_.walls->state.arbiter = state_.arbiter;
-  device_.simulate(settings_.walls != nullptr ? settings_.walls->settings.device : DeviceEffects());
+  set_device();
   wall_in_.stage = 0;
   report_.settings_pending = false;
   ++report_.scene_epoch;
@@ -109,12 +117,14 @@ void HapticLoop::feel_walls(double dt) noexcept {
   HapticOutput& out = report_.out;
   out.f_H_M = wall_out_.f_H_M;
   out.shares = wall_out_.shares;
+  out.force = wall_out_.ledger;
   out.reasons.add(wall_out_.reasons);
   report_.walls.present = true;
   report_.walls.stage = wall_out_.stage;
   report_.walls.contact = wall_out_.contact;
   report_.walls.penetration = (wall_out_.contact.proxy - wall_out_.hand).norm();
   report_.walls.locked = wall_out_.effects.locked;
+  report_.walls.place = wall_out_.effects.place;
 }
 
 OrderTicket HapticLoop::next_order() noexcept {

@@ -33,6 +33,7 @@ class HapticLoop {
  private:
   void let_go() noexcept;
   void take_settings() noexcept;
+  void set_device() noexcept;
   void take_slave(Nanos now) noexcept;
   // The force of the scene's walls in place of an arm's.
   void feel_walls(double dt) noexcept;

@@ -65,6 +65,11 @@ void LeaseDesk::handle(const pb::LeaseOrder& order, const std::string& who, Nano
   reply(std::move(out));
 }
 
+void LeaseDesk::give_back(const std::string& who, Nanos now) {
+  (void)lease_.release(who, now);
+  if (last_holder_ == who) last_holder_ = lease_.holder();
+}
+
 bool LeaseDesk::tick(bool engaged, Nanos now) {
   lease_.poll(engaged, now);
   std::string last_news;

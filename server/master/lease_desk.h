@@ -23,6 +23,9 @@ class LeaseDesk {
   void handle(const pb::LeaseOrder& order, const std::string& who, Nanos now, ReplyTo reply);
   // Why `who` may not give an order now; empty: it may. One that engages takes a free lease.
   std::string refusal(const std::string& who, bool engages, Nanos now);
+  bool free() const noexcept { return lease_.holder().empty(); }
+  // What `who` took for an engage that was then refused. Nobody's loss.
+  void give_back(const std::string& who, Nanos now);
   // Time-outs, answers and the log. True when a holder has lost the lease since the last call.
   bool tick(bool engaged, Nanos now);
   void show(Nanos now, pb::LeaseStatus& out) const;

@@ -40,6 +40,7 @@ struct WallReport {
   WallContact contact;
   double penetration = 0.0;  // of the hand beyond the proxy [m]
   bool locked = false;       // a detent holds the hand
+  int place = -1;            // which of its places does; -1: none
 };
 
 // What the haptic loop tells about itself after every tick.

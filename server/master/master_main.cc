@@ -1,7 +1,9 @@
 // handrail-master: the operator's side, with the haptic device and the constraint engine.
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <sys/resource.h>
+
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <future>
@@ -12,9 +14,11 @@
 #include "devices/registry.h"
 #include "proto/config.pb.h"
 #include "server/base/clock.h"
-#include "server/base/daemon_args.h"
 #include "server/base/realtime.h"
 #include "server/base/units.h"
+#include "server/daemon/daemon_args.h"
+#include "server/daemon/daemon_log.h"
+#include "server/daemon/service_socket.h"
 #include "server/master/haptic_loop.h"
 #include "server/master/haptic_settings.h"
 #include "server/master/master_server.h"
@@ -38,6 +42,14 @@ constexpr int kIoPriority = 70;  // the link must not starve on a busy machine
 const char kWhat[] =
     "The operator's side: haptic device, virtual tools and forces at 1 kHz; sends the command to\n"
     "the slave and takes orders on a Unix socket. SIGTERM disengages, then exits.";
+
+// A thousand clients need more than the thousand descriptors a shell grants at first.
+void raise_descriptor_limit() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = std::min<rlim_t>(limit.rlim_max, 2 * OperatorServer::kMaxClients);
+  ::setrlimit(RLIMIT_NOFILE, &limit);
+}
 
 int fail(const std::string& message) {
   std::fprintf(stderr, "handrail-master: %s\n", message.c_str());
@@ -138,7 +150,7 @@ class HapticThread {
   std::thread thread_;  // last: it uses the others
 };
 
-int run(const pb::MasterConfig& config, bool check_only) {
+int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
   auto device = make_haptic_device(device_options(config.device()));
   if (!device) return fail(device.message());
   const HapticCapabilities capabilities = (*device)->capabilities();
@@ -162,12 +174,15 @@ int run(const pb::MasterConfig& config, bool check_only) {
     return 0;
   }
 
+  ServiceSocket notice;
+  raise_descriptor_limit();
   auto boxes = std::make_unique<MasterMailboxes>();
   OrderDeskOptions desk_options;
   desk_options.identity.device = capabilities.name;
   desk_options.identity.device_simulated = capabilities.simulated;
   desk_options.presence = presence_of(config, capabilities);
   desk_options.user = own_user_name();
+  desk_options.identity.log_lost = [&log] { return log.lost(); };
   desk_options.load_scene = [&](const std::string& name) { return library.load(name); };
   desk_options.settings_of = settings_of;
   OrderDesk desk(*boxes, *scene, desk_options);
@@ -188,8 +203,16 @@ int run(const pb::MasterConfig& config, bool check_only) {
   std::printf("READY link_port=%d operator_socket=%s\n", server.port(),
               config.operator_socket().c_str());
   std::fflush(stdout);
-  spdlog::info("IO thread: {}", enter_realtime(kIoPriority).report);
-  server.run([&] { haptic.request_stop(); }, [&] { return haptic.finished(); });
+  notice.ready();
+  const RealtimeGrant io = enter_realtime(kIoPriority);
+  spdlog::info("IO thread: {}", io.report);
+  if (const std::string advice = realtime_advice(io); !advice.empty()) spdlog::warn("{}", advice);
+  server.run(
+      [&] {
+        notice.stopping();
+        haptic.request_stop();
+      },
+      [&] { return haptic.finished(); }, [&](Nanos now, bool runs) { notice.tick(now, runs); });
   return 0;
 }
 
@@ -203,6 +226,6 @@ int main(int argc, char** argv) {
   const auto config = load_master_config(args->config_path);
   if (!config) return fail(config.message());
   // Standard output carries only the READY line.
-  spdlog::set_default_logger(spdlog::stderr_color_mt("handrail-master"));
-  return run(*config, args->check);
+  const DaemonLog log("handrail-master");
+  return run(*config, args->check, log);
 }

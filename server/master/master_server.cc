@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/link/link_server.h"
+#include "server/link/session_watch.h"
 
 namespace handrail {
 
@@ -16,7 +17,12 @@ struct MasterServer::Impl {
     desk.tick(now, link.newest(), link.snapshot());
     if (!desk.report()) return;
     const HapticReport& report = *desk.report();
-    log_change(report.out.link.state, report.out.reason);
+    if (alive) alive(now, now <= report.good_until);
+    const auto why = [this](Reason reason) { return reason_text(reason, link.newest()); };
+    const HapticOutput& out = report.out;
+    if (const auto line = session.step(now, out.link.state, out.reason, why)) {
+      say(out.link.state == SessionState::kFault, *line);
+    }
     // Where no robot takes part, a slave is left to another master.
     if (report.walls.present) return link.keep_silent(now);
     link.send(now, report.out.link, report.sent_until, report.good_until);
@@ -26,19 +32,13 @@ struct MasterServer::Impl {
     spdlog::log(bad ? spdlog::level::err : spdlog::level::info, line);
   }
 
-  void log_change(SessionState state, Reason reason) {
-    if (state == logged_state) return;
-    logged_state = state;
-    spdlog::info("session {}{}{}", name_of(state), reason == Reason::kNone ? "" : ": ",
-                 reason == Reason::kNone ? "" : describe(reason));
-  }
-
   MasterMailboxes& boxes;
   OrderDesk& desk;
   MasterServerOptions options;
   LinkServer<MasterState, SlaveState> link{"haptic", "slave"};
   OperatorServer operators{link.io(), desk};
-  SessionState logged_state = SessionState::kOff;
+  SessionWatch session;
+  std::function<void(Nanos, bool)> alive;
 };
 
 MasterServer::MasterServer(MasterMailboxes& boxes, OrderDesk& desk, MasterServerOptions options)
@@ -54,8 +54,10 @@ Status MasterServer::open() {
 
 std::uint16_t MasterServer::port() const { return impl_->link.port(); }
 
-void MasterServer::run(std::function<void()> on_signal, std::function<bool()> finished) {
+void MasterServer::run(std::function<void()> on_signal, std::function<bool()> finished,
+                       std::function<void(Nanos, bool)> alive) {
   Impl& impl = *impl_;
+  impl.alive = std::move(alive);
   const auto end = [on_signal = std::move(on_signal)] {
     spdlog::info("told to end: disengaging");
     on_signal();

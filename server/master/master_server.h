@@ -30,9 +30,11 @@ class MasterServer {
   Status open();
   std::uint16_t port() const;
 
-  // Serves until `finished` says so, asked a thousand times a second. SIGINT and SIGTERM call
+  // Serves until `finished` says so, asked a thousand times a second. ending_signals() call
   // `on_signal` in this thread.
-  void run(std::function<void()> on_signal, std::function<bool()> finished);
+  // `alive` hears at every tick whether the control loop runs.
+  void run(std::function<void()> on_signal, std::function<bool()> finished,
+           std::function<void(Nanos now, bool runs)> alive = {});
 
  private:
   struct Impl;

@@ -17,8 +17,13 @@ namespace handrail {
 namespace asio = boost::asio;
 using Error = boost::system::error_code;
 using Socket = asio::local::stream_protocol::socket;
+using Acceptor = asio::local::stream_protocol::acceptor;
 
 namespace {
+
+// Let in at once, before those who are in are heard again.
+constexpr int kAdmitted = 16;
+constexpr auto kAcceptPause = std::chrono::milliseconds(1);
 
 pb::Reply refusal(const std::string& reason) {
   pb::Reply reply;
@@ -54,15 +59,13 @@ bool has_order(const pb::Request& r) {
 // One connection: wait for a frame, read it, have it handled, answer, again.
 class OperatorServer::Client : public std::enable_shared_from_this<Client> {
  public:
-  Client(Socket socket, OperatorHandler& handler)
-      : socket_(std::move(socket)), timer_(socket_.get_executor()), handler_(handler) {}
+  Client(Socket socket, OperatorServer& server)
+      : socket_(std::move(socket)), timer_(socket_.get_executor()), server_(server) {}
 
   void await_frame() {
-    idle_since_ = monotonic_now();
+    heard_ = monotonic_now();
     socket_.async_wait(Socket::wait_read, [self = shared_from_this()](Error error) {
-      if (error) return;
-      self->idle_since_ = kForever;
-      self->read_header();
+      if (!error) self->read_header();
     });
   }
   // Answers and, with `last`, closes afterwards.
@@ -81,8 +84,18 @@ class OperatorServer::Client : public std::enable_shared_from_this<Client> {
     timer_.cancel();
     socket_.close(ignored);
   }
+  // Says why and closes, whether anybody reads it or not.
+  void dismiss(const std::string& why) {
+    Error ignored;
+    socket_.non_blocking(true, ignored);
+    socket_.send(asio::buffer(framed(refusal(why).SerializeAsString())), MSG_NOSIGNAL, ignored);
+    close();
+  }
   bool is_open() const { return socket_.is_open(); }
-  Nanos idle_since() const { return idle_since_; }
+  bool gives_orders() const { return gives_orders_; }
+  bool stops() const { return request_.has_stop(); }
+  Nanos heard() const { return heard_; }  // newest whole frame, or when it came
+  void have_handled();
 
  private:
   class Ticket;
@@ -113,17 +126,19 @@ class OperatorServer::Client : public std::enable_shared_from_this<Client> {
                      [self = shared_from_this()](Error error, std::size_t) {
                        if (error) return self->close();
                        self->timer_.cancel();
-                       self->obey();
+                       self->parse();
                      });
   }
-  void obey();
+  void parse();
 
   Socket socket_;
   asio::steady_timer timer_;
-  OperatorHandler& handler_;
-  Nanos idle_since_ = kForever;  // kForever while a request is in progress
+  OperatorServer& server_;
+  Nanos heard_ = 0;
+  bool gives_orders_ = false;  // has done, at least once
   std::array<char, kFrameHeader> header_{};
   std::string body_;
+  pb::Request request_;
   std::string out_;
 };
 
@@ -157,23 +172,31 @@ class OperatorServer::Client::Ticket {
   std::atomic<bool> used_{false};
 };
 
-void OperatorServer::Client::obey() {
+void OperatorServer::Client::parse() {
   if (!is_open()) return;
-  pb::Request request;
-  if (!request.ParseFromString(body_)) return answer(refusal("the request is garbled"), true);
-  if (!has_order(request)) return answer(refusal("the request holds no order"), true);
-  const auto ticket = std::make_shared<Ticket>(weak_from_this());
-  handler_.handle(request, [ticket](pb::Reply reply) { ticket->answer(std::move(reply)); });
+  heard_ = monotonic_now();
+  if (!request_.ParseFromString(body_)) return answer(refusal("the request is garbled"), true);
+  if (!has_order(request_)) return answer(refusal("the request holds no order"), true);
+  gives_orders_ = gives_orders_ || !request_.has_status();
+  server_.take(shared_from_this());
 }
 
-OperatorServer::OperatorServer(asio::io_context& io, OperatorHandler& handler)
-    : handler_(handler), acceptor_(io), pause_(io) {}
+void OperatorServer::Client::have_handled() {
+  const auto ticket = std::make_shared<Ticket>(weak_from_this());
+  const pb::Request request = std::exchange(request_, pb::Request());
+  server_.handler_.handle(request, [ticket](pb::Reply reply) { ticket->answer(std::move(reply)); });
+}
+
+OperatorServer::OperatorServer(asio::io_context& io, OperatorHandler& handler,
+                               std::size_t max_clients)
+    : handler_(handler), max_clients_(max_clients), acceptor_(io), pause_(io), next_turns_(io) {}
 
 OperatorServer::~OperatorServer() { stop(); }
 
 Status OperatorServer::start(const std::string& path) {
   if (Status status = file_.claim(path); !status) return status;
   acceptor_.assign(asio::local::stream_protocol(), file_.release());
+  acceptor_.non_blocking(true);
   running_ = std::make_shared<int>();
   accept();
   return Status::ok();
@@ -183,6 +206,7 @@ void OperatorServer::stop() {
   Error ignored;
   running_.reset();
   pause_.cancel();
+  next_turns_.cancel();
   acceptor_.close(ignored);
   for (const auto& client : clients_) client->close();
   clients_.clear();
@@ -195,40 +219,68 @@ std::size_t OperatorServer::clients() const {
 }
 
 void OperatorServer::accept() {
-  acceptor_.async_accept([this, running = std::weak_ptr(running_)](Error error, Socket socket) {
+  acceptor_.async_wait(Acceptor::wait_read, [this, running = std::weak_ptr(running_)](Error error) {
     if (running.expired()) return;
-    if (!error) {
-      admit(std::move(socket));
-      return accept();
-    }
-    // Out of descriptors, most likely: asking again at once would only spin.
-    pause_.expires_after(std::chrono::milliseconds(100));
+    bool more = !error;
+    for (int i = 0; i < kAdmitted && more; ++i) more = admit_one();
+    if (more) return accept();
+    // Nobody is left, or there is no descriptor for him: asking again at once would only spin.
+    pause_.expires_after(kAcceptPause);
     pause_.async_wait([this, running](Error) {
       if (!running.expired()) accept();
     });
   });
 }
 
-void OperatorServer::admit(Socket socket) {
-  const auto client = std::make_shared<Client>(std::move(socket), handler_);
-  if (!make_room()) {
-    return client->answer(refusal("16 clients are connected already"), true);
+bool OperatorServer::admit_one() {
+  std::erase_if(clients_, [](const auto& client) { return !client->is_open(); });
+  Error error;
+  Socket socket = acceptor_.accept(error);
+  if (error == Error(asio::error::no_descriptors) && !clients_.empty()) {
+    dismiss_one();
+    socket = acceptor_.accept(error);
   }
-  clients_.push_back(client);
-  client->await_frame();
+  if (error) return false;
+  if (clients_.size() >= max_clients_) dismiss_one();
+  clients_.push_back(std::make_shared<Client>(std::move(socket), *this));
+  clients_.back()->await_frame();
+  return true;
 }
 
-// True when one more client may stay, if need be in place of the one silent longest.
-bool OperatorServer::make_room() {
-  std::erase_if(clients_, [](const auto& client) { return !client->is_open(); });
-  if (clients_.size() < kMaxClients) return true;
-  Client* oldest = clients_.front().get();
-  for (const auto& client : clients_) {
-    if (client->idle_since() < oldest->idle_since()) oldest = client.get();
+void OperatorServer::dismiss_one() {
+  const auto needed_less = [](const auto& a, const auto& b) {
+    if (a->gives_orders() != b->gives_orders()) return b->gives_orders();
+    return a->heard() < b->heard();
+  };
+  const auto least = std::min_element(clients_.begin(), clients_.end(), needed_less);
+  (*least)->dismiss("another client took your place: there is room for " +
+                    std::to_string(clients_.size()));
+  clients_.erase(least);
+}
+
+void OperatorServer::take(const std::shared_ptr<Client>& client) {
+  if (client->stops()) return client->have_handled();
+  (client->gives_orders() ? ordering_ : asking_).push_back(client);
+  serve_waiting();
+}
+
+void OperatorServer::serve_waiting() {
+  for (auto* queue : {&ordering_, &asking_}) {
+    for (; turns_ > 0 && !queue->empty(); queue->pop_front()) {
+      const auto client = queue->front().lock();
+      if (!client || !client->is_open()) continue;
+      --turns_;
+      client->have_handled();
+    }
   }
-  if (oldest->idle_since() > monotonic_now() - kIdle) return false;
-  oldest->close();
-  return true;
+  const bool waits = turns_ < kRequestsPerMs;
+  if (!waits || next_turns_.expiry() > asio::steady_timer::clock_type::now()) return;
+  next_turns_.expires_after(std::chrono::milliseconds(1));
+  next_turns_.async_wait([this, running = std::weak_ptr(running_)](Error) {
+    if (running.expired()) return;
+    turns_ = kRequestsPerMs;
+    serve_waiting();
+  });
 }
 
 }  // namespace handrail

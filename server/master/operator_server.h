@@ -7,6 +7,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/local/stream_protocol.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <string>
@@ -28,17 +29,21 @@ class OperatorHandler {
   virtual void handle(const pb::Request& request, std::function<void(pb::Reply)> reply) = 0;
 };
 
-// Serves up to 16 clients; one further replaces a client silent for 10 s, or is refused. A client
-// that sends garbage is told so and cut off, one that stops in the middle of a frame is cut off
-// after 2 s; neither delays the others. All methods in the IO thread or while it does not run.
+// Whoever comes is let in. Where there is no room, the client goes that was not heard for longest,
+// of those that only ask first. A stop is served before all else; of the rest those first who give
+// orders, and no more in a millisecond than leave time for the link. A client that sends garbage is
+// told so and cut off, one that stops in the middle of a frame is cut off after 2 s; neither delays
+// the others. All methods in the IO thread or while it does not run.
 class OperatorServer {
  public:
-  static constexpr std::size_t kMaxClients = 16;
-  static constexpr Nanos kIdle = 10 * kSecond;     // silent for this long: may be replaced
+  static constexpr std::size_t kMaxClients = 1024;
   static constexpr Nanos kPatience = 2 * kSecond;  // for the rest of a frame
+  // A status takes some 50 us to put together.
+  static constexpr int kRequestsPerMs = 8;
 
   // Both must outlive the server.
-  OperatorServer(boost::asio::io_context& io, OperatorHandler& handler);
+  OperatorServer(boost::asio::io_context& io, OperatorHandler& handler,
+                 std::size_t max_clients = kMaxClients);
   ~OperatorServer();
 
   // Claims the socket and accepts clients whenever the io_context runs.
@@ -50,14 +55,24 @@ class OperatorServer {
  private:
   class Client;
   void accept();
-  void admit(boost::asio::local::stream_protocol::socket socket);
-  bool make_room();
+  // False: nobody waits to be let in, or there is no descriptor for him.
+  bool admit_one();
+  // Lets the client go that is needed least.
+  void dismiss_one();
+  // A whole request has come.
+  void take(const std::shared_ptr<Client>& client);
+  void serve_waiting();
 
   OperatorHandler& handler_;
+  const std::size_t max_clients_;
   OperatorSocket file_;
   boost::asio::local::stream_protocol::acceptor acceptor_;
   boost::asio::steady_timer pause_;
   std::vector<std::shared_ptr<Client>> clients_;
+  // Whose requests wait for their turn: of who gives orders, and of who only asks.
+  std::deque<std::weak_ptr<Client>> ordering_, asking_;
+  int turns_ = kRequestsPerMs;  // left in this millisecond
+  boost::asio::steady_timer next_turns_;
   std::shared_ptr<int> running_;  // handlers still queued after stop find it gone
 };
 

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "server/base/clock.h"
+#include "server/base/folder_owner.h"
 #include "server/base/pacer.h"
 
 namespace handrail {
@@ -48,15 +49,11 @@ Status make_folder(const std::string& path, const std::string& folder) {
   if (::mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) {
     return failure(path, ("cannot create " + folder).c_str(), errno);
   }
-  struct stat info {};
-  if (::stat(folder.c_str(), &info) != 0) return failure(path, "cannot reach its folder", errno);
-  if (!S_ISDIR(info.st_mode)) return failure(path, folder + " is not a folder");
-  const bool others_write = (info.st_mode & S_IWOTH) != 0 && (info.st_mode & S_ISVTX) == 0;
-  if (others_write || (info.st_uid != ::geteuid() && info.st_uid != 0)) {
-    return failure(path,
-                   "others could replace it in " + folder + ", expected a folder of your own");
-  }
-  return Status::ok();
+  const Result<uid_t> owner = folder_owner(folder);
+  if (!owner) return failure(path, owner.message());
+  if (*owner == ::geteuid() || *owner == 0) return Status::ok();
+  return failure(path, folder + " is a folder of " + user_text(*owner) + ", expected one of " +
+                           user_text(::geteuid()) + " or root");
 }
 
 // Removes what an ended master left at `path`; fails on anything else.
@@ -115,7 +112,7 @@ Status OperatorSocket::claim(const std::string& path) {
     inode_ = info.st_ino;
   }
   // Nobody can connect before listen, so the mode is right in time.
-  if (::chmod(path.c_str(), 0600) != 0 || ::listen(fd.get(), 16) != 0) {
+  if (::chmod(path.c_str(), 0600) != 0 || ::listen(fd.get(), SOMAXCONN) != 0) {
     const int cause = errno;
     remove();
     return failure(path, "cannot listen", cause);

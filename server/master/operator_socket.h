@@ -19,7 +19,8 @@ class OperatorSocket {
   OperatorSocket& operator=(const OperatorSocket&) = delete;
 
   // Claims `path`. A file left by a master that ended is replaced; refuses when another one answers
-  // on it, when it is no socket, or when others may write to the folder. The error names the path.
+  // on it, when it is no socket, or when its folder is a link, somebody else's or others may write
+  // to it. The error names the path.
   Status claim(const std::string& path);
   // The listening descriptor, non-blocking; the caller owns it from here on.
   int release() noexcept;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "server/base/hand_move.h"
 #include "server/base/units.h"
 #include "server/master/replies.h"
 #include "server/master/why_report.h"
@@ -13,9 +14,6 @@
 
 namespace handrail {
 namespace {
-
-// How often an engage that a bad link refused is tried again.
-constexpr Nanos kRetryPeriod = 20 * kMillisecond;
 
 // Three finite numbers, or none at all (zero).
 bool read_vector(const google::protobuf::RepeatedField<double>& from, double unit, Vec3& to) {
@@ -39,11 +37,15 @@ void OrderDesk::handle(const pb::Request& request, ReplyTo reply) {
     case pb::Request::kStatus:
     case pb::Request::kStop:
       break;  // anybody's, always
-    default:
+    default: {
+      const bool was_free = leases_.free();
       refusal = leases_.refusal(who, request.has_engage(), now_);
+      if (request.has_engage() && was_free && refusal.empty()) borrower_ = who;
+    }
   }
   if (!refusal.empty()) return reply(refused(refusal));
   obey(request, std::move(reply));
+  give_back_lease();
 }
 
 void OrderDesk::obey(const pb::Request& request, ReplyTo reply) {
@@ -68,7 +70,7 @@ void OrderDesk::obey(const pb::Request& request, ReplyTo reply) {
                    std::move(reply));
     case pb::Request::kStop:
       give_up_engaging();
-      return order(plain(OrderKind::kStop), std::move(reply), Until::kSlaveStopped);
+      return stop(std::move(reply));
     case pb::Request::kReset:
       if (reset_waits_) reset_waits_(refused("another reset came after this one"));
       reset_waits_ = std::move(reply);
@@ -80,7 +82,7 @@ void OrderDesk::obey(const pb::Request& request, ReplyTo reply) {
       HapticOrder off = plain(OrderKind::kToolOff);
       off.drop_position = request.tool_off().position();
       off.drop_orientation = request.tool_off().orientation();
-      return order(off, std::move(reply));
+      return order(off, std::move(reply), Until::kDropped);
     }
     case pb::Request::kSceneLoad:
       return load(request.scene_load(), std::move(reply));
@@ -135,23 +137,54 @@ void OrderDesk::hand(const pb::HandMove& move, ReplyTo reply) {
   OrderTicket ticket;
   ticket.is_hand = true;
   ticket.hand.duration = move.duration_s();
-  const bool good = read_vector(move.displacement_mm(), kMm, ticket.hand.displacement_M) &&
-                    read_vector(move.rotation_deg(), kDeg, ticket.hand.rotation_M) &&
-                    std::isfinite(move.duration_s()) && move.duration_s() > 0.0 &&
-                    move.duration_s() <= 3600.0 && ticket.hand.displacement_M.norm() <= 1.0 &&
-                    ticket.hand.rotation_M.norm() <= 4.0;
-  if (!good) {
-    return reply(
-        refused("hand: expected three numbers each (at most 1000 mm, 229 deg) and a "
-                "duration over 0 and up to 3600 s"));
+  ticket.hand.home = move.home();
+  // What is 180 deg in degrees may be more in radians.
+  constexpr double kRounding = 1.0 + 1e-12;
+  const auto within = [](const Vec3& v, double most) { return v.norm() <= most * kRounding; };
+  const bool whole =
+      move.home() || (read_vector(move.displacement_mm(), kMm, ticket.hand.displacement_M) &&
+                      read_vector(move.rotation_deg(), kDeg, ticket.hand.rotation_M));
+  const double time = move.duration_s();
+  if (!whole || !within(ticket.hand.displacement_M, kFarthestHandMove) ||
+      !within(ticket.hand.rotation_M, kWidestHandTurn) ||
+      !(time >= kShortestHandMove && time <= kLongestHandMove)) {
+    return reply(refused(fmt::format(
+        "hand: expected three numbers each, at most {:g} mm and {:g} deg long, and {:g} to {:g} s",
+        kFarthestHandMove / kMm, kWidestHandTurn / kDeg, kShortestHandMove, kLongestHandMove)));
   }
   push(ticket, {std::move(reply), Until::kTaken, now_});
 }
 
 void OrderDesk::push(OrderTicket ticket, Waiting waiting) {
+  if (queue_.size() >= kMostOrders) return waiting.reply(refused("too many orders at once"));
   ticket.id = next_id_++;
-  if (!boxes_.orders.push(ticket)) return waiting.reply(refused("too many orders at once"));
+  queue_.push_back(ticket);
   waiting_.emplace(ticket.id, std::move(waiting));
+  feed_loop();
+}
+
+void OrderDesk::feed_loop() {
+  for (; !queue_.empty() && in_loop_ < kOrdersInLoop; ++in_loop_, queue_.pop_front()) {
+    if (!boxes_.orders.push(queue_.front())) return;
+  }
+}
+
+// Of what was ordered before, only what the loop has already got comes before a stop: all else is
+// not carried out any more. One stop that waits is as good as another.
+void OrderDesk::stop(ReplyTo reply) {
+  std::uint64_t waits = 0;
+  for (const OrderTicket& ticket : std::exchange(queue_, {})) {
+    if (ticket.order.kind == OrderKind::kStop) {
+      waits = ticket.id;
+      queue_.push_back(ticket);
+    } else if (const auto found = waiting_.find(ticket.id); found != waiting_.end()) {
+      const Waiting gone = std::move(found->second);
+      waiting_.erase(found);
+      gone.reply(refused("a stop came before it"));
+    }
+  }
+  if (waits == 0) return order(plain(OrderKind::kStop), std::move(reply), Until::kSlaveStopped);
+  waiting_.emplace(waits, Waiting{std::move(reply), Until::kSlaveStopped, now_});
 }
 
 void OrderDesk::tick(Nanos now, const SlaveState& slave, const LinkSnapshot& link) {
@@ -170,6 +203,8 @@ void OrderDesk::tick(Nanos now, const SlaveState& slave, const LinkSnapshot& lin
   watch_engaging();
   watch_reset();
   watch_scene();
+  feed_loop();
+  give_back_lease();
 }
 
 // Whoever has the lease next must engage: what the last holder engaged ends with the lease.
@@ -197,131 +232,60 @@ void OrderDesk::take_answers() {
   OrderAnswer answer;
   while (boxes_.answers.pop(answer)) {
     take_report();  // the loop publishes before it answers: no answer is judged by an older report
-    const auto found = waiting_.find(answer.id);
-    if (found == waiting_.end()) continue;
-    Waiting waiting = std::move(found->second);
-    waiting_.erase(found);
-    const bool bad_link =
-        answer.result == Reason::kLinkQuality || answer.result == Reason::kNotConfirmed;
-    if (bad_link && waiting.until == Until::kEngaged && now_ - waiting.since < kLinkPatience) {
-      retrying_ = std::move(waiting);
-      retry_at_ = now_ + kRetryPeriod;
-      continue;
-    }
-    if (answer.result != Reason::kNone) {
-      std::string text = distance_text(answer, waiting.tool);
-      if (text.empty()) text = describe(answer.result);
-      if (answer.result == Reason::kOtherMaster && link_.refused(now_)) text = unheard();
-      if (waiting.until == Until::kEngaged && report_ && link_.peer_epoch != 0) {
-        if (answer.result == Reason::kPeerFault) text += std::string(": ") + describe(slave_.fault);
-        for (const std::string& difference : hash_mismatches(report_->out.link, slave_)) {
-          text += "; " + difference;
-        }
-      }
-      waiting.reply(refused(text));
-      continue;
-    }
-    switch (waiting.until) {
-      case Until::kTaken:
-        waiting.reply(done(distance_text(answer, waiting.tool)));
-        break;
-      case Until::kEngaged:
-        if (engaging_) engaging_(refused("another engage came after this one"));
-        hold_ = waiting.hold;
-        engaging_ = std::move(waiting.reply);
-        engage_until_ = now_ + kEngagePatience;
-        break;
-      case Until::kSlaveStopped:
-        stopping_.push_back(std::move(waiting));
-        break;
-      case Until::kSlaveReset:
-        if (resetting_) resetting_(refused("another reset came after this one"));
-        resetting_ = std::move(waiting.reply);
-        reset_until_ = now_ + kResetPatience;
-        break;
+    --in_loop_;
+    for (auto found = waiting_.find(answer.id); found != waiting_.end();
+         found = waiting_.find(answer.id)) {
+      Waiting waiting = std::move(found->second);
+      waiting_.erase(found);
+      settle(answer, std::move(waiting));
     }
   }
 }
 
-void OrderDesk::watch_engaging() {
-  if (!engaging_) return;
-  const HapticOutput& out = report_->out;
-  const SessionState state = out.link.state;
-  if (state == SessionState::kEngaged || state == SessionState::kClutched) {
-    // Whoever engages learns which of the scene's tools do not hold the arm.
-    if (scene_tools_ == 0) std::exchange(engaging_, nullptr)(done(tools_refused_));
-  } else if (now_ > engage_until_ || out.link.desired == Desired::kOff) {
-    // Of a slave that gets ready, what it waits for.
-    const bool its = out.reason == Reason::kNone || out.reason == Reason::kHoming;
-    std::string why = describe(its && slave_.reason != Reason::kNone ? slave_.reason : out.reason);
-    if (out.reason == Reason::kPeerFault) why += std::string(": ") + describe(slave_.fault);
-    std::exchange(engaging_, nullptr)(refused(why));
-    order(plain(OrderKind::kDisengage), [](pb::Reply) {});
-  }
-}
-
-void OrderDesk::engage(bool hold, ReplyTo reply) {
-  if (options_.presence == Presence::kHold && !hold) {
-    return reply(refused("this master wants somebody there: 'handrail engage --hold'"));
-  }
-  // An engagement that ends with its command is not made one that goes on by itself.
-  if (!hold && (hold_ || hold_waits())) {
-    return reply(
-        refused("your 'handrail engage --hold' is running: end that one first, or the arm would go "
-                "on without it"));
-  }
-  give_up_engaging();
-  if (hold) boxes_.hold_heard.store(now_, std::memory_order_relaxed);
-  OrderTicket ticket;
-  ticket.order = plain(OrderKind::kEngage);
-  push(ticket, {std::move(reply), Until::kEngaged, now_, {}, hold});
-}
-
-void OrderDesk::give_up_engaging() {
-  for (auto& [id, waiting] : waiting_) {
-    if (waiting.until == Until::kEngaged) waiting.since = -kLinkPatience;
-  }
-  if (retrying_) retrying_->reply(refused("another order came before the link was good"));
-  retrying_.reset();
-}
-
-void OrderDesk::retry_engaging() {
-  if (!retrying_ || now_ < retry_at_) return;
-  OrderTicket ticket;
-  ticket.order = plain(OrderKind::kEngage);
-  push(ticket, *std::exchange(retrying_, std::nullopt));
-}
-
-void OrderDesk::hold_alive(ReplyTo reply) {
-  const bool over = !report_ || report_->out.link.desired == Desired::kOff;
-  if (!hold_ || over) {
-    const Reason why = report_ ? report_->out.reason : Reason::kNone;
-    return reply(refused(std::string("not engaged any more: ") + describe(why)));
-  }
-  hold_heard_ = now_;
-  reply(done());
-}
-
-bool OrderDesk::hold_waits() const {
-  const auto holds = [](const auto& entry) { return entry.second.hold; };
-  return (retrying_ && retrying_->hold) || std::any_of(waiting_.begin(), waiting_.end(), holds);
-}
-
-// While the engage is waited for, its client cannot speak; after that it must. Where the
-// configuration wants it the step sees to the rest, elsewhere the engagement ends.
-void OrderDesk::watch_hold() {
-  const bool waits = hold_waits();
-  if (!hold_ && !waits) return;
-  if (waits || engaging_) {
-    hold_heard_ = now_;
-  } else if (report_->out.link.desired == Desired::kOff) {
-    hold_ = false;
+// The loop has taken what was ordered, or refused it.
+void OrderDesk::settle(const OrderAnswer& answer, Waiting waiting) {
+  const bool bad_link =
+      answer.result == Reason::kLinkQuality || answer.result == Reason::kNotConfirmed;
+  if (bad_link && waiting.until == Until::kEngaged && now_ - waiting.since < kLinkPatience) {
+    retrying_ = std::move(waiting);
+    retry_at_ = now_ + kEngageRetry;
     return;
   }
-  boxes_.hold_heard.store(hold_heard_, std::memory_order_relaxed);
-  if (options_.presence == Presence::kHold || now_ - hold_heard_ <= kHoldPatience) return;
-  hold_ = false;
-  end_engagement(Reason::kPresence);
+  if (waiting.until == Until::kDropped && answer.result == Reason::kNoSuchTool) {
+    return waiting.reply(done("there was none"));
+  }
+  if (answer.result != Reason::kNone) {
+    std::string text = distance_text(answer, waiting.tool);
+    if (text.empty()) text = reason_text(answer.result, slave_);
+    if (answer.result == Reason::kOtherMaster && link_.refused(now_)) text = unheard();
+    if (waiting.until == Until::kEngaged && report_ && link_.peer_epoch != 0) {
+      for (const std::string& difference : hash_mismatches(report_->out.link, slave_)) {
+        text += "; " + difference;
+      }
+    }
+    waiting.reply(refused(text));
+    return;
+  }
+  switch (waiting.until) {
+    case Until::kTaken:
+    case Until::kDropped:
+      waiting.reply(done(distance_text(answer, waiting.tool)));
+      break;
+    case Until::kEngaged:
+      if (engaging_) engaging_(refused("another engage came after this one"));
+      hold_ = waiting.hold;
+      engaging_ = std::move(waiting.reply);
+      engage_until_ = now_ + kEngagePatience;
+      break;
+    case Until::kSlaveStopped:
+      stopping_.push_back(std::move(waiting));
+      break;
+    case Until::kSlaveReset:
+      if (resetting_) resetting_(refused("another reset came after this one"));
+      resetting_ = std::move(waiting.reply);
+      reset_until_ = now_ + kResetPatience;
+      break;
+  }
 }
 
 std::string OrderDesk::unheard() const {
@@ -382,10 +346,12 @@ void OrderDesk::send_reset() {
 
 void OrderDesk::watch_reset() {
   if (!resetting_) return;
-  if (link_.age(now_) > kHeard || report_->walls.present) {
+  if (report_->walls.present) {
+    std::exchange(resetting_, nullptr)(done("the walls are felt again"));
+  } else if (link_.age(now_) > kHeard) {
     std::exchange(resetting_, nullptr)(done(unheard()));
   } else if (slave_.state != SessionState::kFault) {
-    std::exchange(resetting_, nullptr)(done());
+    std::exchange(resetting_, nullptr)(done("engage to go on"));
   } else if (slave_.fault_epoch != report_->out.link.fault_reset || now_ > reset_until_) {
     // A later fault, or the same cause anew: what was reset is still there.
     std::exchange(resetting_, nullptr)(

@@ -1,6 +1,7 @@
 // Operators' requests, from arrival to answer.
 #pragma once
 
+#include <deque>
 #include <functional>
 #include <map>
 #include <optional>
@@ -33,9 +34,13 @@ class OrderDesk : public OperatorHandler {
  public:
   static constexpr Nanos kEngagePatience = 3 * kSecond;
   static constexpr Nanos kLinkPatience = 3 * kSecond;  // for a link good enough to engage over
+  static constexpr Nanos kEngageRetry = 20 * kMillisecond;
   static constexpr Nanos kStopPatience = kSecond;
   static constexpr Nanos kResetPatience = kSecond;
   static constexpr Nanos kScenePatience = 3 * kSecond;  // a slave looks once a second
+  static constexpr std::size_t kMostOrders = 64;        // that wait for the loop
+  // That the loop has at a time: it takes one a tick, and a stop comes after them.
+  static constexpr int kOrdersInLoop = 2;
 
   // The mailboxes must outlive the desk. `scene` is the one the loop has.
   OrderDesk(MasterMailboxes& boxes, Scene scene, OrderDeskOptions options);
@@ -54,7 +59,7 @@ class OrderDesk : public OperatorHandler {
  private:
   using ReplyTo = std::function<void(pb::Reply)>;
   // When an order is answered, once the loop has taken it.
-  enum class Until : std::uint8_t { kTaken, kEngaged, kSlaveReset, kSlaveStopped };
+  enum class Until : std::uint8_t { kTaken, kDropped, kEngaged, kSlaveReset, kSlaveStopped };
   struct Waiting {
     ReplyTo reply;
     Until until = Until::kTaken;
@@ -76,9 +81,15 @@ class OrderDesk : public OperatorHandler {
   void name_stage(pb::Status& status) const;
   void load(const std::string& name, ReplyTo reply);
   void push(OrderTicket ticket, Waiting waiting);
+  void feed_loop();
   void take_report();
   void take_answers();
+  void settle(const OrderAnswer& answer, Waiting waiting);
+  void stop(ReplyTo reply);
   void engage(bool hold, ReplyTo reply);
+  bool engage_waits() const;
+  // An engage that is refused leaves the lease as it was.
+  void give_back_lease();
   void hold_alive(ReplyTo reply);
   void watch_stops();
   // An `engage --hold` has come that is neither taken nor refused yet.
@@ -107,7 +118,9 @@ class OrderDesk : public OperatorHandler {
   LinkSnapshot link_;
   Nanos now_ = 0;
   std::uint64_t next_id_ = 1;
-  std::map<std::uint64_t, Waiting> waiting_;
+  std::multimap<std::uint64_t, Waiting> waiting_;  // by the order they wait for
+  std::deque<OrderTicket> queue_;                  // that the loop has yet to get
+  int in_loop_ = 0;                                // that it has got and not answered
 
   std::vector<Waiting> stopping_;  // who wait for the slave to have a stop the loop has
 
@@ -116,7 +129,8 @@ class OrderDesk : public OperatorHandler {
   bool hold_ = false;  // the engagement the loop took ends with a running `engage --hold`
   Nanos hold_heard_ = -kForever;
 
-  ReplyTo engaging_;  // who waits for the session to be engaged
+  ReplyTo engaging_;      // who waits for the session to be engaged
+  std::string borrower_;  // who took a free lease for an engage that is not answered yet
   Nanos engage_until_ = 0;
   bool was_engaged_ = false;
   int scene_tools_ = 0;        // called, not answered yet

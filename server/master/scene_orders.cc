@@ -47,6 +47,15 @@ void OrderDesk::name_stage(pb::Status& status) const {
   if (i < stages.size() && !stages[i].name.empty()) {
     status.mutable_walls()->set_stage_name(stages[i].name);
   }
+  const std::vector<WallRegion>& regions = scene_.walls->regions;
+  const std::uint32_t region = status.walls().region();
+  if (region < regions.size()) status.mutable_walls()->set_region_name(regions[region].name);
+  if (!report_ || !report_->walls.locked) return;
+  for (const EffectSpec& effect : scene_.effects) {
+    const auto place = static_cast<std::size_t>(report_->walls.place);
+    if (effect.kind != EffectKind::kDetent || place >= effect.place_names.size()) continue;
+    status.mutable_walls()->set_place(effect.place_names[place]);
+  }
 }
 
 void OrderDesk::watch_scene() {

@@ -39,11 +39,16 @@ double milliseconds(Nanos t) { return t < 0 || t >= kForever ? -1.0 : to_seconds
 std::string robot_reason(const HapticReport& report, const SlaveState& slave,
                          const LinkSnapshot& link, bool known, Nanos now) {
   if (link.refused(now)) return other_master_text(link, now);
-  if (report.out.reason != Reason::kNone) return describe(report.out.reason);
+  if (report.out.reason != Reason::kNone) return reason_text(report.out.reason, slave);
   return describe(known ? slave.reason : Reason::kNoPeer);
 }
 
 }  // namespace
+
+std::string reason_text(Reason reason, const SlaveState& slave) {
+  const bool of_slave = reason == Reason::kPeerFault && slave.fault != Reason::kNone;
+  return describe(reason) + (of_slave ? std::string(": ") + describe(slave.fault) : "");
+}
 
 std::string other_master_text(const LinkSnapshot& link, Nanos now) {
   return fmt::format("{} ({})", describe(Reason::kOtherMaster),
@@ -85,6 +90,8 @@ pb::Status status_report(const MasterIdentity& identity, const HapticReport& rep
   s.set_device(identity.device);
   s.set_device_simulated(identity.device_simulated);
   s.set_realtime(identity.realtime);
+  s.set_log_lost(identity.log_lost ? identity.log_lost() : 0);
+  s.set_slave_log_lost(known && slave.log_lost);
   s.set_ticks(report.ticks);
   s.set_overruns(report.overruns);
   pb::Lateness* late = s.mutable_loop_lateness_us();

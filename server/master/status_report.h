@@ -1,6 +1,7 @@
 // The master's status as operators see it.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -14,11 +15,16 @@ struct MasterIdentity {
   std::string device;
   bool device_simulated = false;
   std::string realtime;  // what the haptic thread got
+  // Lines of the log that were lost so far; empty: nobody counts.
+  std::function<std::uint64_t()> log_lost = {};
 };
 
 // Everything `handrail status` shows, at `now`. Without news from the slave its fields are "none".
 pb::Status status_report(const MasterIdentity& identity, const HapticReport& report,
                          const SlaveState& slave, const LinkSnapshot& link, Nanos now);
+
+// `reason` in words; of a slave in fault also why it is.
+std::string reason_text(Reason reason, const SlaveState& slave);
 
 // "the slave is led by another master (port 47001 on this computer, for 12 s)". Only of a link that
 // is refused at `now`.

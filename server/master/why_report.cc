@@ -14,6 +14,8 @@ namespace handrail {
 namespace {
 
 constexpr double kWorthSaying = 0.2;  // [mm] or [deg]
+// Parts at a right angle to each other add up to 1.4 times their sum as vectors.
+constexpr double kCancels = 1.5;
 
 constexpr std::array<const char*, MotionLedger::kStages> kStageNames = {
     "tool", "smoother", "link", "tube", "bumper", "reach", "limits", "singularity"};
@@ -70,6 +72,8 @@ Shares shares_of(const MotionLedger& ledger, const SlaveState& slave, bool old_l
          smoothed);
   turned(slave_turn(slave), angle_between(ledger.q_SU, ledger.q_ST));
   Share& link = shares[static_cast<std::size_t>(MotionStage::kLink)];
+  // What the slave has, and the controller does not take, looks as if it were still on its way.
+  if (link.why == Reason::kNone && slave.reason == Reason::kRobotSilent) link.why = slave.reason;
   if (link.why == Reason::kNone && old_loop) link.why = Reason::kLoopAge;
   return shares;
 }
@@ -119,10 +123,12 @@ std::string amount(double mm, double deg) {
 std::string stage_text(const Share& share, int joint, const LinkSnapshot& link, Nanos now) {
   std::string out = amount(share.mm, share.deg) + " ";
   if (share.stage == MotionStage::kSmoother) return out + reason_text(share);
-  out += kStageNames[static_cast<std::size_t>(share.stage)];
+  out += share.why == Reason::kRobotSilent ? "controller"
+                                           : kStageNames[static_cast<std::size_t>(share.stage)];
   if (share.why != Reason::kNone) out += fmt::format(": {}", describe(share.why));
   if (share.stage >= MotionStage::kReach && joint >= 0) out += fmt::format(" (J{})", joint + 1);
-  if (share.stage == MotionStage::kLink && link.loop_age(now) != kForever) {
+  if (share.stage == MotionStage::kLink && share.why != Reason::kRobotSilent &&
+      link.loop_age(now) != kForever) {
     out += fmt::format(" (loop {} ms)", link.loop_age(now) / kMillisecond);
   }
   return out;
@@ -137,6 +143,12 @@ void set_sentence(pb::Ledger* out, const HapticReport& report, const SlaveState&
   const auto set_way_out = [&](Reason why) {
     out->set_way_out(way_out_of(why, ledger.joint, slave.q_measured, latched));
   };
+  // In a scene of walls there is no arm to hold, nor to engage.
+  if (report.walls.present && report.out.link.state == SessionState::kFault) {
+    out->set_sentence("the walls are not felt: a stop was requested");
+    out->set_way_out("reset");
+    return;
+  }
   if (const Reason why = holding(report, slave, link, now); why != Reason::kNone) {
     out->set_sentence(fmt::format("the arm holds: {}", why == Reason::kOtherMaster
                                                            ? other_master_text(link, now)
@@ -150,7 +162,10 @@ void set_sentence(pb::Ledger* out, const HapticReport& report, const SlaveState&
   std::stable_sort(shares.begin(), shares.end(),
                    [](const Share& a, const Share& b) { return a.size() > b.size(); });
   std::string text = "the arm is " + amount(out->behind_mm(), out->behind_deg()) + " from the hand";
-  const char* separator = ": ";
+  double parts = 0.0;
+  for (const Share& share : shares) parts += share.mm >= kWorthSaying ? share.mm : 0.0;
+  const bool cancel = parts > kCancels * out->behind_mm() + kWorthSaying;
+  const char* separator = cancel ? ", as these partly cancel: " : ": ";
   for (const Share& share : shares) {
     if (share.size() < kWorthSaying) break;
     text += separator + stage_text(share, ledger.joint, link, now);

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "server/base/operator_path.h"
 #include "server/scene/text_io.h"
 
 namespace handrail {
@@ -67,7 +68,8 @@ Problem check_scene_name(const std::string& scene) {
 
 Problem check(const pb::MasterConfig& c) {
   Problem socket;
-  const std::string socket_text = socket_path_problem(c.operator_socket());
+  const std::string socket_text =
+      c.has_operator_socket() ? socket_path_problem(c.operator_socket()) : std::string();
   if (!socket_text.empty()) socket = FieldProblem{"operator_socket", socket_text};
   Problem recording;
   const bool recorded = c.device().kind() == pb::DeviceConfig::RECORDED;
@@ -167,6 +169,7 @@ Result<pb::MasterConfig> load_master_config(const std::string& path) {
   Result<pb::MasterConfig> config = load<pb::MasterConfig>(path);
   if (!config) return config;
   resolve_scene_path(path, *config);
+  if (!config->has_operator_socket()) config->set_operator_socket(default_operator_socket());
   if (config->device().has_recording()) {
     config->mutable_device()->set_recording(from_folder_of(path, config->device().recording()));
   }

@@ -8,8 +8,8 @@
 namespace handrail {
 
 // With every field, also those not set, at their defaults. `pretty` spreads it over lines, else one
-// line. 64-bit integers and numbers that are not finite are strings, as protobuf's JSON mapping has
-// it.
+// line. Counters (uint64) are numbers, exact up to 2^53. Hashes (fixed64) and numbers that are not
+// finite are strings, as protobuf's JSON mapping has it.
 std::string json_text(const google::protobuf::Message& message, bool pretty);
 
 // The same with the fields that are set alone.

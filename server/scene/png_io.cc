@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 #include <csetjmp>
+#include <cstddef>
+#include <cstdio>
 #include <cstring>
 #include <memory>
 #include <utility>
@@ -110,6 +112,35 @@ std::unique_ptr<Encoding> encoding_of(double power) {
   return out;
 }
 
+// Indices of the palette, one a byte at the beginning of each row, become the row's pixels. What is
+// no colour of the palette is an error: libpng would make it black, which may be a wall.
+void expand_palette(Decoder& d) {
+  png_colorp colours = nullptr;
+  png_bytep alphas = nullptr;
+  int count = 0, alpha_count = 0;
+  png_get_PLTE(d.png, d.info, &colours, &count);
+  png_get_tRNS(d.png, d.info, &alphas, &alpha_count, nullptr);
+  const auto coded = [&](png_byte value) {
+    return d.encoding ? (*d.encoding)[value * 257u] : static_cast<std::uint8_t>(value);
+  };
+  for (int y = 0; y < d.image.height; ++y) {
+    png_bytep row = d.rows[static_cast<std::size_t>(y)];
+    for (int x = d.image.width - 1; x >= 0; --x) {
+      const int index = row[x];
+      if (index >= count) {
+        std::array<char, 120> why{};
+        std::snprintf(why.data(), why.size(), "pixel (%d, %d) has colour %d of a palette of %d", x,
+                      y, index, count);
+        png_error(d.png, why.data());
+      }
+      const std::uint8_t alpha = index < alpha_count ? alphas[index] : std::uint8_t{255};
+      const png_byte pixel[4] = {coded(colours[index].red), coded(colours[index].green),
+                                 coded(colours[index].blue), alpha};
+      std::memcpy(row + std::ptrdiff_t{4} * x, pixel, sizeof pixel);
+    }
+  }
+}
+
 // Everything of libpng's that may fail, and then jumps out of here: nothing in it needs destroying.
 bool run(Decoder& d) {
   if (setjmp(png_jmpbuf(d.png)) != 0) return false;
@@ -119,27 +150,34 @@ bool run(Decoder& d) {
   // Before anything is allocated: deflate cannot have packed that much into so little.
   const std::size_t packed = png_get_rowbytes(d.png, d.info) * png_get_image_height(d.png, d.info);
   if (packed / kMostPacking > d.bytes.size()) png_error(d.png, "ends early");
-  png_set_expand(d.png);
-  png_set_gray_to_rgb(d.png);
+  const bool indexed = png_get_color_type(d.png, d.info) == PNG_COLOR_TYPE_PALETTE;
   const bool wide = png_get_bit_depth(d.png, d.info) == 16;
-  png_set_add_alpha(d.png, wide ? 0xFFFF : 0xFF, PNG_FILLER_AFTER);
   const double power = power_of(d);
-  if (wide || power != 0.0) {
-    d.encoding = encoding_of(power);
-    png_set_read_user_transform_fn(d.png, on_row);
-    png_set_user_transform_info(d.png, &d, 8, 4);
+  if (wide || power != 0.0) d.encoding = encoding_of(power);
+  if (indexed) {
+    png_set_packing(d.png);
+  } else {
+    png_set_expand(d.png);
+    png_set_gray_to_rgb(d.png);
+    png_set_add_alpha(d.png, wide ? 0xFFFF : 0xFF, PNG_FILLER_AFTER);
+    if (d.encoding) {
+      png_set_read_user_transform_fn(d.png, on_row);
+      png_set_user_transform_info(d.png, &d, 8, 4);
+    }
   }
   png_set_interlace_handling(d.png);
   png_read_update_info(d.png, d.info);
   d.image.width = static_cast<int>(png_get_image_width(d.png, d.info));
   d.image.height = static_cast<int>(png_get_image_height(d.png, d.info));
-  const std::size_t row = png_get_rowbytes(d.png, d.info);
-  if (row != std::size_t{4} * png_get_image_width(d.png, d.info)) png_error(d.png, "odd rows");
+  const std::size_t width = png_get_image_width(d.png, d.info), row = 4 * width;
+  const std::size_t read = indexed ? width : row;
+  if (png_get_rowbytes(d.png, d.info) != read) png_error(d.png, "odd rows");
   d.image.rgba.resize(row * static_cast<std::size_t>(d.image.height));
   d.rows.resize(static_cast<std::size_t>(d.image.height));
   for (std::size_t y = 0; y < d.rows.size(); ++y) d.rows[y] = d.image.rgba.data() + y * row;
   png_read_image(d.png, d.rows.data());
   png_read_end(d.png, nullptr);
+  if (indexed) expand_palette(d);
   return true;
 }
 

@@ -64,6 +64,10 @@ Problem check_given(const pb::Tool& t, ToolKind kind) {
 // Names the field behind what the call's own validator refused.
 FieldProblem blame(Reason reason, const ToolCall& call) {
   if (reason == Reason::kToolEndBehindStart) return {"end_mm", describe(reason)};
+  if (!call.at_present && end_too_far(call, call.p_SA)) {
+    return {"end_mm", number_text((call.p_SE - call.p_SA).norm() / kMm) +
+                          " mm from at_mm, expected less than " + number_text(kFarthest / kMm)};
+  }
   if (reason != Reason::kToolDirectionZero) return {"kind", describe(reason)};
   if (call.kind == ToolKind::kFRotation) return {"axis", describe(reason)};
   if (call.kind != ToolKind::kPlane) return {"direction", describe(reason)};

@@ -1,6 +1,7 @@
 // Where the slave's two threads meet: newest values, nobody waits.
 #pragma once
 
+#include "server/base/fixed_text.h"
 #include "server/base/link_state.h"
 #include "server/base/mailbox.h"
 #include "server/control/follow_step.h"
@@ -26,6 +27,8 @@ struct SlaveReport {
   SlaveState state;
   Nanos good_until = kForever;  // later it is no longer true: the loop stands still
   std::uint64_t halts = 0;      // of an arm in motion, since the controller was not heard
+  bool connected = false;       // to the controller
+  FixedText<240> problem{};     // why not; empty: it has not been tried, or is connected
 };
 
 struct SlaveMailboxes {

@@ -1,6 +1,6 @@
 #include "server/slave/robot_loop.h"
 
-#include <spdlog/spdlog.h>
+#include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
 #include <cmath>
@@ -70,7 +70,6 @@ Nanos RobotLoop::turn() {
       lost_ = true;
       input_.answer = Answer::kNone;
       step(now, Reason::kRobotLost);
-      spdlog::error("{}: reset to connect again", describe(Reason::kRobotLost));
       break;
   }
   publish();
@@ -122,11 +121,10 @@ void RobotLoop::connect() {
   }
   if (!status) {
     next_attempt_ = clock_() + kRetry;
-    if (status.message() != last_problem_) spdlog::warn("{}; trying again", status.message());
-    last_problem_ = status.message();
+    report_.problem = fixed_text<decltype(report_.problem)>(status.message());
     return publish();
   }
-  last_problem_.clear();
+  report_.problem = {};
   connected_ = true;
   take_reply();
   input_.answer = Answer::kOnTime;
@@ -134,7 +132,6 @@ void RobotLoop::connect() {
   step(clock_(), Reason::kNone);
   send();
   publish();
-  spdlog::info("connected to {}", robot_.capabilities().name);
 }
 
 void RobotLoop::step(Nanos now, Reason fault) {
@@ -186,6 +183,7 @@ void RobotLoop::publish(Nanos busy_for) {
   output_.link.silences = silences_;
   report_.state = output_.link;
   report_.halts = state_.halts;
+  report_.connected = connected_;
   report_.good_until = clock_() + kStateStands + busy_for;
   boxes_.report.publish(report_);
 }

@@ -3,7 +3,6 @@
 
 #include <atomic>
 #include <cstdint>
-#include <string>
 
 #include "devices/robot.h"
 #include "server/base/clock.h"
@@ -74,7 +73,6 @@ class RobotLoop {
   Nanos next_attempt_ = -kForever;
   Nanos stepped_at_ = -kForever;
   Nanos stop_since_ = -1;
-  std::string last_problem_;
   std::atomic<bool> stop_requested_{false};
   std::atomic<bool> finished_{false};
 };

@@ -1,10 +1,10 @@
 // handrail-slave: drives the robot arm as the master says, within the arm's limits.
 #include <spdlog/fmt/fmt.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <csignal>
 #include <cstdio>
+#include <future>
 #include <memory>
 #include <string>
 #include <thread>
@@ -12,9 +12,11 @@
 #include "devices/melfa/melfa_robot.h"
 #include "devices/net_ft/net_ft_sensor.h"
 #include "proto/config.pb.h"
-#include "server/base/daemon_args.h"
 #include "server/base/pacer.h"
 #include "server/base/realtime.h"
+#include "server/daemon/daemon_args.h"
+#include "server/daemon/daemon_log.h"
+#include "server/daemon/service_socket.h"
 #include "server/scene/config_io.h"
 #include "server/scene/payload_io.h"
 #include "server/scene/scene_library.h"
@@ -37,6 +39,9 @@ constexpr int kIoPriority = 70;         // the link must not starve on a busy ma
 const char kWhat[] =
     "The robot's side: follows the master's commands on the arm, within its limits, and reports\n"
     "joints and contact forces back. SIGTERM stops the arm on its path, then exits.";
+
+const char kNoStopCircuit[] =
+    "stop circuit: none, no driver reads one yet; the controller's emergency stop must be in reach";
 
 int fail(const std::string& message) {
   std::fprintf(stderr, "handrail-slave: %s\n", message.c_str());
@@ -80,18 +85,18 @@ std::string sensor_text(const FollowSettings& settings) {
   return out;
 }
 
-void run_robot(RobotLoop& loop) {
+void run_robot(RobotLoop& loop, std::promise<std::string>& realtime) {
   sigset_t all;
   sigfillset(&all);
   pthread_sigmask(SIG_BLOCK, &all, nullptr);
-  spdlog::info("robot thread: {}", enter_realtime(kRobotPriority).report);
+  realtime.set_value(enter_realtime(kRobotPriority).report);
   while (!loop.finished()) {
     const Nanos next = loop.turn();
     if (next > 0) sleep_until(next);
   }
 }
 
-int run(const pb::SlaveConfig& config, bool check_only) {
+int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
   MelfaRobot robot(robot_options(config.robot()));
   const std::unique_ptr<NetFtSensor> sensor = make_sensor(config.force_sensor());
   const SceneLibrary library({config.scene_path().begin(), config.scene_path().end()});
@@ -114,26 +119,41 @@ int run(const pb::SlaveConfig& config, bool check_only) {
   if (check_only) {
     std::puts("configuration ok");
     if (!sensor_says.empty()) std::puts(sensor_says.c_str());
+    std::puts(kNoStopCircuit);
     return 0;
   }
 
   if (!sensor_says.empty()) spdlog::info("{}", sensor_says);
+  ServiceSocket notice;
   SlaveMailboxes boxes;
   SlaveServerOptions options;
   options.address = config.link_address();
   options.port = port_of(config.link_port());
+  options.robot = robot.capabilities().name;
   options.load_scene = settings_of;
+  options.log_lost = [&log] { return log.lost(); };
   SlaveServer server(boxes, sensor.get(), options);
   if (const Status opened = server.open(); !opened) return fail(opened.message());
   if (sensor) {
     if (const Status started = sensor->start(); !started) return fail(started.message());
   }
   RobotLoop loop(robot, *settings, boxes);
-  std::thread robot_thread([&loop] { run_robot(loop); });
+  std::promise<std::string> realtime;
+  std::thread robot_thread([&] { run_robot(loop, realtime); });
+  spdlog::info("robot thread: {}", realtime.get_future().get());
   std::printf("READY link_port=%d\n", server.port());
   std::fflush(stdout);
-  spdlog::info("IO thread: {}", enter_realtime(kIoPriority).report);
-  server.run([&loop] { loop.request_stop(); }, [&loop] { return loop.finished(); });
+  notice.ready();
+  const RealtimeGrant io = enter_realtime(kIoPriority);
+  spdlog::info("IO thread: {}", io.report);
+  if (const std::string advice = realtime_advice(io); !advice.empty()) spdlog::warn("{}", advice);
+  server.run(
+      [&] {
+        notice.stopping();
+        loop.request_stop();
+      },
+      [&loop] { return loop.finished(); },
+      [&notice](Nanos now, bool runs) { notice.tick(now, runs); });
   robot_thread.join();
   if (sensor) sensor->stop();
   return 0;
@@ -149,6 +169,6 @@ int main(int argc, char** argv) {
   const auto config = load_slave_config(args->config_path);
   if (!config) return fail(config.message());
   // Standard output carries only the READY line.
-  spdlog::set_default_logger(spdlog::stderr_color_mt("handrail-slave"));
-  return run(*config, args->check);
+  const DaemonLog log("handrail-slave");
+  return run(*config, args->check, log);
 }

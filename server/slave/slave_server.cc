@@ -6,6 +6,7 @@
 
 #include "server/control/session.h"
 #include "server/link/link_server.h"
+#include "server/link/session_watch.h"
 
 namespace handrail {
 
@@ -26,8 +27,16 @@ struct SlaveServer::Impl {
     poll_sensor(now);
     known = boxes.report.take(report) || known;
     if (!known) return;
+    if (alive) alive(now, now <= report.good_until);
     say_halts(now);
+    say_connection();
     SlaveState told = report.state;
+    const auto in_words = [](Reason reason) { return describe(reason); };
+    const Reason why = told.state == SessionState::kFault ? told.fault : told.reason;
+    if (const auto line = session.step(now, told.state, why, in_words)) {
+      say(told.state == SessionState::kFault, *line);
+    }
+    told.log_lost = options.log_lost && options.log_lost() > 0;
     if (scene_missing && told.state == SessionState::kOff) told.reason = Reason::kSceneNotLoaded;
     link.send(now, told, report.good_until, report.good_until);
   }
@@ -39,6 +48,21 @@ struct SlaveServer::Impl {
                  report.halts);
     said_halts = report.halts;
     next_halt_line = now + kSecond;
+  }
+
+  // Once when it begins, and when the problem is another.
+  void say_connection() {
+    if (report.connected != said_connected) {
+      if (report.connected) {
+        spdlog::info("connected to {}", options.robot);
+      } else {
+        spdlog::error("{}: reset to connect again", describe(Reason::kRobotLost));
+      }
+    }
+    said_connected = report.connected;
+    if (report.problem == said_problem) return;
+    said_problem = report.problem;
+    if (said_problem[0] != '\0') spdlog::warn("{}; trying again", text_of(said_problem));
   }
 
   static void say(bool bad, const std::string& line) {
@@ -90,6 +114,10 @@ struct SlaveServer::Impl {
   LinkServer<SlaveState, MasterState> link{"robot", "master"};
   SlaveReport report;
   bool known = false;  // the robot loop has spoken
+  SessionWatch session;
+  std::function<void(Nanos, bool)> alive;
+  bool said_connected = false;
+  FixedText<240> said_problem{};
   std::uint64_t said_halts = 0;
   Nanos next_halt_line = -kForever;
   Nanos next_look = 0;         // for a scene
@@ -108,8 +136,10 @@ Status SlaveServer::open() {
 
 std::uint16_t SlaveServer::port() const { return impl_->link.port(); }
 
-void SlaveServer::run(std::function<void()> on_signal, std::function<bool()> finished) {
+void SlaveServer::run(std::function<void()> on_signal, std::function<bool()> finished,
+                      std::function<void(Nanos, bool)> alive) {
   Impl& impl = *impl_;
+  impl.alive = std::move(alive);
   impl.link.run({[&impl](Nanos now) { impl.hear(now); }, [&impl](Nanos now) { impl.tick(now); },
                  std::move(on_signal), std::move(finished), &Impl::say});
 }

@@ -15,6 +15,9 @@ namespace handrail {
 struct SlaveServerOptions {
   std::string address = "127.0.0.1";  // loopback
   std::uint16_t port = 0;             // 0 = any free one
+  std::string robot = "the robot";    // in what is said
+  // Lines of the log that were lost so far; empty: nobody counts.
+  std::function<std::uint64_t()> log_lost = {};
   // Our scene of that name; the error says why there is none. Called in the IO thread, while
   // nothing moves, when the master's scene differs from the one in the robot loop.
   std::function<Result<FollowSettings>(const std::string& scene)> load_scene;
@@ -30,9 +33,11 @@ class SlaveServer {
   Status open();
   std::uint16_t port() const;
 
-  // Serves until `finished` says so, asked a thousand times a second. SIGINT and SIGTERM call
+  // Serves until `finished` says so, asked a thousand times a second. ending_signals() call
   // `on_signal` in this thread.
-  void run(std::function<void()> on_signal, std::function<bool()> finished);
+  // `alive` hears at every tick whether the control loop runs.
+  void run(std::function<void()> on_signal, std::function<bool()> finished,
+           std::function<void(Nanos now, bool runs)> alive = {});
 
  private:
   struct Impl;

@@ -6,10 +6,6 @@
 namespace handrail {
 namespace {
 
-// A hand that holds the arm still drifts by a millimetre and a degree. That needs no force to speak
-// of, and pose and reading are means over the same time.
-constexpr double kStill = 3.0 * kMm;
-constexpr double kStillTurn = 1.5 * kDeg;
 constexpr std::size_t kFewestReadings = 20;
 
 Vec3 down_in_tip(const Quat& q_ST) { return q_ST.conjugate() * Vec3(0, 0, -1); }
@@ -48,8 +44,9 @@ PayloadSampler::State PayloadSampler::add(const PayloadReading& reading) {
   }
   if (!window_.empty()) {
     const Pose& stand = window_.front().X_ST;
-    if ((reading.X_ST.p - stand.p).norm() > kStill ||
-        angle_between(reading.X_ST.q, stand.q) > kStillTurn) {
+    moved_ = (reading.X_ST.p - stand.p).norm();
+    moved_turn_ = angle_between(reading.X_ST.q, stand.q);
+    if (moved_ > kStill || moved_turn_ > kStillTurn) {
       window_.clear();
       window_.push_back(reading);
       return State::kMoving;

@@ -34,16 +34,24 @@ class PayloadSampler {
   const std::vector<PayloadSample>& samples() const { return samples_; }
   // How long the tip has stood [s].
   double stood() const { return window_.empty() ? 0.0 : window_.back().t - window_.front().t; }
+  // How far the newest reading was from where the tip stood before: [m], [rad].
+  double moved() const { return moved_; }
+  double moved_turn() const { return moved_turn_; }
   // From the nearest sample's direction of gravity to the newest reading's [rad]; pi without one.
   double turned() const { return turned_; }
 
   static constexpr double kStand = 1.0;  // [s]
   static constexpr double kTurn = 20.0 * kDeg;
+  // A hand that holds the arm still drifts by a millimetre and a degree. That needs no force to
+  // speak of, and pose and reading are means over the same time.
+  static constexpr double kStill = 3.0 * kMm;
+  static constexpr double kStillTurn = 1.5 * kDeg;
 
  private:
   std::vector<PayloadReading> window_;  // while standing
   std::vector<PayloadSample> samples_;
   double turned_ = 0.0;
+  double moved_ = 0.0, moved_turn_ = 0.0;
 };
 
 }  // namespace handrail

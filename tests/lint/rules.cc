@@ -20,8 +20,8 @@ const std::map<std::string, Folders>& table() {
   static const Folders base = {"server/base"};
   static const Folders steps =
       base + Folders{"server/scene", "server/kinematics", "server/constraint", "server/effects"};
-  static const Folders daemons =
-      steps + Folders{"server/control", "server/link", "server/record", "proto", "devices"};
+  static const Folders daemons = steps + Folders{"server/control", "server/daemon", "server/link",
+                                                 "server/record",  "proto",         "devices"};
   static const Folders sim = steps + Folders{"devices", "devices/hand"};
   static const Folders all_devices = {"devices/hand",  "devices/omni",   "devices/joystick",
                                       "devices/melfa", "devices/net_ft", "devices/udp",
@@ -29,6 +29,7 @@ const std::map<std::string, Folders>& table() {
   static const std::map<std::string, Folders> rows = {
       {"proto", {}},
       {"server/base", {}},
+      {"server/daemon", base},
       {"server/task", base},
       {"server/scene", base + Folders{"server/kinematics", "server/task", "proto"}},
       {"server/kinematics", base},
@@ -49,7 +50,8 @@ const std::map<std::string, Folders>& table() {
       {"devices/hand", sim},
       {"devices/omni", sim},
       {"devices/joystick", sim},
-      {"devices/rig", sim + Folders{"proto", "devices/melfa", "devices/net_ft", "devices/udp"}},
+      {"devices/rig",
+       sim + Folders{"proto", "server/daemon", "devices/melfa", "devices/net_ft", "devices/udp"}},
       {"client/api", base + Folders{"proto", "server/link"}},
       {"client/cli",
        base + Folders{"proto", "server/link", "server/task", "server/scene", "client/api"}},
@@ -174,7 +176,8 @@ Violations logging(const File& source) {
   const std::string folder = folder_of(source.path);
   const bool speaks = starts_with(folder, "devices") || starts_with(folder, "client") ||
                       folder == "server/master" || folder == "server/slave" ||
-                      folder == "server/record" || folder == "server/lab";
+                      folder == "server/daemon" || folder == "server/record" ||
+                      folder == "server/lab";
   if (speaks && ends_with(source.path, ".cc")) return {};
   return forbid(source, {"spdlog/"},
                 "logs are written by .cc files of daemons, client and devices");

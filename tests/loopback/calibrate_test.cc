@@ -66,15 +66,16 @@ TEST_F(CalibrateTest, SixTiltsOfTheTipGiveThePayloadAndItsBlockTakesItOut) {
   EXPECT_THAT(refused.second, HasSubstr("already takes a payload out of its readings"));
 }
 
-TEST_F(CalibrateTest, CtrlCEndsItAndNothingIsWritten) {
-  const std::string block = folder.path() + "/payload.conf";
-  Program calibrate(folder, "handrail",
-                    {"calibrate", "payload", "--socket", socket(), "--out", block});
+TEST_F(CalibrateTest, CtrlCEndsItAndWhatWasGatheredIsKept) {
+  const std::string block = folder.path() + "/payload.conf", csv = folder.path() + "/samples.csv";
+  Program calibrate(
+      folder, "handrail",
+      {"calibrate", "payload", "--socket", socket(), "--out", block, "--record", csv});
   (void)calibrate.after("1 of 6: ");
   calibrate.send(SIGINT);
   EXPECT_EQ(calibrate.finish(), 1);
-  EXPECT_THAT(calibrate.output(),
-              HasSubstr("stopped after 1 of 6 orientations; nothing is written"));
+  EXPECT_THAT(calibrate.output(), HasSubstr("stopped after 1 of 6 orientations\nkept in " + csv));
+  EXPECT_TRUE(std::filesystem::exists(csv));
   EXPECT_FALSE(std::filesystem::exists(block));
 }
 

@@ -1,13 +1,17 @@
 // The operator socket as a file, and the protocol on it.
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <signal.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 
 #include <thread>
+#include <utility>
 
 #include "client/api/operator_client.h"
 #include "server/base/clock.h"
+#include "server/base/folder_owner.h"
 #include "server/base/pacer.h"
 #include "tests/loopback/operator_bench.h"
 
@@ -27,15 +31,20 @@ mode_t mode_of(const std::string& path) {
   return ::stat(path.c_str(), &info) == 0 ? info.st_mode & 07777 : 0;
 }
 
-// What a killed master leaves behind.
-void leave_stale_socket(const std::string& path) {
+int bound_socket(const std::string& path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   std::copy(path.begin(), path.end(), address.sun_path);
   const int fd = ::socket(AF_UNIX, SOCK_STREAM, 0);
-  ASSERT_EQ(::bind(fd, reinterpret_cast<sockaddr*>(&address), sizeof(address)), 0);
-  ::close(fd);
+  EXPECT_EQ(::bind(fd, reinterpret_cast<sockaddr*>(&address), sizeof(address)), 0);
+  return fd;
 }
+
+// What a killed master leaves behind.
+void leave_stale_socket(const std::string& path) { ::close(bound_socket(path)); }
+
+// Listens as long as this process lives, and answers nobody.
+void leave_listening(const std::string& path) { EXPECT_EQ(::listen(bound_socket(path), 1), 0); }
 
 pb::Request status_request() {
   pb::Request request;
@@ -92,10 +101,65 @@ TEST_F(OperatorApi, LeavesAFileThatIsNoSocketAlone) {
 }
 
 TEST_F(OperatorApi, RefusesAFolderThatOthersMayWriteTo) {
-  ASSERT_EQ(::mkdir((folder_.path() + "/run").c_str(), 0700), 0);
-  ASSERT_EQ(::chmod((folder_.path() + "/run").c_str(), 0777), 0);
+  const std::string run = folder_.path() + "/run";
+  ASSERT_EQ(::mkdir(run.c_str(), 0700), 0);
+  for (const auto& [mode, text] : {std::pair(0777, "0777"), std::pair(0770, "0770"),
+                                   std::pair(01777, "1777"), std::pair(0702, "0702")}) {
+    ASSERT_EQ(::chmod(run.c_str(), static_cast<mode_t>(mode)), 0);
+    const OperatorBench bench(path_);
+    EXPECT_EQ(bench.status().message(), "operator socket " + path_ + ": " + run + " of " +
+                                            user_text(::geteuid()) + " has mode " + text +
+                                            ": others could replace what is in it, expected 0700");
+  }
+  ASSERT_EQ(::chmod(run.c_str(), 0750), 0);
+  EXPECT_TRUE(OperatorBench(path_).status().is_ok());
+}
+
+TEST_F(OperatorApi, RefusesAFolderThatIsALink) {
+  const std::string run = folder_.path() + "/run";
+  std::filesystem::create_directory_symlink(folder_.path(), run);
   const OperatorBench bench(path_);
-  EXPECT_NE(bench.status().message().find("others could replace it"), std::string::npos);
+  EXPECT_EQ(bench.status().message(), "operator socket " + path_ + ": " + run + " is a link of " +
+                                          user_text(::geteuid()) + ", expected the folder itself");
+}
+
+// Somebody else was there before the master.
+TEST_F(OperatorApi, AClientSaysWhoElseListens) {
+  if (::geteuid() != 0) GTEST_SKIP() << "only root can be somebody else";
+  constexpr uid_t kStranger = 54321;
+  ASSERT_EQ(::chmod(folder_.path().c_str(), 0777), 0);
+  const auto meet = [&](const std::string& path) {
+    int ready[2];
+    EXPECT_EQ(::pipe(ready), 0);
+    const pid_t child = ::fork();
+    if (child == 0) {
+      if (::setuid(kStranger) != 0) ::_exit(1);
+      leave_listening(path);
+      (void)!::write(ready[1], "", 1);
+      ::pause();
+    }
+    char byte = 0;
+    EXPECT_EQ(::read(ready[0], &byte, 1), 1);
+    const std::string said =
+        OperatorClient(path).call(status_request(), 200 * kMillisecond).message();
+    ::kill(child, SIGKILL);
+    ::waitpid(child, nullptr, 0);
+    for (const int end : ready) ::close(end);
+    return said;
+  };
+  EXPECT_EQ(meet(folder_.path() + "/theirs.sock"),
+            "no master on " + folder_.path() + "/theirs.sock: uid 54321 listens there, expected " +
+                user_text(0) + ", root, or the owner of a folder that nobody else can replace");
+  // The folder is theirs, and nobody else can put another in its place.
+  ASSERT_EQ(::chmod(folder_.path().c_str(), 0755), 0);
+  const std::string run = folder_.path() + "/run";
+  ASSERT_EQ(::mkdir(run.c_str(), 0700), 0);
+  ASSERT_EQ(::chown(run.c_str(), kStranger, kStranger), 0);
+  EXPECT_EQ(meet(path_), "no master on " + path_ + ": no answer in time");
+  // Anybody can put one here.
+  ASSERT_EQ(::chmod(folder_.path().c_str(), 01777), 0);
+  std::filesystem::remove(path_);
+  EXPECT_NE(meet(path_).find("uid 54321 listens there"), std::string::npos);
 }
 
 TEST_F(OperatorApi, RefusesAPathTooLongForASocket) {

@@ -66,7 +66,9 @@ class ScriptedMaster : public OperatorHandler {
 
 class OperatorBench {
  public:
-  explicit OperatorBench(const std::string& path) : path_(path), server_(io_, master) {
+  explicit OperatorBench(const std::string& path,
+                         std::size_t max_clients = OperatorServer::kMaxClients)
+      : path_(path), server_(io_, master, max_clients) {
     status_ = server_.start(path);
     thread_ = std::thread([this] { io_.run(); });
   }

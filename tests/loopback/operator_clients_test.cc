@@ -46,22 +46,46 @@ TEST_F(OperatorClients, HalfAFrameDelaysNobodyAndIsCutOff) {
   EXPECT_EQ(slow.receive().reason(), "(closed)");
 }
 
-TEST_F(OperatorClients, ASeventeenthIsToldSoAndComesInOnceAnotherLeaves) {
-  std::vector<std::unique_ptr<RawClient>> clients;
-  for (std::size_t i = 0; i < OperatorServer::kMaxClients; ++i) {
-    clients.push_back(std::make_unique<RawClient>(path_));
-    ASSERT_TRUE(clients.back()->send(status_frame()));
-    ASSERT_TRUE(clients.back()->receive().done());
+// Four places: who gives orders keeps his, however many come who only ask.
+TEST_F(OperatorClients, WhoeverComesIsLetInAndWhoOnlyAsksMakesRoom) {
+  bench_.reset();
+  bench_ = std::make_unique<OperatorBench>(path_, 4);
+  RawClient driver(path_);
+  ASSERT_TRUE(driver.send(framed(order(&pb::Request::set_disengage).SerializeAsString())));
+  ASSERT_TRUE(driver.receive().done());
+  std::vector<std::unique_ptr<RawClient>> askers;
+  for (int i = 0; i < 20; ++i) {
+    askers.push_back(std::make_unique<RawClient>(path_));
+    ASSERT_TRUE(askers.back()->send(status_frame()));
+    ASSERT_TRUE(askers.back()->receive().done()) << i;
   }
-  EXPECT_EQ(bench_->clients(), OperatorServer::kMaxClients);
-  RawClient refused(path_);
-  EXPECT_EQ(refused.receive().reason(), "16 clients are connected already");
-  EXPECT_EQ(refused.receive().reason(), "(closed)");
-  clients.pop_back();
-  while (bench_->clients() == OperatorServer::kMaxClients) std::this_thread::yield();
-  RawClient welcome(path_);
-  ASSERT_TRUE(welcome.send(status_frame()));
-  EXPECT_TRUE(welcome.receive().done());
+  EXPECT_EQ(bench_->clients(), 4u);
+  EXPECT_EQ(askers[0]->receive().reason(), "another client took your place: there is room for 4");
+  EXPECT_EQ(askers[0]->receive().reason(), "(closed)");
+  for (int i = 17; i < 20; ++i) {
+    auto& asker = *askers[static_cast<std::size_t>(i)];
+    ASSERT_TRUE(asker.send(status_frame()));
+    EXPECT_TRUE(asker.receive().done()) << i;
+  }
+  ASSERT_TRUE(driver.send(status_frame()));
+  EXPECT_TRUE(driver.receive().done());
+}
+
+// All have come and asked before the server looks: the stop, who came last, goes first.
+TEST_F(OperatorClients, AStopPassesEverybodyWhoAsks) {
+  std::vector<std::unique_ptr<RawClient>> askers;
+  std::unique_ptr<RawClient> stopper;
+  bench_->run([&] {
+    for (int i = 0; i < 500; ++i) {
+      askers.push_back(std::make_unique<RawClient>(path_));
+      EXPECT_TRUE(askers.back()->send(status_frame()));
+    }
+    stopper = std::make_unique<RawClient>(path_);
+    EXPECT_TRUE(stopper->send(framed(order(&pb::Request::set_stop).SerializeAsString())));
+  });
+  EXPECT_EQ(stopper->receive().reason(), "(closed)") << "as the scripted master answers it";
+  EXPECT_LT(bench_->master.requests, 450);
+  for (const auto& asker : askers) EXPECT_TRUE(asker->receive().done());
 }
 
 TEST_F(OperatorClients, TheMasterMayAnswerLaterFromAnyThread) {

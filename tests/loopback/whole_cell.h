@@ -53,7 +53,8 @@ class WholeCell : public ::testing::Test {
   }
   std::unique_ptr<Program> launch(const std::string& name, const std::string& config) const {
     return std::make_unique<Program>(
-        folder, name, std::vector<std::string>{"--config", folder.write(name + ".cfg", config)});
+        folder, name, std::vector<std::string>{"--config", folder.write(name + ".cfg", config)},
+        log_to);
   }
   std::string socket() const { return folder.path() + "/operator/operator.sock"; }
 
@@ -129,6 +130,7 @@ class WholeCell : public ::testing::Test {
   TempFolder folder;
   int robot_port = 0, sensor_port = 0, slave_port = 0, master_port = 0;
   std::string rig_extra, slave_extra, master_extra;
+  int log_to = -1;  // standard error of what is launched next; -1: with its output
   std::unique_ptr<Program> rig, slave, master;
   OperatorClient client{socket()};
 };

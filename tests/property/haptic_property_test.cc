@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include <cmath>
 #include <limits>
 
+#include "server/link/check.h"
 #include "tests/unit/control/haptic_rig.h"
 
 namespace handrail {
@@ -119,6 +121,65 @@ RC_GTEST_PROP(HapticProperty, TheSlaveIsOnlyEverToldWhatIsAPoseAndATool, ()) {
       RC_ASSERT(is_finite(tool->p_SA) && is_finite(tool->direction_S) && is_finite(tool->normal_S));
       RC_ASSERT(is_unit(tool->q_ref));
     }
+  }
+}
+
+double extreme() {
+  const double size =
+      *rc::gen::element(0.0, 1e-12, 1e-6, 0.3, 5.77, 5.78, 9.9999999, 10.0, 1e6, 1e300);
+  return one_in(2) ? size : -size;
+}
+
+Vec3 extremes() { return one_in(2) ? Vec3(extreme(), extreme(), extreme()) : within(0.3); }
+
+HapticOrder extreme_order() {
+  HapticOrder order = any_order();
+  ToolCall& call = order.tool;
+  call.at_present = one_in(2);
+  call.p_SA = extremes();
+  call.direction_S = extremes();
+  call.normal_S = extremes();
+  call.axis_S = extremes();
+  call.has_axis = one_in(2);
+  call.has_end = one_in(2);
+  call.p_SE = extremes();
+  call.stiffness = std::abs(extreme());
+  return order;
+}
+
+// The slave refuses what is not sound, and both sides would fault: here every order is refused that
+// leads there, and no way of the hand does.
+RC_GTEST_PROP(HapticProperty, WhateverIsOrderedADatagramCarriesWhatIsSent, ()) {
+  HapticRig rig;
+  rig.engage();
+  for (int i = 0; i < 60; ++i) {
+    rig.in.order = extreme_order();
+    rig.tick();
+    RC_ASSERT(check(rig.out.link) == Reject::kNone);
+    rig.ticks(3);
+    RC_ASSERT(check(rig.out.link) == Reject::kNone);
+  }
+}
+
+// Strokes of the clutch add up to 30 m at the robot.
+TEST(HapticProperty, HoweverFarTheHandLeadsADatagramCarriesIt) {
+  for (const Vec3& way : {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0.6, 0, 0.8), Vec3(1, 1, 1)}) {
+    HapticRig rig;
+    rig.engage();
+    for (int stroke = 0; stroke < 80; ++stroke) {
+      for (int i = 0; i < 20; ++i) {
+        rig.in.hand.X_MH.p += 0.01 * way.normalized();
+        rig.tick();
+        ASSERT_EQ(check(rig.out.link), Reject::kNone) << stroke;
+      }
+      rig.in.hand.clutch_button = true;
+      rig.tick();
+      rig.in.hand.X_MH.p.setZero();
+      rig.tick();
+      rig.in.hand.clutch_button = false;
+    }
+    EXPECT_GT(rig.command().p.norm(), 9.9);
+    EXPECT_TRUE(rig.out.reasons.has(Reason::kOutOfReach));
   }
 }
 

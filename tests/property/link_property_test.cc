@@ -110,6 +110,7 @@ SlaveState any_slave() {
   s.f_E_S = {1e3 * point(), 1e3 * point()};
   s.has_wrench = coin();
   s.payload_removed = coin();
+  s.log_lost = coin();
   s.stop_epoch = u64();
   s.fault_epoch = u64();
   s.engagement_epoch = u64();

@@ -27,7 +27,8 @@ int number_after(const std::string& output, const std::string& part) {
 
 }  // namespace
 
-Cell::Cell(const Sequence& sequence) : sequence_(sequence) {
+Cell::Cell(const Sequence& sequence, bool as_shipped)
+    : sequence_(sequence), as_shipped_(as_shipped) {
   folder_.write("storm.scene", scene());
 }
 
@@ -62,7 +63,10 @@ Status Cell::start(Who who) {
 }
 
 std::string Cell::config(Who who) {
-  const std::string scene = fmt::format("scene: 'storm' scene_path: '{}'", folder_.path());
+  std::string scene = fmt::format("scene: 'storm' scene_path: '{}'", folder_.path());
+  std::string hand =
+      "device { hand { reaction_ms: 0 tremor_rms_mm: 0 drift_rms_mm: 0 drift_rms_deg: 0 } }";
+  if (as_shipped_) scene = hand = "";
   switch (who) {
     case Who::kRig:
       taps_.push_back(fmt::format("{}/rig{}.tap", folder_.path(), taps_.size() + 1));
@@ -75,10 +79,8 @@ std::string Cell::config(Who who) {
       return fmt::format("link_port: {} robot {{ port: {} }} force_sensor {{ port: {} }} {}",
                          slave_port_, robot_port_, sensor_port_, scene);
     default:
-      return fmt::format(
-          "link_port: {} slave_port: {} operator_socket: '{}' {} device {{ hand {{ reaction_ms: 0 "
-          "tremor_rms_mm: 0 drift_rms_mm: 0 drift_rms_deg: 0 }} }}",
-          master_port_, slave_port_, socket(), scene);
+      return fmt::format("link_port: {} slave_port: {} operator_socket: '{}' {} {}", master_port_,
+                         slave_port_, socket(), scene, hand);
   }
 }
 

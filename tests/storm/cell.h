@@ -15,7 +15,8 @@ namespace handrail::storm {
 
 class Cell {
  public:
-  explicit Cell(const Sequence& sequence);
+  // `as_shipped`: with the daemons' own scene and simulated hand, not those of a storm.
+  explicit Cell(const Sequence& sequence, bool as_shipped = false);
 
   // Starts a program and waits until it says that it is ready. The error has what it printed.
   Status start(Who who);
@@ -46,6 +47,7 @@ class Cell {
   std::string config(Who who);
 
   Sequence sequence_;
+  bool as_shipped_;
   TempFolder folder_;
   std::array<Program, 3> programs_;
   std::vector<std::string> taps_;

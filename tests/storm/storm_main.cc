@@ -13,6 +13,7 @@
 
 #include "client/cli/interrupt.h"
 #include "server/lab/console.h"
+#include "tests/storm/demos.h"
 #include "tests/storm/results.h"
 
 namespace {
@@ -25,6 +26,7 @@ using handrail::storm::Summary;
 
 const char kUsage[] =
     "usage: handrail-storm [--sequences N] [--seed S] [--results FILE] [--keep FOLDER] [--json]\n"
+    "       handrail-storm --demos N [--seed S]\n"
     "\n"
     "Starts rig, slave and master, drives at speed, pauses, cuts off, ends and restarts them at\n"
     "random, follows `handrail why` out of it and drives again. In every sequence the arm keeps "
@@ -35,6 +37,9 @@ const char kUsage[] =
     "usage\n"
     "or bad file, 130 stopped.\n"
     "\n"
+    "  --demos N        N times `handrail demo`, once every 10 s with one of its programs paused "
+    "for\n"
+    "                   20 to 500 ms; each has to end with its table\n"
     "  --sequences N    seeds S to S+N-1 (50)\n"
     "  --seed S         of the first; drawn and printed when absent\n"
     "  --results FILE   a line a sequence; those in it are not run again\n"
@@ -44,7 +49,7 @@ const char kUsage[] =
     "  --json           the summary alone, for programs\n";
 
 struct Arguments {
-  std::uint64_t sequences = 50, seed = 0;
+  std::uint64_t sequences = 50, seed = 0, demos = 0;
   std::string results;
   // Named here, before the taps go elsewhere.
   std::filesystem::path keep =
@@ -77,6 +82,10 @@ int read_arguments(int argc, char** argv, Arguments& out) {
       if (!read_number(value, 1, out.sequences)) {
         return complain("--sequences '" + value + "': expected a number from 1 on");
       }
+    } else if (name == "--demos") {
+      if (!read_number(value, 1, out.demos)) {
+        return complain("--demos '" + value + "': expected a number from 1 on");
+      }
     } else if (name == "--seed") {
       seeded = read_number(value, 0, out.seed);
       if (!seeded) return complain("--seed '" + value + "': expected a number from 0 on");
@@ -86,7 +95,7 @@ int read_arguments(int argc, char** argv, Arguments& out) {
       out.keep = value;
     } else {
       return complain("'" + name +
-                      "': unknown; expected --sequences, --seed, --results, "
+                      "': unknown; expected --sequences, --demos, --seed, --results, "
                       "--keep or --json");
     }
   }
@@ -130,6 +139,24 @@ std::string again(std::uint64_t seed, const std::filesystem::path& kept) {
                      there ? "kept: " + kept.string() : "nothing of it in " + kept.string());
 }
 
+int run_demos(const Arguments& arguments) {
+  std::uint64_t failed = 0;
+  for (std::uint64_t i = 0; i < arguments.demos; ++i) {
+    const std::uint64_t seed = arguments.seed + i;
+    const auto out = handrail::storm::run_demo(seed, handrail::interrupted);
+    if (!out.complete) {
+      (void)complain(fmt::format("stopped after {} of {} demos", i, arguments.demos));
+      return handrail::kCancelled;
+    }
+    failed += out.problem.empty() ? 0 : 1;
+    fmt::print("demo {}: {} pauses, {}\n", seed, out.pauses,
+               out.problem.empty() ? "ended with its table" : "FAILED: " + out.problem);
+    std::fflush(stdout);
+  }
+  fmt::print("{} of {} demos ended with their table\n", arguments.demos - failed, arguments.demos);
+  return failed == 0 ? handrail::kDone : handrail::kFailed;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -140,6 +167,10 @@ int main(int argc, char** argv) {
   }
   Arguments arguments;
   if (const int code = read_arguments(argc, argv, arguments); code != 0) return code;
+  if (arguments.demos > 0) {
+    handrail::catch_interrupts();
+    return run_demos(arguments);
+  }
   std::error_code error;
   std::filesystem::create_directories(arguments.keep, error);
   if (error) return complain(arguments.keep.string() + ": " + error.message());

@@ -19,15 +19,16 @@ namespace handrail {
 class Child {
  public:
   // `name`: of a program in the build's bin folder. Output is added to the file at `output_path`.
-  // `own_group`: a terminal's Ctrl-C does not reach it.
+  // `own_group`: a terminal's Ctrl-C does not reach it. `error`: standard error goes there instead;
+  // -1: it does not.
   Child(const std::string& name, std::vector<std::string> arguments, std::string output_path,
-        bool own_group = false)
+        bool own_group = false, int error = -1)
       : path_(HANDRAIL_BIN_DIR "/" + name), output_path_(std::move(output_path)) {
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_addopen(&actions, 1, output_path_.c_str(),
                                      O_WRONLY | O_CREAT | O_APPEND, 0600);
-    posix_spawn_file_actions_adddup2(&actions, 1, 2);
+    posix_spawn_file_actions_adddup2(&actions, error >= 0 ? error : 1, 2);
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
     if (own_group) posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);

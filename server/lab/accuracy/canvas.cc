@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <string>
+
+#include "server/base/output.h"
 
 namespace handrail {
 namespace {
@@ -72,10 +75,15 @@ Status Canvas::write_png(const std::string& path) const {
   image.width = static_cast<png_uint_32>(width_);
   image.height = static_cast<png_uint_32>(height_);
   image.format = PNG_FORMAT_RGB;
-  if (png_image_write_to_file(&image, path.c_str(), 0, rgb_.data(), 0, nullptr) == 0) {
-    return Status::error(path + ": cannot write: " + image.message);
-  }
-  return Status::ok();
+  png_alloc_size_t size = 0;
+  std::string bytes;
+  const auto encode = [&](void* to) {
+    return png_image_write_to_memory(&image, to, &size, 0, rgb_.data(), 0, nullptr) != 0;
+  };
+  if (!encode(nullptr)) return Status::error(path + ": cannot encode: " + image.message);
+  bytes.resize(size);
+  if (!encode(bytes.data())) return Status::error(path + ": cannot encode: " + image.message);
+  return write_file(path, bytes);
 }
 
 }  // namespace handrail

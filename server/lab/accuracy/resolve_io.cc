@@ -7,8 +7,8 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 
+#include "server/base/output.h"
 #include "server/base/units.h"
 #include "server/lab/accuracy/choices.h"
 #include "server/lab/accuracy/wall_choice.h"
@@ -134,10 +134,7 @@ Status write_copy(pb::Scene scene, const std::string& from, const std::string& w
   text = "# A copy of " + from + ".\n# " + why + "\n" + text;
   // What is written loads, or nothing is.
   if (const auto loads = parse_scene(out, text); !loads) return loads.status();
-  std::ofstream file(out, std::ios::binary | std::ios::trunc);
-  file << text;
-  file.close();
-  return file ? Status::ok() : Status::error(out + ": cannot write");
+  return write_file(out, text);
 }
 
 }  // namespace

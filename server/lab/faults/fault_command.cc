@@ -3,11 +3,14 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
+#include <cstdlib>
+#include <future>
+#include <mutex>
 #include <optional>
 
+#include "server/base/output.h"
 #include "server/lab/console.h"
 #include "server/lab/faults/fault_proof.h"
 #include "server/lab/faults/fault_runner.h"
@@ -32,27 +35,9 @@ int prove(const FaultCommand& command, std::uint64_t seed, const std::atomic<boo
   return all ? kDone : kFailed;
 }
 
-// A text file that takes the place of what was there when it is whole.
-class NewFile {
- public:
-  explicit NewFile(const std::string& path) : path_(path), file_(path + ".new") {}
-  ~NewFile() {
-    std::error_code ignored;
-    std::filesystem::remove(path_ + ".new", ignored);
-  }
-  Status finish(const std::string& text) {
-    file_ << text;
-    file_.close();
-    std::error_code error;
-    if (file_) std::filesystem::rename(path_ + ".new", path_, error);
-    return file_ && !error ? Status::ok() : Status::error("cannot write " + path_);
-  }
-  bool opened() const { return file_.is_open(); }
-
- private:
-  std::string path_;
-  std::ofstream file_;
-};
+// From Ctrl-C on the runs under way have a second to end: twenty looks.
+constexpr auto kLook = std::chrono::milliseconds(50);
+constexpr int kPatience = 20;
 
 // A line on the terminal that is written over; on several seeds also one for each that is done.
 class FaultConsole {
@@ -85,24 +70,38 @@ int run_rows(const FaultCommand& command, const FaultRuns& what,
     journal.emplace(std::move(*opened));
   }
   std::optional<NewFile> file;
-  if (!command.out.empty() && !file.emplace(command.out).opened()) {
-    return complain(Status::error("cannot write " + command.out), kUsage);
+  if (!command.out.empty()) {
+    if (const Status s = file.emplace(command.out).opened(); !s) return complain(s, kUsage);
   }
-  Result<std::vector<FaultResult>> run = std::vector<FaultResult>();
+  std::optional<FaultConsole> console(what.seeds.size());
   FaultProgress last;
-  {
-    FaultConsole console(what.seeds.size());
-    run = run_faults(what, cancelled, journal ? &*journal : nullptr,
-                     [&](const FaultProgress& now) { console.show(last = now); });
-  }
-  if (!run) return complain(run.status(), kUsage);
-  if (cancelled) {
+  std::mutex guarded;  // both
+  const auto stopped = [&] {
+    console.reset();
     return complain(
         Status::error(fmt::format("stopped after {} of {} runs{}", last.runs, last.of,
                                   journal ? "; the same command goes on from " + command.results
                                           : "; with --results FILE it could go on")),
         kCancelled);
+  };
+  auto work = std::async(std::launch::async, [&] {
+    return run_faults(what, cancelled, journal ? &*journal : nullptr,
+                      [&](const FaultProgress& now) {
+                        const std::lock_guard lock(guarded);
+                        console->show(last = now);
+                      });
+  });
+  // Some runs take a minute. The journal has every one that has ended, so nobody waits for them.
+  for (int left = kPatience; work.wait_for(kLook) != std::future_status::ready;) {
+    if (!cancelled || --left > 0) continue;
+    const std::lock_guard lock(guarded);
+    file.reset();
+    std::_Exit(stopped());
   }
+  const Result<std::vector<FaultResult>> run = work.get();
+  if (cancelled) return stopped();
+  console.reset();
+  if (!run) return complain(run.status(), kUsage);
   const std::uint64_t violations = violations_of(*run);
   const std::string text =
       fmt::format("handrail-lab faults{}{} --seeds {}: {} runs, {} violations\n",

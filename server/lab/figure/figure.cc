@@ -1,11 +1,9 @@
 #include "server/lab/figure/figure.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <utility>
 
+#include "server/base/output.h"
 #include "server/lab/figure/font.h"
 #include "server/lab/figure/text.h"
 
@@ -132,13 +130,7 @@ std::string Figure::svg() const {
 }
 
 Status Figure::write_file(const std::string& path) const {
-  errno = 0;
-  std::ofstream out(path, std::ios::binary | std::ios::trunc);
-  out << svg();
-  out.close();
-  if (out) return Status::ok();
-  return Status::error(
-      path + ": cannot write the figure: " + (errno != 0 ? std::strerror(errno) : "unknown error"));
+  return handrail::write_file(path, svg());
 }
 
 }  // namespace handrail::figure

@@ -75,7 +75,7 @@ double implied_ratio(ScrewPairing pairing, ScrewFigure figure) noexcept {
   return without > 0.0 ? implied[static_cast<int>(pair.with)] / without : 0.0;
 }
 
-FailureComparison failures_of(const ScrewStudy& study, ScrewPairing pairing, std::uint64_t seed) {
+FailureComparison failures_of(const ScrewStudy& study, ScrewPairing pairing) {
   const ScrewPair pair = pair_of(pairing);
   const auto failed = [](const ScrewResult& result) {
     return result.end == ScrewEnd::kDone ? 0.0 : 1.0;
@@ -89,8 +89,7 @@ FailureComparison failures_of(const ScrewStudy& study, ScrewPairing pairing, std
     };
     no_more.push_back(number(with[k]) <= number(without[k]));
   }
-  Random random(seed + 3);
-  return {study.failures(pair.without), study.failures(pair.with), share_of(no_more, random)};
+  return {study.failures(pair.without), study.failures(pair.with), share_of(no_more)};
 }
 
 }  // namespace handrail

@@ -62,6 +62,6 @@ struct FailureComparison {
   int without = 0, with = 0;  // failed trials
   Share no_more;              // operators who fail no more often with than without
 };
-FailureComparison failures_of(const ScrewStudy& study, ScrewPairing pairing, std::uint64_t seed);
+FailureComparison failures_of(const ScrewStudy& study, ScrewPairing pairing);
 
 }  // namespace handrail

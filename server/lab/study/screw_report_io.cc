@@ -44,7 +44,7 @@ void fill(const ScrewStudy& study, ScrewPairing pairing, std::uint64_t seed,
     fill(comparison_of(study, pairing, figure, seed),
          child<pb::Comparison>(out, info_of(figure).name));
   }
-  const FailureComparison failed = failures_of(study, pairing, seed);
+  const FailureComparison failed = failures_of(study, pairing);
   pb::FailureComparison& failures = *out.mutable_failures();
   failures.set_without(static_cast<std::uint32_t>(failed.without));
   failures.set_with(static_cast<std::uint32_t>(failed.with));
@@ -118,7 +118,7 @@ std::string comparison_table(const ScrewStudy& study, std::uint64_t seed) {
       out += comparison_row(info_of(figure).title, comparison_of(study, pairing, figure, seed),
                             implied_ratio(pairing, figure));
     }
-    const FailureComparison failed = failures_of(study, pairing, seed);
+    const FailureComparison failed = failures_of(study, pairing);
     out += fmt::format("{:38}{:>12}  {:>16}{:>16.0f} %  {:>14}\n", "failed trials; no more of them",
                        fmt::format("{} / {}", failed.with, failed.without), "",
                        100.0 * failed.no_more.value,

@@ -84,8 +84,8 @@ ScrewTarget worst(const ScrewStudy& study, bool protection) {
           fmt::format("{:.0f} N", force), protection ? force < kGentlest : force > kHardest};
 }
 
-ScrewTarget failures(const ScrewStudy& study, ScrewPairing pairing, std::uint64_t seed) {
-  const FailureComparison failed = failures_of(study, pairing, seed);
+ScrewTarget failures(const ScrewStudy& study, ScrewPairing pairing) {
+  const FailureComparison failed = failures_of(study, pairing);
   return {fmt::format("failed trials fewer with {}, {}", means(pairing), besides(pairing)),
           fmt::format("{}, without {}", failed.with, failed.without),
           failed.with < failed.without || failed.with == 0};
@@ -98,8 +98,8 @@ ScrewTarget sign(const ScrewStudy& study, const Asked& asked, std::uint64_t seed
           fmt::format("{:.1f} %", 100.0 * helped), helped >= kSigns};
 }
 
-ScrewTarget sign_of_failures(const ScrewStudy& study, ScrewPairing pairing, std::uint64_t seed) {
-  const double share = failures_of(study, pairing, seed).no_more.value;
+ScrewTarget sign_of_failures(const ScrewStudy& study, ScrewPairing pairing) {
+  const double share = failures_of(study, pairing).no_more.value;
   return {fmt::format("no more failures for 90 % of operators with {}, {}", means(pairing),
                       besides(pairing)),
           fmt::format("{:.1f} %", 100.0 * share), share >= kSigns};
@@ -150,11 +150,11 @@ std::vector<ScrewTarget> targets_of(const ScrewStudy& study, std::uint64_t seed)
   out.push_back(worst(study, false));
   out.push_back(worst(study, true));
   for (int i = 0; i < kScrewPairs; ++i) {
-    out.push_back(failures(study, static_cast<ScrewPairing>(i), seed));
+    out.push_back(failures(study, static_cast<ScrewPairing>(i)));
   }
   for (const Asked& asked : kAsked) out.push_back(sign(study, asked, seed));
   for (int i = 0; i < kScrewPairs; ++i) {
-    out.push_back(sign_of_failures(study, static_cast<ScrewPairing>(i), seed));
+    out.push_back(sign_of_failures(study, static_cast<ScrewPairing>(i)));
   }
   return out;
 }

@@ -1,6 +1,7 @@
 #include "server/lab/study/statistics.h"
 
 #include <algorithm>
+#include <boost/math/distributions/binomial.hpp>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -118,38 +119,37 @@ Paired compare_paired(const ByPerson& with, const ByPerson& without, Random& ran
   Paired out;
   out.people = helped.size();
   out.ratio = ratio_of(median(pooled(a_of)), median(pooled(b_of)));
-  const auto n = static_cast<double>(out.people);
-  out.helped = std::accumulate(helped.begin(), helped.end(), 0.0) / n;
+  const double count = std::accumulate(helped.begin(), helped.end(), 0.0);
+  out.helped = count / static_cast<double>(out.people);
+  out.helped_95 = share_95(count, out.people);
 
-  std::vector<double> ratios, shares, a, b;
+  std::vector<double> ratios, a, b;
   for (int i = 0; i < resamples && out.people > 0; ++i) {
     a.clear();
     b.clear();
-    double sum = 0.0;
     for (std::size_t k = 0; k < out.people; ++k) {
       const std::size_t person = pick(out.people, random);
       append(a, a_of[person]);
       append(b, b_of[person]);
-      sum += helped[person];
     }
     ratios.push_back(ratio_of(median_of(a), median_of(b)));
-    shares.push_back(sum / n);
   }
   out.ratio_95 = middle_95(std::move(ratios));
-  out.helped_95 = middle_95(std::move(shares));
   return out;
 }
 
-Share share_of(const std::vector<bool>& people, Random& random, int resamples) {
-  const auto n = static_cast<double>(people.size());
-  std::vector<double> shares;
-  for (int i = 0; i < resamples && !people.empty(); ++i) {
-    double sum = 0.0;
-    for (std::size_t k = 0; k < people.size(); ++k) sum += people[pick(people.size(), random)];
-    shares.push_back(sum / n);
-  }
+Interval share_95(double count, std::size_t of) {
+  using Binomial = boost::math::binomial_distribution<double>;
+  if (of == 0) return {kNaN, kNaN};
+  const auto n = static_cast<double>(of);
+  constexpr double kSide = 0.025;
+  return {Binomial::find_lower_bound_on_p(n, count, kSide),
+          Binomial::find_upper_bound_on_p(n, count, kSide)};
+}
+
+Share share_of(const std::vector<bool>& people) {
   const auto all = static_cast<double>(std::count(people.begin(), people.end(), true));
-  return {all / n, middle_95(std::move(shares))};
+  return {all / static_cast<double>(people.size()), share_95(all, people.size())};
 }
 
 Interval cohort_spread(const ByPerson& people, std::size_t size, Random& random, int draws) {

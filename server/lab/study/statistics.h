@@ -45,19 +45,24 @@ struct Paired {
                            // in failure, infinity when only `with` fails and 0 when only `without`
   Interval ratio_95;
   double helped = 0.0;  // share of people whose own median is lower `with`; a tie counts half
-  Interval helped_95;
+  Interval helped_95;   // as in share_95()
 };
-// Entry k of both lists is the same person; entries beyond the shorter list are left out. Intervals
-// as in bootstrap_median(), both from the same resampled people. Without people all is NaN.
+// Entry k of both lists is the same person; entries beyond the shorter list are left out. The
+// ratio's interval is as in bootstrap_median(). Without people all is NaN.
 Paired compare_paired(const ByPerson& with, const ByPerson& without, Random& random,
                       int resamples = kResamples);
 
-// The share of people of whom something is true. Interval as in bootstrap_median().
+// Where the share of all people lies, in 95 % of studies, of whom something is true of `count` in
+// `of` people: the exact interval of Clopper and Pearson (Biometrika 26, 1934). All of a few people
+// are not everybody: 60 of 60 are 94 to 100 %. NaN without people. `count` 0..of, halves too.
+Interval share_95(double count, std::size_t of);
+
+// The share of people of whom something is true.
 struct Share {
   double value = 0.0;
   Interval value_95;
 };
-Share share_of(const std::vector<bool>& people, Random& random, int resamples = kResamples);
+Share share_of(const std::vector<bool>& people);
 
 // Where the medians of cohorts of `size` people, at least one, drawn without replacement, lie: 2.5
 // to 97.5 %. With no more people than that there is one cohort only, and the interval is a point;

@@ -1,8 +1,8 @@
 #include "server/lab/study/study_command.h"
 
 #include <algorithm>
-#include <fstream>
 
+#include "server/base/output.h"
 #include "server/lab/study/population_io.h"
 #include "server/scene/text_io.h"
 
@@ -32,13 +32,6 @@ std::string joined(const std::vector<std::string>& words) {
   std::string out;
   for (const std::string& word : words) out += (out.empty() ? "" : " ") + word;
   return out;
-}
-
-Status write_file(const std::string& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  file << text;
-  file.close();
-  return file ? Status::ok() : Status::error(path + ": cannot write");
 }
 
 }  // namespace

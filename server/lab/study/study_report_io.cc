@@ -43,6 +43,7 @@ void fill(const MeasureStats& stats, double published, pb::Measure& out) {
   out.set_q3(stats.summary.q3);
   out.set_max(stats.summary.max);
   out.set_mean(stats.summary.mean);
+  out.set_failures(static_cast<std::uint32_t>(stats.summary.failures));
   fill(stats.median_95, *out.mutable_median_95());
   fill(stats.cohort_95, *out.mutable_cohort_95());
   if (published > 0.0) out.set_published(published);
@@ -56,16 +57,17 @@ void fill(const Paired& paired, pb::Comparison& out) {
 }
 
 std::string measures_heading(const std::string& published) {
-  return fmt::format("{:40}{:>8}{:>8}{:>9}{:>8}{:>8}{:>8}  {:>15}  {:>15}{:>11}\n", "", "min", "q1",
-                     "median", "q3", "max", "mean", "median, 95 %", "cohorts of 7", published);
+  return fmt::format("{:40}{:>8}{:>8}{:>9}{:>8}{:>8}{:>8}{:>8}  {:>15}  {:>15}{:>11}\n", "", "min",
+                     "q1", "median", "q3", "max", "mean", "failed", "median, 95 %", "cohorts of 7",
+                     published);
 }
 
 std::string measure_row(const std::string& label, const char* mode, const MeasureStats& stats,
                         double published) {
   const Summary& s = stats.summary;
-  return fmt::format("{:34}{:<6}{:>8}{:>8}{:>9}{:>8}{:>8}{:>8}  {:>15}  {:>15}{:>11}\n", label,
+  return fmt::format("{:34}{:<6}{:>8}{:>8}{:>9}{:>8}{:>8}{:>8}{:>8}  {:>15}  {:>15}{:>11}\n", label,
                      mode, digits(s.min), digits(s.q1), digits(s.median), digits(s.q3),
-                     digits(s.max), digits(s.mean), digits(stats.median_95),
+                     digits(s.max), digits(s.mean), s.failures, digits(stats.median_95),
                      digits(stats.cohort_95),
                      published > 0.0 ? fmt::format("{:.4g}", published) : "");
 }

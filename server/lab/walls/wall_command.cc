@@ -1,9 +1,9 @@
 #include "server/lab/walls/wall_command.h"
 
 #include <cstdio>
-#include <fstream>
 
 #include "devices/hand/recorded_hand_io.h"
+#include "server/base/output.h"
 #include "server/lab/console.h"
 #include "server/lab/study/parallel.h"
 #include "server/lab/walls/wall_drawing.h"
@@ -68,10 +68,7 @@ bool traced(const WallCommand& command, std::size_t person) {
 
 Status write_trace(const WallCommand& command, const std::vector<WallTick>& trace) {
   if (command.traces.empty()) return Status::ok();
-  std::ofstream file(command.traces, std::ios::binary | std::ios::trunc);
-  file << trace_csv(trace);
-  file.close();
-  return file ? Status::ok() : Status::error(command.traces + ": cannot write");
+  return write_file(command.traces, trace_csv(trace));
 }
 
 // Prints, and writes what is asked for. The exit code.

@@ -40,6 +40,20 @@ TEST(Cli, PrintsHelpForEveryCommand) {
   }
 }
 
+TEST(Cli, AnUnknownCommandIsNamedWithTheNearest) {
+  const std::pair<std::vector<std::string>, std::string> cases[] = {
+      {{"statsu"}, "handrail: no command 'statsu'; did you mean 'status'?\n"},
+      {{"--json", "--socket", "stop", "enggage"},
+       "handrail: no command 'enggage'; did you mean 'engage'?\n"},
+      {{"tool", "lin"}, "handrail: no command 'tool lin'; did you mean 'tool line'?\n"},
+      {{"hand", "xyzzy"}, "handrail: no command 'hand xyzzy'; there are to, home\n"}};
+  for (const auto& [args, text] : cases) {
+    const CliRun run(args);
+    EXPECT_EQ(run.code, kExitUsage) << text;
+    EXPECT_EQ(run.err, text);
+  }
+}
+
 TEST(Cli, EveryOrderWithoutAMasterExitsWithThree) {
   const std::vector<std::vector<std::string>> lines = {
       {"status"},

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <sstream>
 
 namespace handrail {
 namespace {
@@ -29,18 +30,55 @@ pb::Status engaged() {
 
 TEST(StatusView, ShowsStateReasonLinkLoopToolsAndForces) {
   const std::string text = status_text(engaged());
-  EXPECT_THAT(text, HasSubstr("session    engaged   reason: joint speed limit"));
-  EXPECT_THAT(text, HasSubstr("age 0.61 ms   loss 1.3 %   round trip none yet"));
+  EXPECT_THAT(text, HasSubstr("session    engaged  reason: joint speed limit"));
+  EXPECT_THAT(text, HasSubstr("age 0.61 ms  loss 1.3 %  round trip none yet"));
   EXPECT_THAT(text, HasSubstr("p99.9 41.2"));
   EXPECT_THAT(text, HasSubstr("position: line #3, 0.421 mm off"));
   EXPECT_THAT(text, HasSubstr("orientation: none"));
-  EXPECT_THAT(text, HasSubstr("tool 0.337   spring 0.000   limits 0.000   device 0.000"));
-  EXPECT_THAT(text, HasSubstr("350.000   -150.500    429.000"));
+  EXPECT_THAT(text, HasSubstr("tool 0.337  spring 0.000  limits 0.000  device 0.000"));
+  EXPECT_THAT(text, HasSubstr("350.00   -150.50    429.00"));
 }
 
-TEST(StatusView, FitsOneScreen) {
-  const std::string text = status_text(engaged());
-  EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 24);
+// With all that a master can say while nothing is wrong but the hand being slowed.
+TEST(StatusView, FitsATerminalOf80By24) {
+  pb::Status s = engaged();
+  s.set_desired("engaged");
+  s.set_slave_reason("joint acceleration limit: following more slowly");
+  s.set_scene("screw-fastening");
+  s.set_slave_scene("screw-fastening");
+  s.set_device("Phantom Omni");
+  s.set_device_simulated(true);
+  s.set_hand_moving(true);
+  s.set_round_trip_ms(102.31);
+  s.set_oldest_applied_ms(103.45);
+  s.set_link_quality("EXCELLENT");
+  s.set_peer_quality("EXCELLENT");
+  s.set_loop_age_ms(103.99);
+  s.set_datagrams_accepted(123456789);
+  s.set_ticks(123456789);
+  s.set_realtime(
+      "memory not locked (no permission to lock all of it), timer slack 1 ns, ordinary "
+      "scheduling (Operation not permitted)");
+  s.mutable_lease()->set_holder("anna");
+  s.mutable_ledger()->set_sentence(
+      "the arm is 14.1 mm from the hand: 11.8 mm limits: joint acceleration limit: following more "
+      "slowly (J1); 2.1 mm link (loop 62 ms); 0.3 mm tool");
+  s.mutable_ledger()->set_way_out("wait, or move slower");
+  s.set_has_contact_force(true);
+  for (const double x : {-12.34, 123.45, -0.12}) s.add_contact_force_n(x);
+  for (pb::PoseMm* pose :
+       {s.mutable_command(), s.mutable_slave_command(), s.mutable_tip(), s.mutable_hand()}) {
+    pose->clear_position_mm();
+    for (const double x : {-350.123, -1150.5, 429.25}) pose->add_position_mm(x);
+    for (const double x : {-0.5, 0.5, -0.5, 0.5}) pose->add_quaternion(x);
+  }
+  const std::string text = status_text(s);
+  EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 24) << text;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    EXPECT_LE(line.size(), 80u) << line;
+    EXPECT_FALSE(line.ends_with(' ')) << line;
+  }
 }
 
 TEST(StatusView, NamesEverySectionThatDiffers) {
@@ -53,14 +91,17 @@ TEST(StatusView, ShowsTheWallsOfASceneThatHasThem) {
   pb::Status s = engaged();
   EXPECT_THAT(status_text(s), testing::Not(HasSubstr("walls")));
   s.mutable_walls()->set_stage(1);
-  EXPECT_THAT(status_text(s), HasSubstr("walls      stage 1   free\n"));
+  EXPECT_THAT(status_text(s), HasSubstr("walls      stage 1  free\n"));
   s.mutable_walls()->set_stage_name("open");
-  EXPECT_THAT(status_text(s), HasSubstr("walls      stage 1 'open'   free\n"));
+  EXPECT_THAT(status_text(s), HasSubstr("walls      stage 1 'open'  free\n"));
   s.mutable_walls()->clear_stage_name();
   s.mutable_walls()->set_touching(true);
   s.mutable_walls()->set_penetration_mm(0.417);
+  s.mutable_walls()->set_region_name("aisle");
   s.mutable_walls()->set_locked(true);
-  EXPECT_THAT(status_text(s), HasSubstr("walls      stage 1   0.42 mm in a wall   locked\n"));
+  s.mutable_walls()->set_place("3");
+  EXPECT_THAT(status_text(s),
+              HasSubstr("walls      stage 1  0.42 mm in a wall at 'aisle'  locked in '3'\n"));
 }
 
 TEST(StatusView, ShowsAnEmptyStatusWithoutInventingValues) {

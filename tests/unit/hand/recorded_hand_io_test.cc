@@ -78,6 +78,14 @@ TEST(RecordedHandIo, RefusesBackwardAndEqualTimes) {
   EXPECT_TRUE(read(kHeader + "1700000000.000000,1,2\n1700000000.000001,1,3\n").is_ok());
 }
 
+// What lies between two rows is simulated.
+TEST(RecordedHandIo, RefusesAGapThatNoRecorderLeaves) {
+  EXPECT_THAT(error_of(kHeader + "0,1,2\n1,1,2\n31557600,1,2\n"),
+              AllOf(StartsWith("hand.csv:4: "), HasSubstr("\"31557600\""),
+                    HasSubstr("expected at most 60 s more than the 1 of the row before")));
+  EXPECT_TRUE(read(kHeader + "0,1,2\n60,1,2\n").is_ok());
+}
+
 TEST(RecordedHandIo, RefusesAWrongNumberOfColumns) {
   EXPECT_THAT(error_of(kHeader + "0,1,2\n1,1\n"),
               AllOf(StartsWith("hand.csv:3: "), HasSubstr("2 columns"), HasSubstr("expected 3")));

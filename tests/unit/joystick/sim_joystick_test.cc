@@ -276,7 +276,7 @@ TEST(SimJoystick, EffectsCanChangeWhileItRuns) {
   const Vec2 before = bench.joystick.position();
   DeviceEffects none;
   none.inertia = none.friction = none.quantisation = none.force_limits = false;
-  bench.joystick.simulate(none);
+  bench.joystick.simulate(none, Vec3::Zero());
   EXPECT_EQ(bench.joystick.position(), before);
   bench.tick();
   EXPECT_EQ(bench.sample.X_MH.p.x(), bench.joystick.position().x());

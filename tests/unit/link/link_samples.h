@@ -71,6 +71,7 @@ inline SlaveState sample_slave() {
   s.f_E_S = {{1, -2, 4}, {0.125, 0, -0.0}};
   s.has_wrench = true;
   s.payload_removed = true;
+  s.log_lost = true;
   s.obstacle = Reason::kSensorMissing;
   s.stop_epoch = 0x8000000000000003;
   s.fault_epoch = 0x9000000000000002;
@@ -148,9 +149,10 @@ inline bool same(const SlaveState& a, const SlaveState& b) {
          same(a.X_ST_command, b.X_ST_command) && same(a.X_ST, b.X_ST) && a.has_pose == b.has_pose &&
          same(a.q_measured, b.q_measured) && same(a.f_E_S.force, b.f_E_S.force) &&
          same(a.f_E_S.torque, b.f_E_S.torque) && a.has_wrench == b.has_wrench &&
-         a.payload_removed == b.payload_removed && a.stop_epoch == b.stop_epoch &&
-         a.fault_epoch == b.fault_epoch && a.engagement_epoch == b.engagement_epoch &&
-         a.obstacle == b.obstacle && a.position_tool_epoch == b.position_tool_epoch &&
+         a.payload_removed == b.payload_removed && a.log_lost == b.log_lost &&
+         a.stop_epoch == b.stop_epoch && a.fault_epoch == b.fault_epoch &&
+         a.engagement_epoch == b.engagement_epoch && a.obstacle == b.obstacle &&
+         a.position_tool_epoch == b.position_tool_epoch &&
          a.orientation_tool_epoch == b.orientation_tool_epoch &&
          a.oldest_applied == b.oldest_applied && a.cycles == b.cycles && a.silences == b.silences &&
          a.applied_sequence == b.applied_sequence && same(a.ledger, b.ledger) &&

@@ -1,4 +1,3 @@
-// A loop that stands still is noticed once, and its going on once.
 #include "server/link/stall_watch.h"
 
 #include <gtest/gtest.h>
@@ -6,18 +5,75 @@
 namespace handrail {
 namespace {
 
-using Change = StallWatch::Change;
+constexpr Nanos ms(int n) { return n * kMillisecond; }
 
-TEST(StallWatch, SaysOnceThatALoopStandsStillAndOnceThatItRunsAgain) {
+// A loop that makes its state every millisecond, but for its stalls, and the lines about it.
+struct Loop {
+  void runs_until(Nanos end) {
+    for (; now < end; now += ms(1)) look(made = now);
+  }
+  void stands_until(Nanos end) {
+    for (; now < end; now += ms(1)) look(made);
+  }
+  void look(Nanos of) {
+    if (const auto line = watch.step(now, of + kStateStands, "haptic")) {
+      lines.push_back(*line);
+      when.push_back(now);
+    }
+  }
   StallWatch watch;
-  EXPECT_EQ(watch.step(100, 100), Change::kNone);
-  EXPECT_EQ(watch.step(101, 100), Change::kStalled);
-  EXPECT_EQ(watch.step(150, 100), Change::kNone);
-  EXPECT_TRUE(watch.stalled());
-  EXPECT_EQ(watch.step(151, 160), Change::kRunsAgain);
-  EXPECT_EQ(watch.stood_for(), 50);
-  EXPECT_FALSE(watch.stalled());
-  EXPECT_EQ(watch.step(152, 160), Change::kNone);
+  Nanos now = ms(1000), made = now;
+  std::vector<std::string> lines;
+  std::vector<Nanos> when;
+};
+
+TEST(StallWatch, ALoopThatRunsIsNotMentioned) {
+  Loop loop;
+  loop.runs_until(ms(3000));
+  loop.stands_until(ms(3019));
+  EXPECT_FALSE(loop.watch.stalled());
+  loop.runs_until(ms(4000));
+  EXPECT_TRUE(loop.lines.empty());
+}
+
+TEST(StallWatch, AStallIsToldWithItsTrueLength) {
+  Loop loop;
+  loop.runs_until(ms(2000));
+  loop.stands_until(ms(2060));
+  EXPECT_TRUE(loop.watch.stalled());
+  loop.runs_until(ms(5000));
+  EXPECT_FALSE(loop.watch.stalled());
+  ASSERT_EQ(loop.lines.size(), 1u);
+  EXPECT_EQ(loop.lines[0],
+            "the haptic loop runs again: it stood still for 60 ms; the machine is overloaded, or "
+            "was paused");
+}
+
+TEST(StallWatch, ManyStallsAreOneLineASecond) {
+  Loop loop;
+  for (int k = 0; k < 40; ++k) {  // one of 30 to 69 ms every 100 ms
+    loop.runs_until(ms(2000 + 100 * k));
+    loop.stands_until(ms(2030 + 101 * k));
+  }
+  loop.runs_until(ms(8000));
+  ASSERT_GE(loop.lines.size(), 4u);
+  ASSERT_LE(loop.lines.size(), 6u);
+  for (std::size_t i = 1; i < loop.when.size(); ++i) {
+    EXPECT_GE(loop.when[i] - loop.when[i - 1], kSecond);
+  }
+  EXPECT_NE(loop.lines[1].find("10 times, for up to 4"), std::string::npos) << loop.lines[1];
+}
+
+TEST(StallWatch, ALoopThatStandsForASecondIsToldMeanwhileOnce) {
+  Loop loop;
+  loop.runs_until(ms(2000));
+  loop.stands_until(ms(9000));
+  ASSERT_EQ(loop.lines.size(), 1u);
+  EXPECT_EQ(loop.lines[0], "the haptic loop stands still: nothing is sent, the arm holds");
+  EXPECT_LT(loop.when[0], ms(3010));
+  loop.runs_until(ms(9500));
+  ASSERT_EQ(loop.lines.size(), 2u);
+  EXPECT_NE(loop.lines[1].find("for 7000 ms"), std::string::npos) << loop.lines[1];
 }
 
 }  // namespace

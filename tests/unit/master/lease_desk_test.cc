@@ -51,6 +51,32 @@ TEST_F(LeaseDeskTest, StopAndStatusAreAnybodys) {
   EXPECT_EQ(last_order(), OrderKind::kStop);
 }
 
+TEST_F(LeaseDeskTest, AnEngageThatIsRefusedTakesNoLease) {
+  tick();
+  const Answer answer = ask("as: 'anna' engage: true");
+  EXPECT_EQ((*ask("lease { act: SHOW }"))->lease().holder(), "anna") << "while it is under way";
+  tick();
+  loop(Reason::kStopRequested);
+  tick();
+  EXPECT_THAT(text(answer), HasSubstr("refused: "));
+  EXPECT_FALSE((*ask("lease { act: SHOW }"))->lease().has_holder());
+  taken.clear();
+  const Answer other = ask("as: 'ben' engage: true");
+  loop();
+  ASSERT_EQ(taken.size(), 1u) << "and nobody's engagement ends by it";
+  EXPECT_EQ(taken[0].order.kind, OrderKind::kEngage);
+}
+
+TEST_F(LeaseDeskTest, WhoHasTheLeaseKeepsItThroughARefusedEngage) {
+  tick();
+  ask("as: 'anna' lease { act: TAKE }");
+  const Answer answer = ask("as: 'anna' engage: true");
+  loop(Reason::kStopRequested);
+  tick();
+  EXPECT_THAT(text(answer), HasSubstr("refused: "));
+  EXPECT_EQ((*ask("lease { act: SHOW }"))->lease().holder(), "anna");
+}
+
 TEST_F(LeaseDeskTest, WhoDoesNotSayIsTheUserOfTheMaster) {
   tick();
   ask("engage: true");
@@ -119,6 +145,22 @@ TEST_F(LeaseDeskTest, AnEngageStillWaitingEndsWithTheLease) {
   ask("as: 'anna' lease { act: RELEASE }");
   loop();
   EXPECT_EQ(last_order(), OrderKind::kDisengage);
+}
+
+// The first is refused for the second, which then engages: anna drives and has the lease.
+TEST_F(LeaseDeskTest, AnEngageThatAnotherOneReplacesKeepsTheLease) {
+  tick();
+  const Answer first = ask("as: 'anna' engage: true");
+  loop();
+  const Answer second = ask("as: 'anna' engage: true");
+  tick();
+  loop();
+  tick();
+  EXPECT_EQ(text(first), "refused: another engage came after this one");
+  stand(SessionState::kEngaged, Desired::kEngaged);
+  tick();
+  EXPECT_EQ(text(second), "done: ");
+  EXPECT_EQ((*ask("lease { act: SHOW }"))->lease().holder(), "anna");
 }
 
 TEST(OwnUserName, IsFitForALease) { EXPECT_TRUE(is_operator_name(own_user_name())); }

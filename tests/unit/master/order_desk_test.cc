@@ -67,53 +67,6 @@ TEST_F(OrderDeskTest, AnswersPlainOrdersOnceTheLoopTookThem) {
   }
 }
 
-TEST_F(OrderDeskTest, AStopIsAnsweredOnceTheSlaveHasIt) {
-  tick();
-  const Answer answer = ask("stop: true");
-  loop();
-  report.out.link.stop_epoch = 7;
-  for (int i = 0; i < 12; ++i) tick();
-  EXPECT_FALSE(answer->has_value());
-  slave.stop_epoch = 7;
-  tick();
-  EXPECT_EQ(text(answer), "done: the slave has it after 13 ms");
-}
-
-TEST_F(OrderDeskTest, AStopSaysWhenNoSlaveAnswersOrNoneIsThere) {
-  tick();
-  connected = false;
-  Answer answer = ask("stop: true");
-  loop();
-  report.out.link.stop_epoch = 7;
-  tick(kSecond);
-  EXPECT_FALSE(answer->has_value());
-  tick();
-  EXPECT_EQ(
-      text(answer),
-      "refused: the stop stands here, but the slave has not answered; last heard 1001 ms ago");
-  link.peer_epoch = 0;
-  answer = ask("stop: true");
-  loop();
-  tick();
-  EXPECT_EQ(text(answer), "done: no slave is connected");
-}
-
-TEST_F(OrderDeskTest, AStopToALoopThatStandsStillIsAnsweredAllTheSame) {
-  tick();
-  report.good_until = now + 20 * kMillisecond;
-  const Answer answer = ask("stop: true");
-  tick(20 * kMillisecond);
-  EXPECT_FALSE(answer->has_value());
-  tick();
-  EXPECT_EQ(
-      text(answer),
-      "refused: the haptic loop stands still: nothing is sent and the arm holds; the stop acts "
-      "when it goes on");
-  loop();
-  tick();
-  EXPECT_EQ(last_order(), OrderKind::kStop);
-}
-
 TEST_F(OrderDeskTest, AnEngageWaitsThreeSecondsForAGoodLink) {
   tick();
   const Answer answer = ask("engage: true");
@@ -243,7 +196,7 @@ TEST_F(OrderDeskTest, AnswersEveryoneTheirOwn) {
 
 TEST_F(OrderDeskTest, RefusesMoreOrdersThanTheQueueHolds) {
   std::vector<Answer> answers;
-  for (int i = 0; i < 64; ++i) answers.push_back(ask("disengage: true"));
+  for (int i = 0; i < 63; ++i) answers.push_back(ask("disengage: true"));
   EXPECT_EQ(text(ask("disengage: true")), "refused: too many orders at once");
   EXPECT_EQ(text(ask("hand { displacement_mm: [1, 0, 0] }")), "refused: too many orders at once");
   loop();
@@ -363,7 +316,15 @@ TEST_F(OrderDeskTest, AnswersAResetWhenTheSlaveHasLeftItsFault) {
   }
   slave.state = SessionState::kOff;
   tick();
-  EXPECT_EQ(text(answer), "done: ");
+  EXPECT_EQ(text(answer), "done: engage to go on");
+}
+
+TEST_F(OrderDeskTest, DroppingWhatIsNotThereIsDoneAndSaysSo) {
+  tick();
+  const Answer answer = ask("tool_off {}");
+  loop(Reason::kNoSuchTool);
+  tick();
+  EXPECT_EQ(text(answer), "done: there was none");
 }
 
 TEST_F(OrderDeskTest, RefusesAResetWhenTheSlaveStaysInItsFault) {

@@ -87,6 +87,8 @@ TEST_F(WallLoop, TheWallIsFeltWithTheSessionOff) {
   EXPECT_TRUE(report.walls.present);
   EXPECT_TRUE(report.walls.contact.touching);
   EXPECT_NEAR(report.walls.penetration, 2e-3, 1e-6);
+  EXPECT_NEAR(report.out.force.walls.x(), -10.0, 0.01) << "why says what pushes";
+  EXPECT_EQ(report.out.force.device, device.written.force);
   go_to(0.0);
   EXPECT_EQ(device.written.force.norm(), 0.0);
   EXPECT_FALSE(report.walls.contact.touching);

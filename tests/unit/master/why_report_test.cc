@@ -168,6 +168,32 @@ TEST_F(WhyReportTest, WallsWithoutAnArmHaveAWayOut) {
   EXPECT_EQ(why().way_out(), "load a scene with an arm: 'handrail scene load NAME'");
 }
 
+TEST_F(WhyReportTest, StoppedWallsAreReleasedByAResetAlone) {
+  report.walls.present = true;
+  report.out.link.state = SessionState::kFault;
+  report.out.reason = Reason::kStopRequested;
+  EXPECT_EQ(why().sentence(), "the walls are not felt: a stop was requested");
+  EXPECT_EQ(why().way_out(), "reset");
+}
+
+TEST_F(WhyReportTest, AControllerThatIsNotHeardIsNotBlamedOnTheLink) {
+  off(MotionStage::kLink, Vec3(5.0, 0, 0), Reason::kNone);
+  slave.reason = Reason::kRobotSilent;
+  EXPECT_EQ(why().sentence(), std::string("the arm is 5.0 mm from the hand: 5.0 mm controller: ") +
+                                  describe(Reason::kRobotSilent));
+  EXPECT_EQ(why().way_out(), "wait, or move slower");
+}
+
+TEST_F(WhyReportTest, PartsThatCancelAreSaidTo) {
+  off(MotionStage::kTool, Vec3(4.0, 0, 0), Reason::kNone);
+  off(MotionStage::kLimits, Vec3(-3.0, 0, 0), Reason::kJointSpeed);
+  EXPECT_TRUE(why().sentence().starts_with(
+      "the arm is 1.0 mm from the hand, as these partly cancel: 4.0 mm tool; 3.0 mm limits"))
+      << why().sentence();
+  off(MotionStage::kLimits, Vec3(0, 3.0, 0), Reason::kJointSpeed);
+  EXPECT_TRUE(why().sentence().starts_with("the arm is 5.0 mm from the hand: 4.0 mm tool"));
+}
+
 TEST_F(WhyReportTest, NamesTheMasterThatLeadsTheSlaveAndTheWayOut) {
   report.out.link.state = SessionState::kFault;
   report.out.reason = Reason::kLinkLost;

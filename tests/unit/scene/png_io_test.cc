@@ -93,6 +93,17 @@ TEST(PngIo, ReadsIndexedColoursWithAndWithoutAlpha) {
   }
 }
 
+TEST(PngIo, RefusesAPixelThatIsNoColourOfThePalette) {
+  PngSample s = sample(3, 8);
+  s.pixel = [](int x, int y) {
+    return Pixel{static_cast<std::uint8_t>(x == 2 && y == 1 ? 3 : 1), 0, 0, 0};
+  };
+  s.chunks.push_back({"PLTE", std::string(9, 'a')});
+  const Result<RgbaImage> image = decode_png(test::png_of(s));
+  ASSERT_FALSE(image.is_ok());
+  EXPECT_EQ(image.message(), "bad PNG: pixel (2, 1) has colour 3 of a palette of 3");
+}
+
 TEST(PngIo, TakesTheColourThatTheFileCallsTransparentAsThat) {
   PngSample s;
   s.width = 2;

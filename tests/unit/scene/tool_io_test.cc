@@ -86,6 +86,16 @@ TEST(ToolIo, RefusesAnEndBehindTheStart) {
   EXPECT_EQ(complaint("kind: LINE direction: [1, 0, 0] end_mm: [-9, 0, 0]"), "");
 }
 
+TEST(ToolIo, RefusesAnEndThatNoDatagramCarries) {
+  const std::string line = "kind: LINE direction: [1, 0, 0] at_mm: [-5000, 0, 0] ";
+  EXPECT_EQ(complaint(line + "end_mm: [4999, 0, 0]"), "");
+  EXPECT_EQ(complaint(line + "end_mm: [5000, 0, 0]"),
+            "end_mm: 10000 mm from at_mm, expected less than 10000");
+  EXPECT_EQ(complaint("kind: LINE direction: [1, 1, 1] at_mm: [-5000, -5000, -5000] "
+                      "end_mm: [5000, 5000, 5000]"),
+            "end_mm: 17320.5 mm from at_mm, expected less than 10000");
+}
+
 TEST(ToolIo, LeavesTheCallAloneOnAProblem) {
   ToolCall call;
   call.stiffness = 5.0;

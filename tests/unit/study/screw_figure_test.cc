@@ -73,7 +73,7 @@ TEST(ScrewFigure, FailuresAreComparedByTheirNumberPersonByPerson) {
   result_of(study, 1, ScrewMode::kNCNV).end = ScrewEnd::kTimeOut;
   result_of(study, 1, ScrewMode::kCNV).end = ScrewEnd::kKeyLost;
   result_of(study, 2, ScrewMode::kCNV).end = ScrewEnd::kForce;
-  const FailureComparison failed = failures_of(study, ScrewPairing::kProtectionNV, 1);
+  const FailureComparison failed = failures_of(study, ScrewPairing::kProtectionNV);
   EXPECT_EQ(failed.without, 2);
   EXPECT_EQ(failed.with, 2);
   EXPECT_DOUBLE_EQ(failed.no_more.value, 0.8) << "all but person 2";

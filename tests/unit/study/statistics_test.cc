@@ -204,12 +204,11 @@ TEST(ComparePaired, ResamplesBothModesTogether) {
   EXPECT_EQ(p.ratio, 0.5);
   EXPECT_EQ(p.ratio_95.low, 0.5);
   EXPECT_EQ(p.ratio_95.high, 0.5);
-  EXPECT_EQ(p.helped_95.low, 1.0);
+  EXPECT_NEAR(p.helped_95.low, 0.7820, 5e-5);  // 0.025^(1/15): all of fifteen are not everybody
   EXPECT_EQ(p.helped_95.high, 1.0);
 }
 
-TEST(ComparePaired, ShareHelpedVariesAsABinomialDoes) {
-  // 60 of 100 helped: standard error 0.049, so about 0.504 to 0.696.
+TEST(ComparePaired, ShareHelpedHasTheExactInterval) {
   ByPerson with, without;
   for (int i = 0; i < 100; ++i) {
     with.push_back({i < 60 ? 1.0 : 3.0});
@@ -218,8 +217,8 @@ TEST(ComparePaired, ShareHelpedVariesAsABinomialDoes) {
   Random random(3);
   const Paired p = compare_paired(with, without, random);
   EXPECT_NEAR(p.helped, 0.6, 1e-12);
-  EXPECT_NEAR(p.helped_95.low, 0.504, 0.02);
-  EXPECT_NEAR(p.helped_95.high, 0.696, 0.02);
+  EXPECT_NEAR(p.helped_95.low, 0.4972, 5e-5);
+  EXPECT_NEAR(p.helped_95.high, 0.6967, 5e-5);
 }
 
 TEST(ComparePaired, FailureIsTheWorstRankInBothModes) {
@@ -303,20 +302,43 @@ TEST(CohortSpread, NarrowsAsCohortsGrow) {
   EXPECT_LT(ratio, 4.2);
 }
 
+// Against the sum of the binomial's own terms: at the interval's ends the count found, and what is
+// further away, has a probability of 2.5 %.
+double at_least(int count, int of, double p) {
+  double sum = 0.0;
+  for (int k = count; k <= of; ++k) {
+    const double ways = std::lgamma(of + 1) - std::lgamma(k + 1) - std::lgamma(of - k + 1);
+    sum += std::exp(ways + k * std::log(p) + (of - k) * std::log1p(-p));
+  }
+  return sum;
+}
+
+TEST(Statistics, TheIntervalOfAShareIsExact) {
+  for (const auto& [count, of] : std::vector<std::pair<int, int>>{
+           {1, 7}, {5, 10}, {9, 10}, {59, 60}, {60, 100}, {180, 200}, {3, 1600}}) {
+    const Interval i = share_95(count, static_cast<std::size_t>(of));
+    EXPECT_NEAR(at_least(count, of, i.low), 0.025, 1e-9) << count << " of " << of;
+    EXPECT_NEAR(1.0 - at_least(count + 1, of, i.high), 0.025, 1e-9) << count << " of " << of;
+  }
+  EXPECT_NEAR(share_95(60, 60).low, std::pow(0.025, 1.0 / 60.0), 1e-12);
+  EXPECT_EQ(share_95(60, 60).high, 1.0);
+  EXPECT_EQ(share_95(0, 60).low, 0.0);
+  EXPECT_NEAR(share_95(0, 60).high, 1.0 - std::pow(0.025, 1.0 / 60.0), 1e-12);
+  EXPECT_TRUE(std::isnan(share_95(0, 0).low));
+}
+
 TEST(Statistics, AShareOfPeopleHasAnIntervalThatNarrowsWithTheirNumber) {
   const auto share = [](std::size_t people) {
     std::vector<bool> nine_of_ten(people, true);
     for (std::size_t i = 0; i < people; i += 10) nine_of_ten[i] = false;
-    Random random(7);
-    return share_of(nine_of_ten, random);
+    return share_of(nine_of_ten);
   };
   EXPECT_DOUBLE_EQ(share(10).value, 0.9);
   EXPECT_DOUBLE_EQ(share(200).value, 0.9);
-  // Binomial: 1.96 sqrt(0.9 * 0.1 / 200) = 0.042 either side.
-  EXPECT_NEAR(share(200).value_95.low, 0.858, 0.01);
-  EXPECT_NEAR(share(200).value_95.high, 0.942, 0.01);
-  EXPECT_LT(share(10).value_95.low, share(200).value_95.low);
-  EXPECT_DOUBLE_EQ(share(10).value_95.high, 1.0);
+  EXPECT_NEAR(share(10).value_95.low, 0.5550, 5e-5);
+  EXPECT_NEAR(share(10).value_95.high, 0.9975, 5e-5);
+  EXPECT_NEAR(share(200).value_95.low, 0.8498, 5e-5);
+  EXPECT_NEAR(share(200).value_95.high, 0.9378, 5e-5);
 }
 
 }  // namespace

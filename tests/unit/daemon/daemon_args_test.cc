@@ -1,4 +1,4 @@
-#include "server/base/daemon_args.h"
+#include "server/daemon/daemon_args.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,103 @@
+// The order desk's work on engaging: waiting for both sides, for a better link, for who holds on.
+#include <algorithm>
+#include <utility>
+
+#include "server/master/order_desk.h"
+#include "server/master/replies.h"
+
+namespace handrail {
+
+void OrderDesk::watch_engaging() {
+  if (!engaging_) return;
+  const HapticOutput& out = report_->out;
+  const SessionState state = out.link.state;
+  if (state == SessionState::kEngaged || state == SessionState::kClutched) {
+    // Whoever engages learns which of the scene's tools do not hold the arm.
+    if (scene_tools_ != 0) return;
+    borrower_.clear();
+    std::exchange(engaging_, nullptr)(done(tools_refused_));
+  } else if (now_ > engage_until_ || out.link.desired == Desired::kOff) {
+    // Of a slave that gets ready, what it waits for.
+    const bool its = out.reason == Reason::kNone || out.reason == Reason::kHoming;
+    const Reason why = its && slave_.reason != Reason::kNone ? slave_.reason : out.reason;
+    std::exchange(engaging_, nullptr)(refused(reason_text(why, slave_)));
+    order(plain(OrderKind::kDisengage), [](pb::Reply) {});
+  }
+}
+
+void OrderDesk::engage(bool hold, ReplyTo reply) {
+  if (options_.presence == Presence::kHold && !hold) {
+    return reply(refused("this master wants somebody there: 'handrail engage --hold'"));
+  }
+  // An engagement that ends with its command is not made one that goes on by itself.
+  if (!hold && (hold_ || hold_waits())) {
+    return reply(
+        refused("your 'handrail engage --hold' is running: end that one first, or the arm would go "
+                "on without it"));
+  }
+  give_up_engaging();
+  if (hold) boxes_.hold_heard.store(now_, std::memory_order_relaxed);
+  OrderTicket ticket;
+  ticket.order = plain(OrderKind::kEngage);
+  push(ticket, {std::move(reply), Until::kEngaged, now_, {}, hold});
+}
+
+void OrderDesk::give_up_engaging() {
+  for (auto& [id, waiting] : waiting_) {
+    if (waiting.until == Until::kEngaged) waiting.since = -kLinkPatience;
+  }
+  if (retrying_) retrying_->reply(refused("another order came before the link was good"));
+  retrying_.reset();
+}
+
+bool OrderDesk::engage_waits() const {
+  const auto engages = [](const auto& entry) { return entry.second.until == Until::kEngaged; };
+  return engaging_ || retrying_ || std::any_of(waiting_.begin(), waiting_.end(), engages);
+}
+
+void OrderDesk::give_back_lease() {
+  if (borrower_.empty() || engage_waits()) return;
+  leases_.give_back(borrower_, now_);
+  borrower_.clear();
+}
+
+void OrderDesk::retry_engaging() {
+  if (!retrying_ || now_ < retry_at_) return;
+  OrderTicket ticket;
+  ticket.order = plain(OrderKind::kEngage);
+  push(ticket, *std::exchange(retrying_, std::nullopt));
+}
+
+void OrderDesk::hold_alive(ReplyTo reply) {
+  const bool over = !report_ || report_->out.link.desired == Desired::kOff;
+  if (!hold_ || over) {
+    const Reason why = report_ ? report_->out.reason : Reason::kNone;
+    return reply(refused("not engaged any more: " + reason_text(why, slave_)));
+  }
+  hold_heard_ = now_;
+  reply(done());
+}
+
+bool OrderDesk::hold_waits() const {
+  const auto holds = [](const auto& entry) { return entry.second.hold; };
+  return (retrying_ && retrying_->hold) || std::any_of(waiting_.begin(), waiting_.end(), holds);
+}
+
+// While the engage is waited for, its client cannot speak; after that it must. Where the
+// configuration wants it the step sees to the rest, elsewhere the engagement ends.
+void OrderDesk::watch_hold() {
+  const bool waits = hold_waits();
+  if (!hold_ && !waits) return;
+  if (waits || engaging_) {
+    hold_heard_ = now_;
+  } else if (report_->out.link.desired == Desired::kOff) {
+    hold_ = false;
+    return;
+  }
+  boxes_.hold_heard.store(hold_heard_, std::memory_order_relaxed);
+  if (options_.presence == Presence::kHold || now_ - hold_heard_ <= kHoldPatience) return;
+  hold_ = false;
+  end_engagement(Reason::kPresence);
+}
+
+}  // namespace handrail

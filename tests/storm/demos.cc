@@ -1,0 +1,70 @@
+#include "tests/storm/demos.h"
+
+#include "server/base/clock.h"
+#include "server/base/pacer.h"
+#include "server/base/random.h"
+#include "tests/storm/cell.h"
+
+namespace handrail::storm {
+namespace {
+
+constexpr Nanos kWindow = 10 * kSecond;
+constexpr Nanos kShortest = 20 * kMillisecond, kLongest = 500 * kMillisecond;
+constexpr Nanos kPatience = 600 * kSecond;  // ten repeated moves, and a busy machine
+constexpr Who kPrograms[] = {Who::kRig, Who::kSlave, Who::kMaster};
+
+Nanos between(Random& random, Nanos low, Nanos high) {
+  return low + static_cast<Nanos>(random.uniform() * static_cast<double>(high - low));
+}
+
+}  // namespace
+
+DemoOutcome run_demo(std::uint64_t seed, bool (*interrupted)()) {
+  DemoOutcome out;
+  Sequence calm;
+  calm.seed = seed;
+  Cell cell(calm, true);
+  for (const Who who : kPrograms) {
+    if (const Status started = cell.start(who); !started) {
+      out.complete = true;
+      out.problem = started.message();
+      return out;
+    }
+  }
+  Child demo("handrail", {"demo", "--socket", cell.socket()}, cell.folder().path() + "/demo.out",
+             true);
+  Random random(seed);
+  const Nanos start = monotonic_now();
+  Nanos window = start, next = start + between(random, 0, kWindow);
+  while (demo.running()) {
+    if (interrupted()) return out;
+    const Nanos now = monotonic_now();
+    if (now - start > kPatience) break;
+    if (now >= next) {
+      const Who who = kPrograms[static_cast<std::size_t>(random.uniform() * 3.0) % 3];
+      cell.pause(who);
+      sleep_until(now + between(random, kShortest, kLongest));
+      cell.resume(who);
+      ++out.pauses;
+      window += kWindow;
+      next = window + between(random, 0, kWindow);
+    }
+    sleep_until(monotonic_now() + 2 * kMillisecond);
+  }
+  out.complete = true;
+  std::string rest;
+  if (demo.running()) {
+    out.problem = "the demo does not end";
+  } else if (demo.code() != 0) {
+    out.problem = "the demo ended with " + std::to_string(demo.code());
+  } else if (!demo.printed("largest orientation error", rest)) {
+    out.problem = "the demo printed no table";
+  }
+  for (const Who who : kPrograms) {
+    if (!cell.running(who)) out.problem += std::string("; ") + name(who) + " does not run any more";
+  }
+  if (!out.problem.empty()) out.problem += "; it printed:\n" + demo.output();
+  return out;
+}
+
+}  // namespace handrail::storm
