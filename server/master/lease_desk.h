@@ -24,6 +24,7 @@ class LeaseDesk {
   // Why `who` may not give an order now; empty: it may. One that engages takes a free lease.
   std::string refusal(const std::string& who, bool engages, Nanos now);
   bool free() const noexcept { return lease_.holder().empty(); }
+  bool may_drive(const std::string& who) const { return free() || lease_.holder() == who; }
   // What `who` took for an engage that was then refused. Nobody's loss.
   void give_back(const std::string& who, Nanos now);
   // Time-outs, answers and the log. True when a holder has lost the lease since the last call.

@@ -47,7 +47,8 @@ const char kWhat[] =
 void raise_descriptor_limit() {
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
-  limit.rlim_cur = std::min<rlim_t>(limit.rlim_max, 2 * OperatorServer::kMaxClients);
+  const rlim_t wanted = std::min<rlim_t>(limit.rlim_max, 2 * OperatorServer::kMaxClients);
+  limit.rlim_cur = std::max(limit.rlim_cur, wanted);
   ::setrlimit(RLIMIT_NOFILE, &limit);
 }
 

@@ -54,6 +54,12 @@ bool has_order(const pb::Request& r) {
   }
 }
 
+// Changes something, and is not anybody's to give.
+bool is_order(const pb::Request& r) {
+  return !r.has_status() && !r.has_stop() &&
+         !(r.has_lease() && r.lease().act() == pb::LeaseOrder::SHOW);
+}
+
 }  // namespace
 
 // One connection: wait for a frame, read it, have it handled, answer, again.
@@ -70,6 +76,7 @@ class OperatorServer::Client : public std::enable_shared_from_this<Client> {
   }
   // Answers and, with `last`, closes afterwards.
   void answer(const pb::Reply& reply, bool last) {
+    stop_waits_ = false;
     out_ = framed(reply.SerializeAsString());
     limit_time();
     asio::async_write(socket_, asio::buffer(out_),
@@ -92,8 +99,14 @@ class OperatorServer::Client : public std::enable_shared_from_this<Client> {
     close();
   }
   bool is_open() const { return socket_.is_open(); }
-  bool gives_orders() const { return gives_orders_; }
   bool stops() const { return request_.has_stop(); }
+  // In whose place another may come: the lowest first.
+  int rank() const {
+    if (stop_waits_) return 2;
+    return drives() ? 1 : 0;
+  }
+  // Has given an order, and speaks for who may.
+  bool drives() const { return gives_orders_ && server_.handler_.may_drive(as_); }
   Nanos heard() const { return heard_; }  // newest whole frame, or when it came
   void have_handled();
 
@@ -135,7 +148,9 @@ class OperatorServer::Client : public std::enable_shared_from_this<Client> {
   asio::steady_timer timer_;
   OperatorServer& server_;
   Nanos heard_ = 0;
-  bool gives_orders_ = false;  // has done, at least once
+  bool gives_orders_ = false;      // has done, at least once
+  std::optional<std::string> as_;  // in whose name, in the newest
+  bool stop_waits_ = false;        // for its answer
   std::array<char, kFrameHeader> header_{};
   std::string body_;
   pb::Request request_;
@@ -177,11 +192,15 @@ void OperatorServer::Client::parse() {
   heard_ = monotonic_now();
   if (!request_.ParseFromString(body_)) return answer(refusal("the request is garbled"), true);
   if (!has_order(request_)) return answer(refusal("the request holds no order"), true);
-  gives_orders_ = gives_orders_ || !request_.has_status();
+  if (is_order(request_)) {
+    gives_orders_ = true;
+    as_ = request_.has_as() ? std::optional(request_.as()) : std::nullopt;
+  }
   server_.take(shared_from_this());
 }
 
 void OperatorServer::Client::have_handled() {
+  stop_waits_ = stops();
   const auto ticket = std::make_shared<Ticket>(weak_from_this());
   const pb::Request request = std::exchange(request_, pb::Request());
   server_.handler_.handle(request, [ticket](pb::Reply reply) { ticket->answer(std::move(reply)); });
@@ -249,8 +268,7 @@ bool OperatorServer::admit_one() {
 
 void OperatorServer::dismiss_one() {
   const auto needed_less = [](const auto& a, const auto& b) {
-    if (a->gives_orders() != b->gives_orders()) return b->gives_orders();
-    return a->heard() < b->heard();
+    return std::pair(a->rank(), a->heard()) < std::pair(b->rank(), b->heard());
   };
   const auto least = std::min_element(clients_.begin(), clients_.end(), needed_less);
   (*least)->dismiss("another client took your place: there is room for " +
@@ -260,12 +278,12 @@ void OperatorServer::dismiss_one() {
 
 void OperatorServer::take(const std::shared_ptr<Client>& client) {
   if (client->stops()) return client->have_handled();
-  (client->gives_orders() ? ordering_ : asking_).push_back(client);
+  (client->drives() ? driving_ : others_).push_back(client);
   serve_waiting();
 }
 
 void OperatorServer::serve_waiting() {
-  for (auto* queue : {&ordering_, &asking_}) {
+  for (auto* queue : {&driving_, &others_}) {
     for (; turns_ > 0 && !queue->empty(); queue->pop_front()) {
       const auto client = queue->front().lock();
       if (!client || !client->is_open()) continue;

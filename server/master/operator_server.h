@@ -10,6 +10,7 @@
 #include <deque>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,13 +28,18 @@ class OperatorHandler {
  public:
   virtual ~OperatorHandler() = default;
   virtual void handle(const pb::Request& request, std::function<void(pb::Reply)> reply) = 0;
+  // True when an order in the name `as` (none: a request that does not say) is not refused for the
+  // lease: that name holds it, or nobody does. Asked in the IO thread, for every client whenever
+  // one has to go.
+  virtual bool may_drive(const std::optional<std::string>& as) const = 0;
 };
 
-// Whoever comes is let in. Where there is no room, the client goes that was not heard for longest,
-// of those that only ask first. A stop is served before all else; of the rest those first who give
-// orders, and no more in a millisecond than leave time for the link. A client that sends garbage is
-// told so and cut off, one that stops in the middle of a frame is cut off after 2 s; neither delays
-// the others. All methods in the IO thread or while it does not run.
+// Whoever comes is let in. Where there is no room, the client goes that was not heard for longest;
+// the last to go are those who wait for the answer to a stop, and before them those who give orders
+// and may. A stop is served before all else; of the rest those first who give orders and may, and
+// no more in a millisecond than leave time for the link. A client that sends garbage is told so and
+// cut off, one that stops in the middle of a frame is cut off after 2 s; neither delays the others.
+// All methods in the IO thread or while it does not run.
 class OperatorServer {
  public:
   static constexpr std::size_t kMaxClients = 1024;
@@ -69,8 +75,8 @@ class OperatorServer {
   boost::asio::local::stream_protocol::acceptor acceptor_;
   boost::asio::steady_timer pause_;
   std::vector<std::shared_ptr<Client>> clients_;
-  // Whose requests wait for their turn: of who gives orders, and of who only asks.
-  std::deque<std::weak_ptr<Client>> ordering_, asking_;
+  // Whose requests wait for their turn: of who drives, and of all others.
+  std::deque<std::weak_ptr<Client>> driving_, others_;
   int turns_ = kRequestsPerMs;  // left in this millisecond
   boost::asio::steady_timer next_turns_;
   std::shared_ptr<int> running_;  // handlers still queued after stop find it gone

@@ -48,6 +48,10 @@ void OrderDesk::handle(const pb::Request& request, ReplyTo reply) {
   give_back_lease();
 }
 
+bool OrderDesk::may_drive(const std::optional<std::string>& as) const {
+  return leases_.may_drive(as ? *as : options_.user);
+}
+
 void OrderDesk::obey(const pb::Request& request, ReplyTo reply) {
   switch (request.order_case()) {
     case pb::Request::kStatus: {

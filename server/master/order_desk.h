@@ -49,6 +49,7 @@ class OrderDesk : public OperatorHandler {
   void set_realtime(std::string report) { options_.identity.realtime = std::move(report); }
 
   void handle(const pb::Request& request, std::function<void(pb::Reply)> reply) override;
+  bool may_drive(const std::optional<std::string>& as) const override;
 
   // A millisecond has passed: takes the loop's answers and reports, answers who waits.
   void tick(Nanos now, const SlaveState& slave, const LinkSnapshot& link);

@@ -21,6 +21,12 @@ class OperatorClients : public testing::Test {
     (request.*set)(true);
     return request;
   }
+  static std::string disengage_of(const std::string& who) {
+    pb::Request request;
+    request.set_as(who);
+    request.set_disengage(true);
+    return framed(request.SerializeAsString());
+  }
   // Waits for engage orders whose replies the master keeps.
   std::vector<std::function<void(pb::Reply)>> kept(int requests) {
     while (bench_->master.requests < requests) std::this_thread::yield();
@@ -69,6 +75,57 @@ TEST_F(OperatorClients, WhoeverComesIsLetInAndWhoOnlyAsksMakesRoom) {
   }
   ASSERT_TRUE(driver.send(status_frame()));
   EXPECT_TRUE(driver.receive().done());
+}
+
+// Four places: orders that the lease refuses keep none.
+TEST_F(OperatorClients, WhoMayNotDriveMakesRoomForWhoMay) {
+  bench_.reset();
+  bench_ = std::make_unique<OperatorBench>(path_, 4);
+  bench_->run([this] { bench_->master.holder = "ada"; });
+  RawClient driver(path_), stopper(path_);
+  ASSERT_TRUE(driver.send(disengage_of("ada")));
+  ASSERT_TRUE(driver.receive().done());
+  bench_->master.keeps_stops = true;
+  ASSERT_TRUE(stopper.send(framed(order(&pb::Request::set_stop).SerializeAsString())));
+  while (bench_->master.requests < 2) std::this_thread::yield();
+  std::vector<std::unique_ptr<RawClient>> others;
+  for (int i = 0; i < 20; ++i) {
+    others.push_back(std::make_unique<RawClient>(path_));
+    ASSERT_TRUE(others.back()->send(disengage_of("eve")));
+    ASSERT_TRUE(others.back()->receive().done()) << i;
+  }
+  EXPECT_EQ(others[0]->receive().reason(), "another client took your place: there is room for 4");
+  ASSERT_TRUE(driver.send(status_frame()));
+  EXPECT_TRUE(driver.receive().done()) << "who drives keeps his place";
+  pb::Reply stopped;
+  stopped.set_reason("the slave has it");
+  for (const auto& reply : bench_->master.take_kept()) reply(stopped);
+  EXPECT_EQ(stopper.receive().reason(), "the slave has it");
+  // With the lease he has lost it.
+  bench_->run([this] { bench_->master.holder = "bob"; });
+  for (int i = 0; i < 4; ++i) {
+    others.push_back(std::make_unique<RawClient>(path_));
+    ASSERT_TRUE(others.back()->send(status_frame()));
+    ASSERT_TRUE(others.back()->receive().done()) << i;
+  }
+  EXPECT_EQ(driver.receive().reason(), "another client took your place: there is room for 4");
+}
+
+TEST_F(OperatorClients, AnOrderOfWhoMayDrivePassesAllOthers) {
+  bench_->run([this] { bench_->master.holder = "ada"; });
+  std::vector<std::unique_ptr<RawClient>> others;
+  std::unique_ptr<RawClient> driver;
+  bench_->run([&] {
+    for (int i = 0; i < 500; ++i) {
+      others.push_back(std::make_unique<RawClient>(path_));
+      EXPECT_TRUE(others.back()->send(disengage_of("eve")));
+    }
+    driver = std::make_unique<RawClient>(path_);
+    EXPECT_TRUE(driver->send(disengage_of("ada")));
+  });
+  EXPECT_TRUE(driver->receive().done());
+  EXPECT_LT(bench_->master.requests, 450);
+  for (const auto& other : others) EXPECT_TRUE(other->receive().done());
 }
 
 // All have come and asked before the server looks: the stop, who came last, goes first.
