@@ -86,12 +86,22 @@ Status OperatorClient::check_peer() {
     return p.has_parent_path() ? p.parent_path() : std::filesystem::path(".");
   };
   const std::filesystem::path folder = parent(std::filesystem::absolute(path_));
-  const Result<uid_t> owner = folder_owner(folder), above = folder_owner(parent(folder));
-  if (owner && above && *owner == peer.uid && (*above == 0 || *above == peer.uid)) {
+  const Result<FolderOwner> owner = folder_owner(folder), above = keeper_of(parent(folder));
+  std::string why;
+  if (!owner) {
+    why = owner.message();
+  } else if (owner->user != peer.uid) {
+    why = folder.string() + " is a folder of " + owner->text;
+  } else if (!above) {
+    why = above.message();
+  } else if (above->user != 0 && above->user != peer.uid) {
+    why = parent(folder).string() + " is a folder of " + above->text + ", who could replace it";
+  } else {
     return Status::ok();
   }
-  return failure(user_text(peer.uid) + " listens there, expected " + user_text(::geteuid()) +
-                 ", root, or the owner of a folder that nobody else can replace");
+  const std::string self = ::geteuid() == 0 ? "root" : user_text(::geteuid()) + ", root";
+  return failure(user_text(peer.uid) + " listens there, expected " + self +
+                 " or the owner of a folder that nobody else can replace; " + why);
 }
 
 Status OperatorClient::wait(short events, Nanos deadline) {

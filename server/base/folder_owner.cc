@@ -10,22 +10,33 @@
 
 namespace handrail {
 
-Result<uid_t> folder_owner(const std::string& folder) {
+namespace {
+
+Result<FolderOwner> owner_of(const std::string& folder, bool may_be_sticky) {
   struct stat info {};
   if (::lstat(folder.c_str(), &info) != 0) {
     return Status::error(folder + ": " + std::strerror(errno));
   }
-  const std::string of = " of " + user_text(info.st_uid);
-  if (S_ISLNK(info.st_mode)) {
-    return Status::error(folder + " is a link" + of + ", expected the folder itself");
-  }
-  if (!S_ISDIR(info.st_mode)) return Status::error(folder + " is not a folder");
-  if ((info.st_mode & (S_IWGRP | S_IWOTH)) == 0) return info.st_uid;
   std::array<char, 8> mode{};
   std::snprintf(mode.data(), mode.size(), "%04o", info.st_mode & 07777u);
-  return Status::error(folder + of + " has mode " + mode.data() +
+  const std::string user = user_text(info.st_uid);
+  const std::string text = user + " with mode " + mode.data();
+  if (S_ISLNK(info.st_mode)) {
+    return Status::error(folder + " is a link of " + text + ", expected the folder itself");
+  }
+  if (!S_ISDIR(info.st_mode)) return Status::error(folder + " of " + text + " is not a folder");
+  const bool others = (info.st_mode & (S_IWGRP | S_IWOTH)) != 0;
+  const bool kept = may_be_sticky && (info.st_mode & S_ISVTX) != 0;
+  if (!others || kept) return FolderOwner{info.st_uid, text};
+  return Status::error(folder + " of " + user + " has mode " + mode.data() +
                        ": others could replace what is in it, expected 0700");
 }
+
+}  // namespace
+
+Result<FolderOwner> folder_owner(const std::string& folder) { return owner_of(folder, false); }
+
+Result<FolderOwner> keeper_of(const std::string& folder) { return owner_of(folder, true); }
 
 std::string user_text(uid_t user) {
   const passwd* entry = ::getpwuid(user);

@@ -9,9 +9,18 @@
 
 namespace handrail {
 
+struct FolderOwner {
+  uid_t user = 0;
+  std::string text;  // "eve (uid 1001) with mode 0755"
+};
+
 // The user whose folder it is. An error where it is none, but a link, or where anybody but its
 // owner and root may write to it: names owner and mode.
-Result<uid_t> folder_owner(const std::string& folder);
+Result<FolderOwner> folder_owner(const std::string& folder);
+
+// Who but root may replace what is in `folder` and belongs to somebody else. As above, but in a
+// sticky folder, as /tmp is, others may have things of their own.
+Result<FolderOwner> keeper_of(const std::string& folder);
 
 // "eve (uid 1001)".
 std::string user_text(uid_t user);

@@ -49,10 +49,10 @@ Status make_folder(const std::string& path, const std::string& folder) {
   if (::mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) {
     return failure(path, ("cannot create " + folder).c_str(), errno);
   }
-  const Result<uid_t> owner = folder_owner(folder);
+  const Result<FolderOwner> owner = folder_owner(folder);
   if (!owner) return failure(path, owner.message());
-  if (*owner == ::geteuid() || *owner == 0) return Status::ok();
-  return failure(path, folder + " is a folder of " + user_text(*owner) + ", expected one of " +
+  if (owner->user == ::geteuid() || owner->user == 0) return Status::ok();
+  return failure(path, folder + " is a folder of " + owner->text + ", expected one of " +
                            user_text(::geteuid()) + " or root");
 }
 

@@ -120,7 +120,8 @@ TEST_F(OperatorApi, RefusesAFolderThatIsALink) {
   std::filesystem::create_directory_symlink(folder_.path(), run);
   const OperatorBench bench(path_);
   EXPECT_EQ(bench.status().message(), "operator socket " + path_ + ": " + run + " is a link of " +
-                                          user_text(::geteuid()) + ", expected the folder itself");
+                                          user_text(::geteuid()) +
+                                          " with mode 0777, expected the folder itself");
 }
 
 // Somebody else was there before the master.
@@ -147,19 +148,39 @@ TEST_F(OperatorApi, AClientSaysWhoElseListens) {
     for (const int end : ready) ::close(end);
     return said;
   };
-  EXPECT_EQ(meet(folder_.path() + "/theirs.sock"),
-            "no master on " + folder_.path() + "/theirs.sock: uid 54321 listens there, expected " +
-                user_text(0) + ", root, or the owner of a folder that nobody else can replace");
-  // The folder is theirs, and nobody else can put another in its place.
-  ASSERT_EQ(::chmod(folder_.path().c_str(), 0755), 0);
-  const std::string run = folder_.path() + "/run";
-  ASSERT_EQ(::mkdir(run.c_str(), 0700), 0);
+  const auto refused = [&](const std::string& path, const std::string& why) {
+    EXPECT_EQ(meet(path), "no master on " + path +
+                              ": uid 54321 listens there, expected root or the owner of a folder "
+                              "that nobody else can replace; " +
+                              why);
+    std::filesystem::remove(path);
+  };
+  const std::string above = folder_.path(), run = above + "/run";
+  refused(above + "/theirs.sock", above + " of " + user_text(0) +
+                                      " has mode 0777: others could replace what is in it, "
+                                      "expected 0700");
+  ASSERT_EQ(::mkdir(run.c_str(), 0777), 0);
+  ASSERT_EQ(::chmod(run.c_str(), 01777), 0);
+  refused(path_, run + " of " + user_text(0) +
+                     " has mode 1777: others could replace what is in it, expected 0700");
+  // The folder is theirs, but anybody can put another in its place.
   ASSERT_EQ(::chown(run.c_str(), kStranger, kStranger), 0);
-  EXPECT_EQ(meet(path_), "no master on " + path_ + ": no answer in time");
-  // Anybody can put one here.
-  ASSERT_EQ(::chmod(folder_.path().c_str(), 01777), 0);
-  std::filesystem::remove(path_);
-  EXPECT_NE(meet(path_).find("uid 54321 listens there"), std::string::npos);
+  ASSERT_EQ(::chmod(run.c_str(), 0755), 0);
+  refused(path_, above + " of " + user_text(0) +
+                     " has mode 0777: others could replace what is in it, expected 0700");
+  // Nobody else can, also where others may have folders of their own.
+  for (const mode_t mode : {mode_t{0755}, mode_t{01777}}) {
+    ASSERT_EQ(::chmod(above.c_str(), mode), 0);
+    EXPECT_EQ(meet(path_), "no master on " + path_ + ": no answer in time");
+    std::filesystem::remove(path_);
+  }
+  ASSERT_EQ(::chmod(run.c_str(), 0775), 0);
+  refused(path_, run +
+                     " of uid 54321 has mode 0775: others could replace what is in it, "
+                     "expected 0700");
+  ASSERT_EQ(::chmod(run.c_str(), 0755), 0);
+  ASSERT_EQ(::chown(above.c_str(), kStranger + 1, kStranger + 1), 0);
+  refused(path_, above + " is a folder of uid 54322 with mode 1777, who could replace it");
 }
 
 TEST_F(OperatorApi, RefusesAPathTooLongForASocket) {
