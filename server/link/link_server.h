@@ -74,9 +74,12 @@ class LinkServer {
     wait_for_tick(monotonic_now());
     io_.run();
     const LinkSnapshot& link = snapshot();
+    const std::string causes = causes_text(peer_.rejects());
     hooks_.say(false, "link: " + std::to_string(link.accepted) + " datagrams accepted, " +
-                          std::to_string(link.rejected) + " rejected, " +
-                          std::to_string(link.sent) + " sent");
+                          std::to_string(link.rejected) + " rejected" +
+                          (causes.empty() ? "" : " (" + causes + ")") + ", " +
+                          std::to_string(link.sent) + " sent, " + std::to_string(link.unsendable) +
+                          " unsendable");
   }
 
  private:

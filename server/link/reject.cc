@@ -58,4 +58,14 @@ const char* describe(Reject cause) noexcept {
   return "unknown cause";
 }
 
+std::string causes_text(const RejectCounts& counts) {
+  std::string out;
+  for (std::size_t i = 1; i < counts.size(); ++i) {
+    if (counts[i] == 0) continue;
+    if (!out.empty()) out += ", ";
+    out += std::string(describe(static_cast<Reject>(i))) + " " + std::to_string(counts[i]);
+  }
+  return out;
+}
+
 }  // namespace handrail

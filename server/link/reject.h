@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 
 namespace handrail {
 
@@ -45,5 +46,9 @@ using RejectCounts = std::array<std::uint64_t, kRejectCauses>;
 
 // One short English fragment, static storage. Never null.
 const char* describe(Reject cause) noexcept;
+
+// "checksum mismatch 3, duplicate 20": the causes that have occurred, but for kNone; empty: none
+// has. Allocates.
+std::string causes_text(const RejectCounts& counts);
 
 }  // namespace handrail

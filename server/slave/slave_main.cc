@@ -155,7 +155,14 @@ int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
       [&loop] { return loop.finished(); },
       [&notice](Nanos now, bool runs) { notice.tick(now, runs); });
   robot_thread.join();
-  if (sensor) sensor->stop();
+  const MxtCounters& packets = robot.counters();
+  spdlog::info("controller: {} replies taken, {} rejected, {} late; {} packets sent",
+               packets.replies, packets.rejected, packets.late, packets.sent);
+  if (!sensor) return 0;
+  sensor->stop();
+  const RdtCounters& records = sensor->counters();
+  spdlog::info("force sensor: {} records taken, {} rejected, {} out of order", records.records,
+               records.rejected, records.stale);
   return 0;
 }
 

@@ -80,4 +80,38 @@ std::vector<BadDatagram> bad_datagrams(const DatagramHeader& header, const State
   return out;
 }
 
+// The same of what a slave says to a master whom it refuses; `session` is that master's.
+inline std::vector<BadDatagram> bad_refusals(std::uint64_t session) {
+  Codec codec;
+  std::vector<std::uint8_t> sound(kMaxDatagram);
+  sound.resize(codec.encode(Refusal{session, false, 1, 0}, sound));
+  std::vector<BadDatagram> out;
+  const auto payload = [&](Reject cause, const std::string& text) {
+    out.push_back({cause, std::vector<std::uint8_t>(kFrameBytes + text.size())});
+    std::copy(text.begin(), text.end(), out.back().bytes.begin() + kFrameBytes);
+    seal_frame(DatagramKind::kRefusal, out.back().bytes);
+  };
+  const auto message = [&](Reject cause, const std::function<void(pb::RefusalDatagram&)>& spoil) {
+    pb::RefusalDatagram m;
+    EXPECT_TRUE(
+        m.ParseFromArray(sound.data() + kFrameBytes, static_cast<int>(sound.size() - kFrameBytes)));
+    spoil(m);
+    payload(cause, m.SerializeAsString());
+  };
+  out.push_back({Reject::kChecksum, sound});
+  out.back().bytes.back() ^= 1;
+  out.push_back({Reject::kLength, sound});
+  out.back().bytes.pop_back();
+  payload(Reject::kProtobuf, "\xff\xff\xff\xff");
+  message(Reject::kUnknownField,
+          [](auto& m) { m.GetReflection()->MutableUnknownFields(&m)->AddVarint(999, 1); });
+  message(Reject::kMissingField, [](auto& m) { m.clear_leader_port(); });
+  message(Reject::kHeader, [](auto& m) { m.set_leader_port(0); });
+  message(Reject::kHeader, [](auto& m) { m.set_leader_port(65536); });
+  message(Reject::kHeader, [](auto& m) { m.set_led_for_ns(-1); });
+  message(Reject::kHeader, [](auto& m) { m.set_refused_session(0); });
+  message(Reject::kStale, [](auto& m) { m.set_refused_session(m.refused_session() + 1); });
+  return out;
+}
+
 }  // namespace handrail::test

@@ -170,6 +170,12 @@ TEST(Reject, EveryCauseHasItsOwnWords) {
     EXPECT_STRNE(describe(static_cast<Reject>(i)), "unknown cause") << i;
   }
   EXPECT_STREQ(describe(Reject::kCount), "unknown cause");
+  RejectCounts counts{};
+  counts[static_cast<std::size_t>(Reject::kNone)] = 9;
+  EXPECT_EQ(causes_text(counts), "");
+  counts[static_cast<std::size_t>(Reject::kStale)] = 20;
+  counts[static_cast<std::size_t>(Reject::kChecksum)] = 3;
+  EXPECT_EQ(causes_text(counts), "checksum mismatch 3, older than the newest accepted 20");
 }
 
 }  // namespace
