@@ -38,7 +38,8 @@ Status Cell::start(Who who) {
   Program& p = program(who);
   const std::string output = folder_.path() + "/" + name(who) + number + ".out";
   p.child = std::make_unique<Child>("handrail-" + std::string(name(who)),
-                                    std::vector<std::string>{"--config", file}, output, true);
+                                    std::vector<std::string>{"--config", file}, output, true,
+                                    logs_[static_cast<std::size_t>(who)]);
   p.paused = false;
   const Nanos give_up = monotonic_now() + kPatience;
   for (std::string rest; !p.child->printed("READY", rest);) {
@@ -80,7 +81,7 @@ std::string Cell::config(Who who) {
                          slave_port_, robot_port_, sensor_port_, scene);
     default:
       return fmt::format("link_port: {} slave_port: {} operator_socket: '{}' {} {}", master_port_,
-                         slave_port_, socket(), scene, hand);
+                         link_through_ != 0 ? link_through_ : slave_port_, socket(), scene, hand);
   }
 }
 

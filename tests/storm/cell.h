@@ -18,6 +18,12 @@ class Cell {
   // `as_shipped`: with the daemons' own scene and simulated hand, not those of a storm.
   explicit Cell(const Sequence& sequence, bool as_shipped = false);
 
+  // Standard error of a program that is started from here on; -1: with what it prints.
+  void log_to(Who who, int fd) { logs_[static_cast<std::size_t>(who)] = fd; }
+  // Where the slave is; and where masters that are started from here on find it.
+  int slave_port() const { return slave_port_; }
+  void lead_link_through(int port) { link_through_ = port; }
+
   // Starts a program and waits until it says that it is ready. The error has what it printed.
   Status start(Who who);
   // SIGSTOP and SIGCONT.
@@ -50,9 +56,11 @@ class Cell {
   bool as_shipped_;
   TempFolder folder_;
   std::array<Program, 3> programs_;
+  std::array<int, 3> logs_{-1, -1, -1};
   std::vector<std::string> taps_;
   int starts_ = 0;
   int robot_port_ = 0, sensor_port_ = 0, slave_port_ = 0, master_port_ = 0;
+  int link_through_ = 0;  // 0: nothing is between
 };
 
 }  // namespace handrail::storm

@@ -13,6 +13,7 @@
 
 #include "client/cli/interrupt.h"
 #include "server/lab/console.h"
+#include "tests/storm/crowded.h"
 #include "tests/storm/demos.h"
 #include "tests/storm/results.h"
 
@@ -27,6 +28,7 @@ using handrail::storm::Summary;
 const char kUsage[] =
     "usage: handrail-storm [--sequences N] [--seed S] [--results FILE] [--keep FOLDER] [--json]\n"
     "       handrail-storm --demos N [--seed S]\n"
+    "       handrail-storm --crowded STOPS [--seed S] [--json]\n"
     "\n"
     "Starts rig, slave and master, drives at speed, pauses, cuts off, ends and restarts them at\n"
     "random, follows `handrail why` out of it and drives again. In every sequence the arm keeps "
@@ -40,6 +42,11 @@ const char kUsage[] =
     "  --demos N        N times `handrail demo`, once every 10 s with one of its programs paused "
     "for\n"
     "                   20 to 500 ms; each has to end with its table\n"
+    "  --crowded STOPS  stops and engages so often while logs are stuck and 1000 clients crowd in, "
+    "in\n"
+    "                   windows with and without: how long a stop takes to the slave and how late "
+    "the\n"
+    "                   loops are; takes four minutes and 0.5 s a stop\n"
     "  --sequences N    seeds S to S+N-1 (50)\n"
     "  --seed S         of the first; drawn and printed when absent\n"
     "  --results FILE   a line a sequence; those in it are not run again\n"
@@ -48,8 +55,10 @@ const char kUsage[] =
     "                   the folder for temporary files)\n"
     "  --json           the summary alone, for programs\n";
 
+constexpr std::uint64_t kMostStops = 100'000;  // half a day
+
 struct Arguments {
-  std::uint64_t sequences = 50, seed = 0, demos = 0;
+  std::uint64_t sequences = 50, seed = 0, demos = 0, crowded = 0;
   std::string results;
   // Named here, before the taps go elsewhere.
   std::filesystem::path keep =
@@ -86,6 +95,11 @@ int read_arguments(int argc, char** argv, Arguments& out) {
       if (!read_number(value, 1, out.demos)) {
         return complain("--demos '" + value + "': expected a number from 1 on");
       }
+    } else if (name == "--crowded") {
+      if (!read_number(value, 1, out.crowded) || out.crowded > kMostStops) {
+        return complain("--crowded '" + value + "': expected a number from 1 to " +
+                        std::to_string(kMostStops));
+      }
     } else if (name == "--seed") {
       seeded = read_number(value, 0, out.seed);
       if (!seeded) return complain("--seed '" + value + "': expected a number from 0 on");
@@ -95,8 +109,8 @@ int read_arguments(int argc, char** argv, Arguments& out) {
       out.keep = value;
     } else {
       return complain("'" + name +
-                      "': unknown; expected --sequences, --demos, --seed, --results, "
-                      "--keep or --json");
+                      "': unknown; expected --sequences, --demos, --crowded, --seed, "
+                      "--results, --keep or --json");
     }
   }
   // Small enough to be typed.
@@ -157,6 +171,26 @@ int run_demos(const Arguments& arguments) {
   return failed == 0 ? handrail::kDone : handrail::kFailed;
 }
 
+int run_crowded(const Arguments& arguments) {
+  handrail::storm::CrowdedOptions options;
+  options.stops = static_cast<int>(arguments.crowded);
+  options.seed = arguments.seed;
+  const auto out =
+      handrail::storm::run_crowded(options, handrail::interrupted, [](int window, int of) {
+        std::fprintf(stderr, "handrail-storm: window %d of %d\n", window, of);
+      });
+  if (!out.complete) {
+    (void)complain(fmt::format("stopped after {} windows", out.windows.size()));
+    return handrail::kCancelled;
+  }
+  if (!out.problem.empty()) {
+    (void)complain(out.problem);
+    return handrail::kFailed;
+  }
+  std::fputs((arguments.json ? to_json(options, out) : for_people(out)).c_str(), stdout);
+  return figures_of(out.windows).reached() ? handrail::kDone : handrail::kFailed;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -171,6 +205,10 @@ int main(int argc, char** argv) {
     handrail::catch_interrupts();
     return run_demos(arguments);
   }
+  // Taps and sockets lie in memory where there is such a folder: no disk holds a control thread.
+  if (std::filesystem::is_directory("/dev/shm")) ::setenv("TMPDIR", "/dev/shm", 0);
+  handrail::catch_interrupts();
+  if (arguments.crowded > 0) return run_crowded(arguments);
   std::error_code error;
   std::filesystem::create_directories(arguments.keep, error);
   if (error) return complain(arguments.keep.string() + ": " + error.message());
@@ -178,9 +216,6 @@ int main(int argc, char** argv) {
   if (const auto opened = results.open(arguments.results); !opened) {
     return complain(opened.message());
   }
-  // Taps and sockets lie in memory where there is such a folder: no disk holds a control thread.
-  if (std::filesystem::is_directory("/dev/shm")) ::setenv("TMPDIR", "/dev/shm", 0);
-  handrail::catch_interrupts();
   if (!arguments.json) {
     fmt::print("storm: {} sequences from seed {}\n", arguments.sequences, arguments.seed);
     std::fflush(stdout);

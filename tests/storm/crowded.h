@@ -1,0 +1,55 @@
+// Stops, and how late the control loops are, while logs are stuck and a thousand clients crowd in.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace handrail::storm {
+
+struct CrowdedOptions {
+  int stops = 1000;  // under the crowd, and as many without; of all windows together
+  std::uint64_t seed = 1;
+};
+
+// One start of all programs.
+struct CrowdedWindow {
+  bool crowded = false;
+  double haptic_us = 0.0;  // p99.9 of how late the haptic loop's ticks began
+  double robot_us = 0.0;   // p99.9 of when the controller got the robot loop's command, after its
+                           // cycle had begun
+  // From before the operator connects. On its wire to the slave, in what the slave says of itself,
+  // and in the operator's hands [ms].
+  std::vector<double> sent_ms, taken_ms, answered_ms;
+  std::uint64_t acts = 0;    // of the crowd
+  std::uint64_t cycles = 0;  // of the controller, with a command
+};
+
+struct CrowdedOutcome {
+  bool complete = false;  // false: it was interrupted
+  std::string problem;    // empty: it ran to its end
+  bool realtime = false;  // this program's clock was not kept waiting by others
+  std::vector<CrowdedWindow> windows;
+};
+
+// 20 windows of at least 10 s, without the crowd and with it in turn. `interrupted` is asked every
+// few milliseconds; `progress` is told before each window.
+CrowdedOutcome run_crowded(const CrowdedOptions& options, bool (*interrupted)(),
+                           void (*progress)(int window, int of));
+
+// What the windows show.
+struct CrowdedFigures {
+  struct Times {
+    std::size_t count = 0;
+    double median = 0.0, p99 = 0.0, p999 = 0.0, worst = 0.0;
+  };
+  Times sent, taken, answered, calm_taken;             // [ms]
+  double haptic_grows_us = 0.0, robot_grows_us = 0.0;  // median of the differences, pair by pair
+
+  bool reached() const;
+};
+CrowdedFigures figures_of(const std::vector<CrowdedWindow>& windows);
+std::string for_people(const CrowdedOutcome& outcome);
+std::string to_json(const CrowdedOptions& options, const CrowdedOutcome& outcome);
+
+}  // namespace handrail::storm

@@ -1,0 +1,57 @@
+#include "tests/storm/crowded.h"
+
+#include <gmock/gmock.h>
+
+namespace handrail::storm {
+namespace {
+
+using ::testing::HasSubstr;
+
+// Pairs of windows without and with the crowd; stops of 0.01 to 10 ms in steps of 0.01.
+std::vector<CrowdedWindow> windows() {
+  std::vector<CrowdedWindow> out;
+  for (int pair = 0; pair < 4; ++pair) {
+    CrowdedWindow without, with;
+    without.haptic_us = 100.0;
+    without.robot_us = 900.0;
+    without.taken_ms = {3.0};
+    with.crowded = true;
+    with.haptic_us = 100.0 + 10.0 * pair;  // 0, 10, 20 and 30 more
+    with.robot_us = pair == 0 ? 9000.0 : 880.0;
+    for (int i = 1; i <= 250; ++i) with.taken_ms.push_back(0.01 * (i + 250 * pair));
+    out.push_back(without);
+    out.push_back(with);
+  }
+  return out;
+}
+
+TEST(Crowded, FiguresAreRanksAndMediansOfDifferences) {
+  const CrowdedFigures f = figures_of(windows());
+  EXPECT_EQ(f.taken.count, 1000u);
+  EXPECT_NEAR(f.taken.median, 5.00, 1e-9);
+  EXPECT_NEAR(f.taken.p99, 9.90, 1e-9);
+  EXPECT_NEAR(f.taken.p999, 9.99, 1e-9);
+  EXPECT_NEAR(f.taken.worst, 10.00, 1e-9);
+  EXPECT_EQ(f.calm_taken.count, 4u);
+  EXPECT_NEAR(f.haptic_grows_us, 15.0, 1e-9);
+  EXPECT_NEAR(f.robot_grows_us, -20.0, 1e-9);
+  EXPECT_TRUE(f.reached());
+}
+
+TEST(Crowded, EachFigureCanMissItsBound) {
+  auto slow = windows();
+  slow[1].taken_ms.push_back(10.5);  // two of 1002 are more than 0.1 %
+  slow[1].taken_ms.push_back(10.5);
+  EXPECT_FALSE(figures_of(slow).reached());
+  auto late = windows();
+  for (auto& w : late) w.haptic_us += w.crowded ? 40.0 : 0.0;
+  EXPECT_FALSE(figures_of(late).reached());
+  EXPECT_FALSE(figures_of({}).reached());
+  CrowdedOutcome outcome;
+  outcome.windows = late;
+  EXPECT_THAT(for_people(outcome), HasSubstr("NOT REACHED"));
+  EXPECT_THAT(to_json({}, outcome), HasSubstr("\"reached\": false"));
+}
+
+}  // namespace
+}  // namespace handrail::storm
