@@ -11,6 +11,9 @@ namespace {
 constexpr double kSoftest = 1e-3;
 // An end this little behind the command still counts as reached [m].
 constexpr double kBehind = 1e-6;
+// Strokes of the clutch add up without end. A command further out is no place, and could not be
+// sent; so much less, that rounding does not matter [m].
+constexpr double kFarthestCommand = 0.999 * kFarthest;
 
 // Rotation vector in S that turns the hand's orientation into the proxy's.
 Vec3 twist_from(const Quat& q_hand, const Quat& q_proxy) {
@@ -31,6 +34,7 @@ Reason anchor(const ToolCall& call, const GuideSettings& settings, const Pose& X
     case ToolKind::kLine:
     case ToolKind::kPlane:
       tool.p_SA = call.at_present ? X_SC.p : call.p_SA;
+      if (!is_place(tool.p_SA)) return Reason::kToolValueInvalid;
       if (call.kind == ToolKind::kPlane) tool.normal_S = call.normal_S.normalized();
       if (call.kind != ToolKind::kPoint && !call.direction_S.isZero()) {
         // A plane's forward direction is taken within the plane (zero normal for a line).
@@ -185,6 +189,10 @@ Guidance Guide::step(const GuideSettings& settings, const Pose& X_SH, double dt)
   if (orientation_.rejoined()) rejoin_orientation(settings, proxy_.q);
 
   command_.p = position_mean_.push(proxy_.p) + command_offset_.offset();
+  if (const double far = command_.p.norm(); far > kFarthestCommand) {
+    command_.p *= kFarthestCommand / far;
+    out.beyond = true;
+  }
   command_.q = orientation_mean_.push(proxy_.q);
   if (command_turn_.active()) {
     command_.q = (command_.q * rotation_exp(command_turn_.offset())).normalized();

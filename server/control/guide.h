@@ -32,6 +32,7 @@ struct Guidance {
   Vec3 pull = Vec3::Zero();        // proxy minus hand, eased across tool changes [m]
   Vec3 twist_pull = Vec3::Zero();  // rotation vector from hand to proxy, eased [rad]
   bool blending = false;           // an offset of a tool change is still being let go
+  bool beyond = false;             // the command was drawn back to where a place ends (kFarthest)
   Vec3 offset = Vec3::Zero();      // how much of X_SC.p is that [m]
   double offset_angle = 0.0;       // and of X_SC.q [rad]
 };

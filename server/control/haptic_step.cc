@@ -20,10 +20,6 @@ constexpr double kLongestAligning = 10.0;
 // A slave silent for longer is lost: what it said last is no fault that an operator sees.
 constexpr Nanos kInSight = 200 * kMillisecond;
 
-// Strokes of the clutch add up without end. A command further out is no place, and could not be
-// sent [m].
-constexpr double kFarthestCommand = 0.999 * kFarthest;
-
 // The slave holds another definition of a tool it says it has taken.
 bool tools_differ(const HapticState& s, const SlaveState& slave) {
   return slave.position_tool_epoch == s.guide.position().definition().epoch &&
@@ -312,10 +308,7 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
     const double easing = s.session == SessionState::kHold ? 0.0 : dt;
     const Guidance guidance = s.guide.step(settings.guide, X_SH, easing);
     s.X_SU = guidance.X_SC;
-    if (const double far = s.X_SU.p.norm(); far > kFarthestCommand) {
-      s.X_SU.p *= kFarthestCommand / far;
-      out.reasons.add(Reason::kOutOfReach);
-    }
+    if (guidance.beyond) out.reasons.add(Reason::kOutOfReach);
     const Vec3 pull_M = s.engagement.to_hand(guidance.pull);
     f_tool = s.guide.stiffness(settings.guide) * pull_M;  // (3.4)
     if (s.guide.position().active() && hand_ok) f_tool -= settings.damping * in.hand.v_MH;

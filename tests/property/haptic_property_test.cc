@@ -165,12 +165,15 @@ RC_GTEST_PROP(HapticProperty, WhateverIsOrderedADatagramCarriesWhatIsSent, ()) {
 TEST(HapticProperty, HoweverFarTheHandLeadsADatagramCarriesIt) {
   for (const Vec3& way : {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0.6, 0, 0.8), Vec3(1, 1, 1)}) {
     HapticRig rig;
+    rig.settings.guide.smoother_length = 5;  // all of a stroke gets through
     rig.engage();
+    bool said = false;
     for (int stroke = 0; stroke < 80; ++stroke) {
       for (int i = 0; i < 20; ++i) {
         rig.in.hand.X_MH.p += 0.01 * way.normalized();
         rig.tick();
         ASSERT_EQ(check(rig.out.link), Reject::kNone) << stroke;
+        said = said || rig.out.reasons.has(Reason::kOutOfReach);
       }
       rig.in.hand.clutch_button = true;
       rig.tick();
@@ -179,7 +182,63 @@ TEST(HapticProperty, HoweverFarTheHandLeadsADatagramCarriesIt) {
       rig.in.hand.clutch_button = false;
     }
     EXPECT_GT(rig.command().p.norm(), 9.9);
-    EXPECT_TRUE(rig.out.reasons.has(Reason::kOutOfReach));
+    EXPECT_TRUE(said);
+  }
+}
+
+// The hand at rest in the middle of its device, and the command at the end of all places.
+void lead_out(HapticRig& rig, const Vec3& way) {
+  for (int stroke = 0; stroke < 100 && !rig.out.reasons.has(Reason::kOutOfReach); ++stroke) {
+    for (int i = 0; i < 20; ++i) {
+      rig.in.hand.X_MH.p += 0.005 * way;
+      rig.tick();
+    }
+    rig.in.hand.clutch_button = true;
+    rig.tick();
+    rig.in.hand.X_MH.p.setZero();
+    rig.tick();
+    rig.in.hand.clutch_button = false;
+    rig.tick();
+  }
+}
+
+RC_GTEST_PROP(HapticProperty, AToolCalledAtTheEndOfAllPlacesIsCarriedByADatagramToo, ()) {
+  HapticRig rig;
+  rig.settings.mapping.scale = between(2.0, 50.0);
+  rig.settings.guide.smoother_length = 5;  // all of a stroke gets through
+  rig.engage();
+  const Vec3 way = within(1.0);
+  RC_PRE(way.norm() > 0.1);
+  lead_out(rig, way.normalized());
+  RC_ASSERT(rig.command().p.norm() > 9.9);
+  for (int i = 0; i < 40; ++i) {
+    rig.in.order = one_in(3) ? extreme_order() : any_order();
+    if (one_in(2)) rig.in.order.tool.at_present = true;
+    rig.in.hand.X_MH.p = within(0.1);
+    rig.in.hand.clutch_button = one_in(4);
+    rig.tick();
+    RC_ASSERT(check(rig.out.link) == Reject::kNone);
+    rig.in.hand.X_MH.p += within(0.1);
+    rig.ticks(3);
+    RC_ASSERT(check(rig.out.link) == Reject::kNone);
+    if (rig.session() == SessionState::kOff) rig.engage();
+  }
+}
+
+// Whatever the guide is told to anchor a tool at.
+TEST(HapticProperty, NoToolIsAnchoredWhereNoPlaceIs) {
+  for (const ToolKind kind : {ToolKind::kPoint, ToolKind::kLine, ToolKind::kPlane}) {
+    ToolCall call = test::call_of(kind);
+    call.direction_S = call.normal_S = Vec3::UnitX();
+    if (kind == ToolKind::kPlane) call.direction_S = Vec3::UnitY();
+    ToolDefinition tool;
+    for (const double far : {kFarthest, 1e300, std::numeric_limits<double>::quiet_NaN()}) {
+      EXPECT_EQ(anchor(call, GuideSettings(), {far * Vec3::UnitZ(), Quat::Identity()}, tool),
+                Reason::kToolValueInvalid);
+    }
+    EXPECT_EQ(
+        anchor(call, GuideSettings(), {0.99 * kFarthest * Vec3::UnitZ(), Quat::Identity()}, tool),
+        Reason::kNone);
   }
 }
 
