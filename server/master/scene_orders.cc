@@ -35,8 +35,9 @@ void OrderDesk::stage(const std::string& name, ReplyTo reply) {
     known += (known.empty() ? "'" : ", '") + other + "'";
   }
   const std::string scene = "scene '" + scene_.name + "' has no ";
-  reply(refused(known.empty() ? scene + "stages"
-                              : scene + "stage '" + name + "', expected one of " + known));
+  reply(refused(known.empty()
+                    ? scene + "stages"
+                    : scene + "stage '" + name.substr(0, 60) + "', expected one of " + known));
 }
 
 // The loop counts stages; their names are the scene's.

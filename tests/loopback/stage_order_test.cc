@@ -229,6 +229,9 @@ TEST_F(StageOrder, AnUnknownStageIsRefusedWithThoseThereAre) {
             "handrail: refused: scene 'door' has no stage 'ajar', expected one of 'shut', 'open', "
             "'aside'\n");
   EXPECT_EQ(cli({"stage", ""}), kExitRefused);
+  // As long as a request may be: the answer is not longer.
+  EXPECT_EQ(cli({"stage", std::string(65'000, 'x')}), kExitRefused) << err_.str();
+  EXPECT_LT(err_.str().size(), 200u);
   ASSERT_EQ(cli({"status"}), kExitDone);
   EXPECT_THAT(out_.str(), HasSubstr("stage 0 'shut'"));
 }
