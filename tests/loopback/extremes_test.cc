@@ -96,9 +96,15 @@ class ExtremesTest : public WholeCell {
 };
 
 TEST_F(ExtremesTest, OfTools) {
-  // As seen: a line whose end no datagram carries.
+  // Ends that no datagram carries.
   EXPECT_THAT(refusal("tool { kind: LINE direction: [1, 0, 0] end_mm: [10400, 0, 0] }"),
               HasSubstr("end"));
+  const std::string far_end = refusal(
+      "tool { kind: LINE direction: [1, 0, 0] at_mm: [-5000, 0, 0] end_mm: [5000, 100, 0] } "
+      "approach: true");
+  EXPECT_THAT(far_end, HasSubstr("end"));
+  EXPECT_EQ(status().state(), "engaged");
+  EXPECT_EQ(status().slave_state(), "engaged");
   for (const char* tool : {"kind: POINT", "kind: LINE direction: [1, 0, 0]",
                            "kind: PLANE normal: [0, 0, 1] direction: [1, 0, 0]", "kind: N_ROTATION",
                            "kind: F_ROTATION axis: [0, 0, 1]"}) {
