@@ -32,13 +32,9 @@ int fail(const std::string& message) {
 int main(int argc, char** argv) {
   const auto args = handrail::parse_daemon_args(argc, argv);
   if (const auto code = handrail::answer_at_once(args, "handrail-rig", kWhat)) return *code;
-  handrail::pb::RigConfig config;
-  if (!args->config_path.empty()) {
-    const auto loaded = handrail::load_rig_config(args->config_path);
-    if (!loaded) return fail(loaded.message());
-    config = *loaded;
-  }
-  const auto options = handrail::rig_options(config);
+  const auto config = handrail::load_rig_config(args->config_path);
+  if (!config) return fail(config.message());
+  const auto options = handrail::rig_options(*config);
   if (!options) {
     return fail((args->config_path.empty() ? "" : args->config_path + ": ") + options.message());
   }
@@ -51,17 +47,20 @@ int main(int argc, char** argv) {
   handrail::RigServer server(*options);
   const auto port = [](std::uint32_t value) { return static_cast<std::uint16_t>(value); };
   const handrail::Status opened =
-      server.open(config.address(), port(config.robot_port()), port(config.sensor_port()));
+      server.open(config->address(), port(config->robot_port()), port(config->sensor_port()));
   if (!opened) return fail(opened.message());
-  if (config.has_tap()) {
-    if (const handrail::Status tap = server.open_tap(config.tap()); !tap)
+  if (config->has_tap()) {
+    if (const handrail::Status tap = server.open_tap(config->tap()); !tap)
       return fail(tap.message());
   }
   server.handle_signals();
   std::printf("READY robot_port=%d sensor_port=%d\n", server.robot_port(), server.sensor_port());
   std::fflush(stdout);
   // A controller keeps its cycle whatever else runs.
-  spdlog::info("control thread: {}", handrail::enter_realtime(75).report);
+  const handrail::RealtimeGrant realtime = handrail::enter_realtime(75);
+  spdlog::info("control thread: {}", realtime.report);
+  const std::string advice = handrail::realtime_advice({realtime});
+  if (!advice.empty()) spdlog::warn("{}", advice);
   server.run();
   return 0;
 }

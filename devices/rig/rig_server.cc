@@ -78,8 +78,13 @@ struct RigServer::Impl {
     if (!error) return Status::ok();
     boost::system::error_code ignored;
     port.socket.close(ignored);
-    return Status::error(std::string(what) + " port " + at.address().to_string() + ":" +
-                         std::to_string(at.port()) + ": " + error.message());
+    const std::string port_text =
+        std::string(what) + " port " + at.address().to_string() + ":" + std::to_string(at.port());
+    if (error != asio::error::address_in_use) {
+      return Status::error(port_text + ": " + error.message());
+    }
+    return Status::error(port_text + " is in use, likely by a handrail-rig that still runs: end " +
+                         "it, or set " + what + "_port to another");
   }
 
   void receive(Port& port) {

@@ -24,7 +24,8 @@ Result<asio::ip::address> loopback_address(const std::string& role, const std::s
 Status bind_error(const UdpTransportOptions& options, const error_code& error) {
   const std::string port = "link port " + std::to_string(options.port) + " on " + options.address;
   if (error == asio::error::address_in_use) {
-    return Status::error(port + " is in use: stop the program that has it, or configure another");
+    return Status::error(port + " is in use, likely by a program like this one that still runs: " +
+                         "end it, or set link_port to another");
   }
   return Status::error(port + ": " + error.message());
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/base/operator_path.h"
+#include "server/base/own_address.h"
 #include "server/scene/text_io.h"
 
 namespace handrail {
@@ -145,12 +146,28 @@ void resolve_scene_path(const std::string& file, Config& config) {
   for (std::string& folder : *config.mutable_scene_path()) folder = from_folder_of(file, folder);
 }
 
+void set_addresses(pb::MasterConfig& c) {
+  if (!c.has_link_address()) c.set_link_address(own_address());
+  if (!c.has_slave_address()) c.set_slave_address(own_address());
+}
+void set_addresses(pb::SlaveConfig& c) {
+  if (!c.has_link_address()) c.set_link_address(own_address());
+  if (!c.robot().has_address()) c.mutable_robot()->set_address(own_address());
+  if (!c.force_sensor().has_address()) c.mutable_force_sensor()->set_address(own_address());
+}
+void set_addresses(pb::RigConfig& c) {
+  if (!c.has_address()) c.set_address(own_address());
+}
+
 template <typename Config>
 Result<Config> load(const std::string& path) {
   Config config;
-  if (path.empty()) return config;
   TextSource source;
-  if (Status status = source.load(path, config); !status) return status;
+  if (!path.empty()) {
+    if (Status status = source.load(path, config); !status) return status;
+  }
+  set_addresses(config);
+  if (path.empty()) return config;
   if (const Problem problem = check(config)) return source.error_at(*problem);
   return config;
 }

@@ -11,6 +11,7 @@
 
 #include "devices/rig/rig_server.h"
 #include "server/base/clock.h"
+#include "server/base/own_address.h"
 #include "server/base/pacer.h"
 #include "server/link/pump.h"
 #include "server/link/udp_transport.h"
@@ -73,7 +74,7 @@ const std::string kSlave = HANDRAIL_BIN_DIR "/handrail-slave";
 class SlaveDaemonTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    ASSERT_TRUE(rig.open("127.0.0.1", 0, 0));
+    ASSERT_TRUE(rig.open(own_address(), 0, 0));
     rig_thread = std::thread([this] { rig.run(); });
     const std::string config =
         folder.write("slave.config",
@@ -83,7 +84,7 @@ class SlaveDaemonTest : public ::testing::Test {
     const std::string ready = slave->line("READY link_port=");
     ASSERT_FALSE(ready.empty());
     UdpTransportOptions options;
-    options.peer_address = "127.0.0.1";
+    options.address = options.peer_address = own_address();
     options.peer_port = static_cast<std::uint16_t>(std::stoi(ready.substr(16)));
     ASSERT_TRUE(transport.open(options));
   }

@@ -6,6 +6,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
 
+#include "server/base/own_address.h"
 #include "server/base/reason.h"
 #include "tests/loopback/whole_cell.h"
 
@@ -122,7 +123,7 @@ TEST_F(TwoMastersTest, DisengagingAndEngagingAtOnceEngages) {
 // Its force sensor is a port where nobody answers.
 class SilentSensorTest : public WholeCell {
  protected:
-  SilentSensorTest() : silent_(io_, {boost::asio::ip::make_address("127.0.0.1"), 0}) {}
+  SilentSensorTest() : silent_(io_, {boost::asio::ip::make_address(own_address()), 0}) {}
   void SetUp() override {
     start_rig();
     sensor_port = silent_.local_endpoint().port();

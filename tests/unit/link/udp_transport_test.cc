@@ -51,9 +51,11 @@ TEST_F(UdpTransportTest, APortInUseIsNamed) {
   ASSERT_TRUE(slave.open({}));
   const Status status = master.open({.port = slave.port()});
   ASSERT_FALSE(status);
-  EXPECT_EQ(status.message(),
-            "link port " + std::to_string(slave.port()) +
-                " on 127.0.0.1 is in use: stop the program that has it, or configure another");
+  EXPECT_EQ(
+      status.message(),
+      "link port " + std::to_string(slave.port()) +
+          " on 127.0.0.1 is in use, likely by a program like this one that still runs: end it, "
+          "or set link_port to another");
   EXPECT_EQ(master.port(), 0);
   ASSERT_TRUE(master.open({}));  // usable afterwards
 }

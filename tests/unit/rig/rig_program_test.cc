@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "devices/rig/tap.h"
+#include "server/base/own_address.h"
 #include "tests/support/temp_folder.h"
 
 namespace handrail {
@@ -106,7 +107,8 @@ TEST_F(RigProgram, SaysWhichPortIsInUse) {
   ASSERT_EQ(std::sscanf(first.line().c_str(), "READY robot_port=%d", &robot), 1);
   const std::string taken = "robot_port: " + std::to_string(robot) + " sensor_port: 0";
   expect_end({"--config", write_config(taken)}, 2,
-             {"robot port 127.0.0.1:" + std::to_string(robot), "in use"});
+             {"robot port " + own_address() + ":" + std::to_string(robot), "in use",
+              "set robot_port to another"});
 }
 
 TEST_F(RigProgram, ChecksAConfigurationWithoutStarting) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/base/own_address.h"
 #include "server/scene/payload_io.h"
 #include "tests/support/temp_folder.h"
 
@@ -28,6 +29,23 @@ TEST(Config, DefaultsNeedNoFileAndAreValid) {
   EXPECT_EQ(master_error(""), "");
   EXPECT_EQ(slave_error(""), "");
   EXPECT_EQ(rig_error(""), "");
+}
+
+// Two users of a computer can start with the same ports.
+TEST(Config, AnAddressThatIsAbsentIsTheUsersOwn) {
+  const std::string own = own_address();
+  EXPECT_EQ(own.substr(0, 4), "127.");
+  EXPECT_EQ(load_master_config("")->link_address(), own);
+  EXPECT_EQ(load_master_config("")->slave_address(), own);
+  EXPECT_EQ(load_slave_config("")->link_address(), own);
+  EXPECT_EQ(load_slave_config("")->robot().address(), own);
+  EXPECT_EQ(load_slave_config("")->force_sensor().address(), own);
+  EXPECT_EQ(load_rig_config("")->address(), own);
+  const TempFolder folder;
+  const auto slave = load_slave_config(
+      folder.write("c.conf", "robot { port: 1 } force_sensor { address: '192.168.0.1' }"));
+  EXPECT_EQ(slave->robot().address(), own);
+  EXPECT_EQ(slave->force_sensor().address(), "192.168.0.1");
 }
 
 TEST(Config, AcceptsPortZeroWhereADaemonListens) {
