@@ -8,6 +8,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 
@@ -55,8 +56,9 @@ RealtimeGrant enter_realtime(int priority) {
   return grant;
 }
 
-std::string realtime_advice(const RealtimeGrant& grant) {
-  if (grant.fifo && grant.memory_locked) return {};
+std::string realtime_advice(std::initializer_list<RealtimeGrant> grants) {
+  const auto enough = [](const RealtimeGrant& grant) { return grant.fifo && grant.memory_locked; };
+  if (std::all_of(grants.begin(), grants.end(), enough)) return {};
   return "not in real time: late cycles are likelier; to be granted it, as root: printf "
          "'USER - rtprio 90\\nUSER - memlock unlimited\\n' > /etc/security/limits.d/handrail.conf, "
          "with this user's name for USER, then log in anew";

@@ -1,6 +1,7 @@
 // What the operating system grants a thread that must not be late.
 #pragma once
 
+#include <initializer_list>
 #include <string>
 
 namespace handrail {
@@ -20,7 +21,7 @@ struct RealtimeGrant {
 // at the start of a thread; not real-time safe itself.
 RealtimeGrant enter_realtime(int priority);
 
-// What to do to be granted more; empty where nothing is missing that matters.
-std::string realtime_advice(const RealtimeGrant& grant);
+// What to do to be granted more, where one of a program's threads lacks what matters; else empty.
+std::string realtime_advice(std::initializer_list<RealtimeGrant> grants);
 
 }  // namespace handrail

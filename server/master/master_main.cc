@@ -128,8 +128,8 @@ class HapticThread {
   HapticThread(const HapticThread&) = delete;
   HapticThread& operator=(const HapticThread&) = delete;
 
-  // What the thread got of what it asked for.
-  std::string realtime() { return realtime_.get_future().get(); }
+  // What the thread got of what it asked for. Once.
+  RealtimeGrant realtime() { return realtime_.get_future().get(); }
   void request_stop() noexcept { loop_->request_stop(); }
   bool finished() const noexcept { return loop_->finished(); }
 
@@ -138,7 +138,7 @@ class HapticThread {
     sigset_t all;
     sigfillset(&all);
     pthread_sigmask(SIG_BLOCK, &all, nullptr);
-    realtime_.set_value(enter_realtime(kHapticPriority).report);
+    realtime_.set_value(enter_realtime(kHapticPriority));
     while (!loop_->finished()) {
       sleep_until(loop_->due());
       loop_->tick(monotonic_now());
@@ -147,7 +147,7 @@ class HapticThread {
   }
 
   std::unique_ptr<HapticLoop> loop_;
-  std::promise<std::string> realtime_;
+  std::promise<RealtimeGrant> realtime_;
   std::thread thread_;  // last: it uses the others
 };
 
@@ -183,6 +183,7 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
   desk_options.identity.device_simulated = capabilities.simulated;
   desk_options.presence = presence_of(config, capabilities);
   desk_options.user = own_user_name();
+  desk_options.slave_at = config.slave_address() + ":" + std::to_string(config.slave_port());
   desk_options.identity.log_lost = [&log] { return log.lost(); };
   desk_options.load_scene = [&](const std::string& name) { return library.load(name); };
   desk_options.settings_of = settings_of;
@@ -198,16 +199,17 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
   if (const Status opened = (*device)->open(); !opened) return fail(opened.message());
 
   HapticThread haptic(**device, settings, *boxes);
-  const std::string realtime = haptic.realtime();
-  desk.set_realtime(realtime);
-  spdlog::info("haptic thread: {}", realtime);
+  const RealtimeGrant realtime = haptic.realtime();
+  desk.set_realtime(realtime.report);
+  spdlog::info("haptic thread: {}", realtime.report);
   std::printf("READY link_port=%d operator_socket=%s\n", server.port(),
               config.operator_socket().c_str());
   std::fflush(stdout);
   notice.ready();
   const RealtimeGrant io = enter_realtime(kIoPriority);
   spdlog::info("IO thread: {}", io.report);
-  if (const std::string advice = realtime_advice(io); !advice.empty()) spdlog::warn("{}", advice);
+  const std::string advice = realtime_advice({realtime, io});
+  if (!advice.empty()) spdlog::warn("{}", advice);
   server.run(
       [&] {
         notice.stopping();

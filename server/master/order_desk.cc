@@ -299,7 +299,9 @@ std::string OrderDesk::unheard() const {
            way_out_of(Reason::kOtherMaster, -1, JointVector::Zero(), latched);
   }
   if (report_->walls.present) return describe(Reason::kNoArmInScene);
-  if (link_.peer_epoch == 0) return "no slave is connected";
+  if (link_.peer_epoch == 0) {
+    return "no slave has answered at " + options_.slave_at + ": start handrail-slave there";
+  }
   return fmt::format("the slave was last heard {} ms ago, and what it has latched stays",
                      link_.age(now_) / kMillisecond);
 }
@@ -319,8 +321,10 @@ void OrderDesk::watch_stops() {
     const Nanos took = now_ - stop.since;
     if (link_.refused(now_)) {
       stop.reply(refused("the stop stands here and stops nobody: " + unheard()));
-    } else if (link_.peer_epoch == 0 || report_->walls.present) {
+    } else if (report_->walls.present) {
       stop.reply(done(unheard()));
+    } else if (link_.peer_epoch == 0) {
+      stop.reply(refused("the stop stands here, but none heard it: " + unheard()));
     } else if (slave_.stop_epoch == report_->out.link.stop_epoch) {
       stop.reply(done("the slave has it after " + std::to_string(took / kMillisecond) + " ms"));
     } else if (took > kStopPatience) {

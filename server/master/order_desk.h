@@ -22,6 +22,7 @@ struct OrderDeskOptions {
   MasterIdentity identity;
   Presence presence = Presence::kNone;  // what the configuration wants
   std::string user = "operator";        // who speaks when a request does not say
+  std::string slave_at;                 // "127.0.0.1:47002", where a slave is looked for
   // A scene by name, and what it means with this device; the errors say why there is none.
   std::function<Result<Scene>(const std::string& name)> load_scene;
   std::function<HapticSettings(const Scene& scene)> settings_of;

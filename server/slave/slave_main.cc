@@ -85,11 +85,11 @@ std::string sensor_text(const FollowSettings& settings) {
   return out;
 }
 
-void run_robot(RobotLoop& loop, std::promise<std::string>& realtime) {
+void run_robot(RobotLoop& loop, std::promise<RealtimeGrant>& realtime) {
   sigset_t all;
   sigfillset(&all);
   pthread_sigmask(SIG_BLOCK, &all, nullptr);
-  realtime.set_value(enter_realtime(kRobotPriority).report);
+  realtime.set_value(enter_realtime(kRobotPriority));
   while (!loop.finished()) {
     const Nanos next = loop.turn();
     if (next > 0) sleep_until(next);
@@ -138,15 +138,17 @@ int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
     if (const Status started = sensor->start(); !started) return fail(started.message());
   }
   RobotLoop loop(robot, *settings, boxes);
-  std::promise<std::string> realtime;
-  std::thread robot_thread([&] { run_robot(loop, realtime); });
-  spdlog::info("robot thread: {}", realtime.get_future().get());
+  std::promise<RealtimeGrant> granted;
+  std::thread robot_thread([&] { run_robot(loop, granted); });
+  const RealtimeGrant realtime = granted.get_future().get();
+  spdlog::info("robot thread: {}", realtime.report);
   std::printf("READY link_port=%d\n", server.port());
   std::fflush(stdout);
   notice.ready();
   const RealtimeGrant io = enter_realtime(kIoPriority);
   spdlog::info("IO thread: {}", io.report);
-  if (const std::string advice = realtime_advice(io); !advice.empty()) spdlog::warn("{}", advice);
+  const std::string advice = realtime_advice({realtime, io});
+  if (!advice.empty()) spdlog::warn("{}", advice);
   server.run(
       [&] {
         notice.stopping();

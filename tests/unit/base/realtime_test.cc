@@ -41,6 +41,20 @@ TEST(EnterRealtime, ARefusedPriorityIsSaidAndTheThreadGoesOn) {
   });
 }
 
+TEST(RealtimeAdvice, IsGivenWhereAnyThreadLacksWhatMatters) {
+  RealtimeGrant all, no_fifo, no_memory;
+  all.fifo = all.memory_locked = no_fifo.memory_locked = no_memory.fifo = true;
+  EXPECT_EQ(realtime_advice({all, all}), "");
+  for (const RealtimeGrant& lacks : {no_fifo, no_memory}) {
+    for (const std::string& advice :
+         {realtime_advice({lacks, all}), realtime_advice({all, lacks})}) {
+      EXPECT_NE(advice.find("/etc/security/limits.d/"), std::string::npos);
+      EXPECT_NE(advice.find("rtprio"), std::string::npos);
+      EXPECT_NE(advice.find("memlock"), std::string::npos);
+    }
+  }
+}
+
 TEST(EnterRealtime, ThreadsStartedAfterwardsAreOrdinary) {
   in_thread([] {
     (void)enter_realtime(10);

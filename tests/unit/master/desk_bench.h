@@ -22,6 +22,7 @@ class DeskBench : public ::testing::Test {
   DeskBench() {
     for (const char* name : {"first", "second"}) scenes[name].name = name;
     OrderDeskOptions options;
+    options.slave_at = "127.0.0.1:47002";
     options.load_scene = [this](const std::string& name) -> Result<Scene> {
       if (!scenes.contains(name)) return Status::error("no scene '" + name + "'");
       return scenes[name];

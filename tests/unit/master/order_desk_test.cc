@@ -354,7 +354,8 @@ TEST_F(OrderDeskTest, AResetWithoutASlaveIsDoneAndSaysSo) {
   answer = ask("reset: true");
   loop();
   tick();
-  EXPECT_EQ(text(answer), "done: no slave is connected");
+  EXPECT_EQ(text(answer),
+            "done: no slave has answered at 127.0.0.1:47002: start handrail-slave there");
 }
 
 }  // namespace

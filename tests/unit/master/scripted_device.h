@@ -44,6 +44,10 @@ class ScriptedDevice : public HapticDevice {
     ++writes;
   }
   void close() noexcept override {}
+  void simulate(const DeviceEffects&, const Vec3& start) noexcept override {
+    simulated_from = start;
+    ++simulations;
+  }
   SteerableHand* hand() noexcept override { return has_hand ? &its_hand : nullptr; }
 
   HapticSample sample;
@@ -53,6 +57,8 @@ class ScriptedDevice : public HapticDevice {
   int reads = 0;
   int writes = 0;
   Wrench written;
+  int simulations = 0;
+  Vec3 simulated_from = Vec3::Zero();
 
  private:
   HapticCapabilities capabilities_;

@@ -79,7 +79,9 @@ TEST_F(StopDeskTest, AStopSaysWhenNoSlaveAnswersOrNoneIsThere) {
   answer = ask("stop: true");
   loop();
   tick();
-  EXPECT_EQ(text(answer), "done: no slave is connected");
+  EXPECT_EQ(text(answer),
+            "refused: the stop stands here, but none heard it: no slave has answered at "
+            "127.0.0.1:47002: start handrail-slave there");
 }
 
 TEST_F(StopDeskTest, AStopToALoopThatStandsStillIsAnsweredAllTheSame) {

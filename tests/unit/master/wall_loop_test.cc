@@ -26,6 +26,7 @@ Scene room() {
   WallShape shape;
   shape.half = Vec2(0.02, 0.02);
   walls->shapes = {shape};
+  walls->start = Vec2(0.012, -0.007);
   walls->stages.resize(2);
   walls->stages[1].pose.p = Vec2(0.02, 0.0);
   Scene scene;
@@ -92,6 +93,15 @@ TEST_F(WallLoop, TheWallIsFeltWithTheSessionOff) {
   go_to(0.0);
   EXPECT_EQ(device.written.force.norm(), 0.0);
   EXPECT_FALSE(report.walls.contact.touching);
+}
+
+TEST_F(WallLoop, TheSimulatedHandBeginsAtTheScenesStart) {
+  EXPECT_EQ(device.simulations, 2) << "at the start, and once for the scene";
+  EXPECT_EQ(device.simulated_from, Vec3(0.012, -0.007, 0.0));
+  boxes.settings.publish(settings);
+  ticks(2);
+  EXPECT_EQ(device.simulations, 3);
+  EXPECT_EQ(device.simulated_from, Vec3::Zero()) << "without walls";
 }
 
 TEST_F(WallLoop, NothingEngagesAndTheReasonIsGiven) {
