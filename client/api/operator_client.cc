@@ -16,6 +16,12 @@
 #include "server/base/length_prefix.h"
 
 namespace handrail {
+namespace {
+
+// Between two looks whether the call is cancelled: Ctrl-C feels immediate [ms].
+constexpr Nanos kLook = 50;
+
+}  // namespace
 
 Result<pb::Reply> OperatorClient::call(const pb::Request& order, Nanos patience) {
   const Nanos deadline = monotonic_now() + patience;
@@ -65,10 +71,11 @@ Status OperatorClient::connect(Nanos deadline) {
     // A full queue of a busy master: there is nothing to poll for, so ask again.
     if (errno != EAGAIN && errno != EINTR) {
       const int cause = errno;
-      return failure(cause == ENOENT         ? "no such socket"
-                     : cause == ECONNREFUSED ? "nobody listens on the socket"
+      return failure(cause == ENOENT         ? "no such socket; start handrail-master"
+                     : cause == ECONNREFUSED ? "nobody listens on the socket; start handrail-master"
                                              : std::strerror(cause));
     }
+    if (cancelled_ != nullptr && cancelled_()) return failure("interrupted");
     if (monotonic_now() >= deadline) return failure("it does not accept connections");
     ::poll(nullptr, 0, 5);
   }
@@ -108,8 +115,10 @@ Status OperatorClient::wait(short events, Nanos deadline) {
   while (true) {
     const Nanos left = deadline - monotonic_now();
     if (left <= 0) return failure("no answer in time");
+    if (cancelled_ != nullptr && cancelled_()) return failure("interrupted");
     pollfd entry{fd_, events, 0};
-    const Nanos ms = std::min<Nanos>((left + kMillisecond - 1) / kMillisecond, 60'000);
+    const Nanos longest = cancelled_ != nullptr ? kLook : 60'000;
+    const Nanos ms = std::min<Nanos>((left + kMillisecond - 1) / kMillisecond, longest);
     const int n = ::poll(&entry, 1, static_cast<int>(ms));
     if (n > 0) return Status::ok();
     if (n < 0 && errno != EINTR) return failure(std::strerror(errno));

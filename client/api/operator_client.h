@@ -26,8 +26,10 @@ enum ExitCode : int {
 class OperatorClient {
  public:
   // `as`: who speaks, in requests that do not say; empty: the user the master runs as.
-  explicit OperatorClient(std::string socket_path, std::string as = {})
-      : path_(std::move(socket_path)), as_(std::move(as)) {}
+  // `cancelled`: asked every 50 ms while a call waits; where it says so, the call fails at once.
+  explicit OperatorClient(std::string socket_path, std::string as = {},
+                          bool (*cancelled)() = nullptr)
+      : path_(std::move(socket_path)), as_(std::move(as)), cancelled_(cancelled) {}
   ~OperatorClient() { close(); }
   OperatorClient(const OperatorClient&) = delete;
   OperatorClient& operator=(const OperatorClient&) = delete;
@@ -50,6 +52,7 @@ class OperatorClient {
 
   std::string path_;
   std::string as_;
+  bool (*cancelled_)();
   int fd_ = -1;
 };
 

@@ -113,7 +113,7 @@ ExitCode watch(const Options& options, const Console& console, std::size_t wante
   bool told = false;
   for (;;) {
     const Result<pb::Reply> reply = client.call(request, kPatience);
-    if (interrupted()) {
+    if (interrupted() || !console.err) {
       progress.line(text_of("stopped after %zu of %zu orientations", out.size(), wanted));
       return kExitRefused;
     }

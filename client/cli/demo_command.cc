@@ -15,7 +15,6 @@ namespace handrail {
 namespace {
 
 constexpr double kLeg = 75.0 * kMm;       // A to B and B to C, at the robot
-constexpr double kScale = 2.0;            // hand to robot, as in the default scene
 constexpr double kOvershoot = 2.0 * kMm;  // the hand goes past the end, as hands do
 constexpr double kTurn = 45.0;            // about the vertical through B [deg]
 constexpr Nanos kPatience = 2 * kSecond;
@@ -59,7 +58,7 @@ pb::Request tools_off(bool position, bool orientation) {
 const Vec3 kRight(1.0, 0.0, 0.0);
 const Vec3 kUp(0.0, 1.0, 0.0);
 const Vec3 kDown = -kUp;
-constexpr double kHandLeg = (kLeg / kScale + kOvershoot) / kMm;
+constexpr double kHandLeg = (kLeg / kDemoScale + kOvershoot) / kMm;
 
 // One move of the hand, and the tools it is made with; each is called anew when it is repeated.
 struct Leg {
@@ -89,6 +88,7 @@ class Drive {
   void make(const Leg& leg) {
     const Pose start = pose_of(driver_.status().command());
     const LinearMeasure before = measure_;
+    driver_.begin_move();
     do {
       measure_ = before;
       attempt(leg);
@@ -133,6 +133,7 @@ DriveResult drive(DemoDriver& driver, bool tools, const Say& say) {
 
 // From wherever the arm is, as far as the hand leads it there.
 void go_to_a(DemoDriver& driver, const Say& say) {
+  driver.begin_move();
   if (driver.ok()) driver.drive_to(kA);
   if (driver.lost()) driver.recover(kA, say);
 }
@@ -211,6 +212,7 @@ ExitCode run_demo(const Options& options, const Console& console) {
   DemoDriver driver(options.socket, options.as);
   const Say say = [&](const std::string& text) {
     if (!options.json && driver.code() == kExitDone) console.out << text << std::endl;
+    if (!console.out) driver.fail("nobody reads what it prints");
   };
   check_scene(driver);
   if (driver.engage()) say("engaged; going to A ...");
@@ -226,6 +228,7 @@ ExitCode run_demo(const Options& options, const Console& console) {
   go_to_a(driver, say);
   // Whatever happened: nobody drives any more.
   const bool free = disengage(options);
+  if (!console.out && free) return driver.code();  // main says why
   if (!driver.ok()) {
     console.err << "handrail: demo: " << driver.problem() << (free ? "; disengaged" : "") << '\n';
     return driver.code();

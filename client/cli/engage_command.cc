@@ -18,6 +18,12 @@ ExitCode fail(const Console& console, const Result<pb::Reply>& reply) {
   return exit_code(reply);
 }
 
+ExitCode disengage(const Options& options, const Console& console) {
+  pb::Request end;
+  end.set_disengage(true);
+  return send_order(options, console, end, "disengaged");
+}
+
 }  // namespace
 
 ExitCode run_engage(const Options& options, const Console& console) {
@@ -26,22 +32,26 @@ ExitCode run_engage(const Options& options, const Console& console) {
   if (!options.hold) return send_order(options, console, request, "engaged", kPatience);
   request.set_hold(true);
   catch_interrupts();
-  OperatorClient client(options.socket, options.as);
+  OperatorClient client(options.socket, options.as, interrupted);
   const Result<pb::Reply> engaged = client.call(request, kPatience);
+  if (!engaged && interrupted()) {
+    // The master may be about to engage.
+    (void)disengage(options, console);
+    return kExitInterrupted;
+  }
   if (exit_code(engaged) != kExitDone) return fail(console, engaged);
   console.out << "engaged while this runs; Ctrl-C disengages\n";
   if (!engaged->reason().empty()) console.out << engaged->reason() << '\n';
   console.out << std::flush;
-  while (!interrupted()) {
+  while (!interrupted() && console.out) {
     pb::Request sign;
     sign.set_hold_alive(true);
     const Result<pb::Reply> heard = client.call(sign, kSignPatience);
+    if (!heard && interrupted()) break;
     if (exit_code(heard) != kExitDone) return fail(console, heard);
     ::poll(nullptr, 0, kSignMs);
   }
-  pb::Request end;
-  end.set_disengage(true);
-  return send_order(options, console, end, "disengaged");
+  return disengage(options, console);
 }
 
 }  // namespace handrail

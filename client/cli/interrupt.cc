@@ -19,6 +19,8 @@ void catch_interrupts() {
   struct sigaction action {};
   action.sa_handler = [](int) { came = true; };
   for (const int signal : ending_signals()) ::sigaction(signal, &action, nullptr);
+  action.sa_handler = SIG_IGN;
+  ::sigaction(SIGPIPE, &action, nullptr);
 }
 
 bool interrupted() { return came; }

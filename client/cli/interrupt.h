@@ -3,7 +3,8 @@
 
 namespace handrail {
 
-// From here on ending_signals() no longer end the program.
+// From here on ending_signals() no longer end the program, nor does writing to a reader that has
+// gone: the stream fails instead.
 void catch_interrupts();
 // One of them has come since.
 bool interrupted();

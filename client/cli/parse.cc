@@ -132,7 +132,7 @@ ExitCode run_cli(const std::vector<std::string>& args, const Console& console) {
       ->type_name("NAME")
       ->check(
           CLI::Validator([](std::string& who) { return operator_name_problem(who); }, "", "name"));
-  app.footer("Exit: 0 done, 1 refused, 2 usage or bad file, 3 no master.");
+  app.footer("Exit: 0 done, 1 refused, 2 usage or bad file, 3 no master, 130 ended by Ctrl-C.");
   std::map<std::string, CLI::App*> groups;
   std::vector<std::pair<CLI::App*, const Command*>> leaves;
   for (const Command& command : commands()) {

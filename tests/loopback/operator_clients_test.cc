@@ -193,7 +193,7 @@ TEST_F(OperatorClients, ConnectAgainAfterTheMasterRestarted) {
   bench_.reset();
   EXPECT_FALSE(client.call(order(&pb::Request::set_status), kPatience).is_ok());
   EXPECT_EQ(client.call(order(&pb::Request::set_status), kPatience).message(),
-            "no master on " + path_ + ": no such socket");
+            "no master on " + path_ + ": no such socket; start handrail-master");
   bench_ = std::make_unique<OperatorBench>(path_);
   EXPECT_TRUE(client.call(order(&pb::Request::set_status), kPatience).is_ok());
 }

@@ -137,7 +137,9 @@ TEST(Calibrate, UsageErrorsExitWithTwoAndOneLine) {
 TEST(Calibrate, WithoutAMasterExitsWithThree) {
   const CliRun run({"--socket", "/nowhere/operator.sock"});
   EXPECT_EQ(run.code, kExitNoMaster);
-  EXPECT_EQ(run.err, "handrail: no master on /nowhere/operator.sock: no such socket\n");
+  EXPECT_EQ(
+      run.err,
+      "handrail: no master on /nowhere/operator.sock: no such socket; start handrail-master\n");
 }
 
 TEST(PayloadSamples, BadFilesAreNamedByLineAndColumn) {

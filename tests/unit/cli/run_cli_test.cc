@@ -91,7 +91,9 @@ TEST(Cli, EveryOrderWithoutAMasterExitsWithThree) {
   for (const auto& line : lines) {
     const CliRun run = without_master(line);
     EXPECT_EQ(run.code, kExitNoMaster) << line[0] << ' ' << line.back() << ": " << run.err;
-    EXPECT_EQ(run.err, "handrail: no master on /nowhere/operator.sock: no such socket\n");
+    EXPECT_EQ(
+        run.err,
+        "handrail: no master on /nowhere/operator.sock: no such socket; start handrail-master\n");
     EXPECT_EQ(run.out, "");
   }
 }
@@ -144,7 +146,8 @@ TEST(Cli, TakesTheSocketFromTheEnvironment) {
   ASSERT_EQ(::setenv("HANDRAIL_SOCKET", "/nowhere/other.sock", 1), 0);
   const CliRun run({"stop"});
   ::unsetenv("HANDRAIL_SOCKET");
-  EXPECT_EQ(run.err, "handrail: no master on /nowhere/other.sock: no such socket\n");
+  EXPECT_EQ(run.err,
+            "handrail: no master on /nowhere/other.sock: no such socket; start handrail-master\n");
 }
 
 TEST(Cli, LooksAtScenesWithoutAMaster) {
