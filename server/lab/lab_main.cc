@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <optional>
 #include <string>
@@ -19,6 +20,7 @@
 #include "server/lab/study/screw_command.h"
 #include "server/lab/walls/price_command.h"
 #include "server/lab/walls/wall_command.h"
+#include "server/scene/plain_text.h"
 
 namespace handrail {
 namespace {
@@ -302,6 +304,22 @@ void add_bumper(CLI::App& app, BumperCommand& bumper) {
   sub->add_option("--figures", bumper.figures, "folder for the figure (SVG)");
 }
 
+// Names a first word that is no command, and the nearest that is one, or all; empty when it is one.
+std::string unknown_command(const CLI::App& app, int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return {};
+  const std::string word = argv[1];
+  std::vector<std::string> names;
+  std::string known;
+  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) {
+    if (sub->get_name() == word) return {};
+    names.push_back(sub->get_name());
+    known += (known.empty() ? "" : ", ") + sub->get_name();
+  }
+  const std::string nearest = nearest_name(word, names);
+  return "no command '" + word + "'" +
+         (nearest.empty() ? "; there are " + known : "; did you mean '" + nearest + "'?");
+}
+
 int run(int argc, char** argv) {
   CLI::App app{
       "Experiments in virtual time: the same master and slave steps as the daemons, "
@@ -326,6 +344,10 @@ int run(int argc, char** argv) {
   add_bumper(app, bumper);
   PriceCommand prices;
   add_price_check(app, prices);
+  if (const std::string unknown = unknown_command(app, argc, argv); !unknown.empty()) {
+    std::fprintf(stderr, "handrail-lab: %s\n", unknown.c_str());
+    return 2;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

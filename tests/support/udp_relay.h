@@ -18,6 +18,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/base/own_address.h"
 #include "server/base/time.h"
 
 namespace handrail {
@@ -25,7 +26,7 @@ namespace handrail {
 inline sockaddr_in local_address(int port) {
   sockaddr_in out{};
   out.sin_family = AF_INET;
-  out.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  out.sin_addr.s_addr = ::inet_addr(own_address().c_str());
   out.sin_port = htons(static_cast<std::uint16_t>(port));
   return out;
 }

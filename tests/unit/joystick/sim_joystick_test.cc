@@ -57,6 +57,22 @@ class Bench {
   Nanos now_ = 5 * kSecond;
 };
 
+TEST(SimJoystick, HomeIsWhereTheSceneStarts) {
+  Bench bench(still_hand());
+  const Vec3 start(-0.025, -0.01, 0.0);
+  bench.joystick.simulate(DeviceEffects(), start);
+  bench.run(4000);
+  EXPECT_LT((bench.sample.X_MH.p - start).norm(), 0.5e-3);
+  bench.steer(Vec3(0.03, 0.02, 0.0));
+  bench.run(2500);
+  ASSERT_GT((bench.sample.X_MH.p - start).norm(), 0.03);
+  HandIntent home;
+  home.home = true;
+  bench.joystick.hand()->steer(home);
+  bench.run(4000);
+  EXPECT_LT((bench.sample.X_MH.p - start).norm(), 0.5e-3);
+}
+
 TEST(SimJoystick, CapabilitiesAreThoseOfTheDataSheet) {
   const HapticCapabilities c = joystick_capabilities();
   EXPECT_NEAR(c.max_force, 25.3, 0.05);

@@ -64,6 +64,23 @@ TEST(SimOmni, ReadsPositionsInStepsOfItsResolution) {
   EXPECT_TRUE(moved);
 }
 
+TEST(SimOmni, HomeIsWhereTheHandBegan) {
+  Bench bench(still_hand());
+  const Pose began = bench.run(100).X_MH;
+  HandIntent away;
+  away.displacement_M = Vec3(0.03, -0.02, 0.01);
+  away.rotation_M = Vec3(0.0, 0.4, 0.0);
+  bench.omni().hand()->steer(away);
+  ASSERT_GT((bench.run(2500).X_MH.p - began.p).norm(), 0.03);
+  HandIntent home;
+  home.home = true;
+  bench.omni().hand()->steer(home);
+  const Pose back = bench.run(4000).X_MH;
+  EXPECT_LT((back.p - began.p).norm(), 0.2e-3);
+  EXPECT_LT(angle_between(back.q, began.q), 0.01);
+  EXPECT_FALSE(bench.omni().hand()->moving());
+}
+
 TEST(SimOmni, SaturatesAtItsPeakForce) {
   Bench peak(still_hand());
   Bench beyond(still_hand());
