@@ -66,7 +66,8 @@ class Program : public Child {
  private:
   static std::string output_path(const TempFolder& folder, const std::string& name) {
     static int count = 0;
-    return folder.path() + "/" + name + "-" + std::to_string(++count) + ".out";
+    return folder.path() + "/" + name.substr(name.rfind('/') + 1) + "-" + std::to_string(++count) +
+           ".out";
   }
 };
 

@@ -18,12 +18,13 @@ namespace handrail {
 // program, if it still runs, when it goes out of scope.
 class Child {
  public:
-  // `name`: of a program in the build's bin folder. Output is added to the file at `output_path`.
-  // `own_group`: a terminal's Ctrl-C does not reach it. `error`: standard error goes there instead;
-  // -1: it does not.
+  // `name`: of a program in the build's bin folder, or a path from the root. Output is added to the
+  // file at `output_path`. `own_group`: a terminal's Ctrl-C does not reach it. `error`: standard
+  // error goes there instead; -1: it does not.
   Child(const std::string& name, std::vector<std::string> arguments, std::string output_path,
         bool own_group = false, int error = -1)
-      : path_(HANDRAIL_BIN_DIR "/" + name), output_path_(std::move(output_path)) {
+      : path_(name.starts_with('/') ? name : HANDRAIL_BIN_DIR "/" + name),
+        output_path_(std::move(output_path)) {
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_addopen(&actions, 1, output_path_.c_str(),
