@@ -9,6 +9,7 @@
 #include <system_error>
 #include <utility>
 
+#include "server/scene/plain_text.h"
 #include "server/scene/scene_io.h"
 #include "server/scene/shipped.h"
 
@@ -40,7 +41,12 @@ Result<std::string> SceneLibrary::find(const std::string& name) const {
     if (fs::exists(file, error)) return file.string();
     searched += (searched.empty() ? "" : ", ") + folder;
   }
-  return Status::error("scene '" + name + "' not found in " + searched);
+  std::vector<std::string> names;
+  for (const Entry& entry : list()) names.push_back(entry.name);
+  const std::string nearest = nearest_name(name, names);
+  return Status::error("scene '" + name + "' not found in " + searched + "; " +
+                       (nearest.empty() ? std::string("'handrail scene list' names them all")
+                                        : "did you mean '" + nearest + "'?"));
 }
 
 Result<Scene> SceneLibrary::load(const std::string& name,

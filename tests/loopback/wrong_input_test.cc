@@ -135,7 +135,7 @@ TEST_F(WrongInput, ConfigurationFiles) {
   int number = 0;
   const auto check = [&](const std::string& daemon, const std::string& text,
                          std::vector<std::string> parts) {
-    const std::string name = "c" + std::to_string(++number) + ".cfg";
+    const std::string name = std::to_string(++number) + ".cfg";
     parts.push_back(name + ":1:");
     expect({"handrail-" + daemon, {"--check", "--config", file(name, text)}, 2, parts});
   };
@@ -157,7 +157,7 @@ TEST_F(WrongInput, ConfigurationFiles) {
   check("slave", "robot { address: 'arm' }", {"robot.address", "'arm'", "IPv4"});
   check("slave", "force_sensor { filter_ms: 51 }", {"filter_ms", "51", "0 to 50 ms"});
   check("slave", "payload { mass_kg: nan }", {"mass_kg", "nan"});
-  check("slave", "payload { mass_kg: 1 centre_mm: 1 }", {"centre_mm", "1 values", "3"});
+  check("slave", "payload { mass_kg: 1 centre_mm: 1 }", {"centre_mm", "1 value,", "3"});
   check("slave", "}", {});
   check("rig", "drop_share: 2", {"drop_share", "2", "0 to 1"});
   check("rig", "start_joints_deg: [0, 0, 400, 0, 0, 0]", {"start_joints_deg", "400", "200"});
@@ -167,7 +167,7 @@ TEST_F(WrongInput, ConfigurationFiles) {
 TEST_F(WrongInput, SceneFilesAndPictures) {
   int number = 0;
   const auto check = [&](const std::string& text, std::vector<std::string> parts) {
-    const std::string name = "s" + std::to_string(++number) + ".scene";
+    const std::string name = std::to_string(++number) + ".scene";
     parts.push_back(name + ":");
     expect({"handrail", {"scene", "check", file(name, text)}, 2, parts});
   };
