@@ -107,7 +107,7 @@ struct SlaveState {
   bool has_wrench = false;
   bool payload_removed = false;  // f_E_S is without what hangs on the sensor, by configuration
   bool log_lost = false;         // lines of the slave's log were lost since it started
-  // While not engaged: why it cannot be engaged now, as long as that lasts.
+  // Not engaged: why it cannot be, as long as that lasts; in fault: what a reset would meet again.
   Reason obstacle = Reason::kNone;
   std::uint64_t stop_epoch = 0;           // newest stop of a master that was latched here
   std::uint64_t fault_epoch = 0;          // newest fault or stop latched here; a reset names it

@@ -355,7 +355,13 @@ void follow_step(const FollowSettings& settings, const FollowInput& in, FollowSt
   link.stop_epoch = s.stop_epoch;
   link.fault_epoch = s.fault_epoch;
   link.engagement_epoch = s.engagement_epoch;
-  link.obstacle = follows(s.session) || s.session == SessionState::kHold ? Reason::kNone : obstacle;
+  // What a reset would meet again, whatever was latched on top of it.
+  const Reason still = in.stop_input               ? Reason::kStopInput
+                       : in.fault != Reason::kNone ? in.fault
+                                                   : fault;
+  link.obstacle = follows(s.session) || s.session == SessionState::kHold ? Reason::kNone
+                  : still != Reason::kNone                               ? still
+                                                                         : obstacle;
   link.position_tool_epoch = s.tube.position_epoch();
   link.orientation_tool_epoch = s.tube.orientation_epoch();
   link.oldest_applied = s.oldest_applied;

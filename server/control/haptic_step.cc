@@ -46,6 +46,28 @@ Reason reset(HapticState& s, const HapticInput& in) {
   return Reason::kNone;
 }
 
+// No hand, or no link good enough to know the slave by.
+Reason obstacle_of_link(const HapticInput& in, const LadderStep& ladder, const HapticState& s) {
+  if (!s.hand_known || s.hand_gap > kLongestGap) return Reason::kDeviceInvalid;
+  if (ladder.rung == LinkRung::kHold) return Reason::kLinkQuality;
+  if (ladder.rung != LinkRung::kFresh && ladder.rung != LinkRung::kSlow) {
+    return reason_of(ladder.rung);
+  }
+  if (!in.link.confirmed) return Reason::kNotConfirmed;
+  return ladder.held_good ? Reason::kNone : Reason::kLinkQuality;
+}
+
+// What would refuse an engage once a reset has released what is latched on both sides.
+Reason obstacle_after_reset(const HapticSettings& settings, const HapticInput& in,
+                            const LadderStep& ladder, const HapticState& s) {
+  if (const Reason link = obstacle_of_link(in, ladder, s); link != Reason::kNone) return link;
+  if (in.slave.obstacle != Reason::kNone) return in.slave.obstacle;
+  if (tools_differ(s, in.slave)) return Reason::kHashTools;
+  const Reason difference = first_difference(settings, in.slave);
+  if (difference != Reason::kNone) return difference;
+  return s.present ? Reason::kNone : Reason::kPresence;  // last: given while engaging
+}
+
 // Refused is refused: a wish that waited for the obstacle to go would engage out of the blue. While
 // another leads the slave nothing that is done here helps, so that is said first.
 Reason obstacle_to_engaging(const HapticSettings& settings, const HapticInput& in,
@@ -53,19 +75,10 @@ Reason obstacle_to_engaging(const HapticSettings& settings, const HapticInput& i
   if (in.link.other_master) return Reason::kOtherMaster;
   if (stop_latched(s)) return Reason::kStopRequested;
   if (s.session == SessionState::kFault) return s.session_reason;
-  if (!s.hand_known || s.hand_gap > kLongestGap) return Reason::kDeviceInvalid;
-  if (ladder.rung == LinkRung::kHold) return Reason::kLinkQuality;
-  if (ladder.rung != LinkRung::kFresh && ladder.rung != LinkRung::kSlow) {
-    return reason_of(ladder.rung);
-  }
-  if (!in.link.confirmed) return Reason::kNotConfirmed;
-  if (!ladder.held_good) return Reason::kLinkQuality;
+  if (const Reason unheard = obstacle_of_link(in, ladder, s); unheard != Reason::kNone)
+    return unheard;
   if (in.slave.state == SessionState::kFault) return Reason::kPeerFault;
-  if (in.slave.obstacle != Reason::kNone) return in.slave.obstacle;
-  if (tools_differ(s, in.slave)) return Reason::kHashTools;
-  const Reason difference = first_difference(settings, in.slave);
-  if (difference != Reason::kNone) return difference;
-  return s.present ? Reason::kNone : Reason::kPresence;  // last: given while engaging
+  return obstacle_after_reset(settings, in, ladder, s);
 }
 
 Reason carry_out(const HapticSettings& settings, const HapticInput& in, const LadderStep& ladder,
@@ -147,6 +160,9 @@ void advance_session(const HapticSettings& settings, const HapticInput& in,
   const SessionState before = s.session;
   const SessionStep next = next_master(before, session);
   s.session = next.state;
+  if (next.state != SessionState::kFault || before != SessionState::kFault) {
+    s.peer_fault = in.slave.fault;
+  }
   const auto waits = [](SessionState state) {
     return state == SessionState::kHoming || state == SessionState::kAligning;
   };
@@ -348,11 +364,13 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
   out.reason = s.session_reason;
   if (engaged && !s.driving) out.reason = Reason::kDeviceInvalid;
   if (s.session == SessionState::kClutched && !s.present) out.reason = Reason::kPresence;
+  out.peer_fault = s.peer_fault;
   out.reasons.add(out.reason);
   if (s.want_engaged && ladder.old_loop) out.reasons.add(Reason::kLoopAge);
   if (ladder.rung != rung_of(in.slave_known, slave_age)) out.reasons.add(Reason::kLinkQuality);
-  out.obstacle = s.session == SessionState::kOff ? obstacle_to_engaging(settings, in, ladder, s)
-                                                 : Reason::kNone;
+  out.obstacle = s.session == SessionState::kOff     ? obstacle_to_engaging(settings, in, ladder, s)
+                 : s.session == SessionState::kFault ? obstacle_after_reset(settings, in, ladder, s)
+                                                     : Reason::kNone;
   fill_link(settings, s, out.link);
 }
 

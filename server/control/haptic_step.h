@@ -86,7 +86,11 @@ struct HapticOutput {
   double tool_distance = 0.0;     // kTool: of a position tool at its call, as in Guide::call [m]
   double hand_latched = 0.0;      // how far off the hand was that an order has latched, frame S [m]
   Reason reason = Reason::kNone;  // why the session is not what is wanted
-  Reason obstacle = Reason::kNone;  // what an engage would be refused with, while off
+  // What an engage would be refused with, while off; while in fault, after a reset.
+  Reason obstacle = Reason::kNone;
+  // The slave's own fault behind a kPeerFault: of the slave as it is, and while this session is in
+  // fault as it was when that began, whatever becomes of the slave meanwhile.
+  Reason peer_fault = Reason::kNone;
   ReasonSet reasons;                // every intervention of this tick
   ForceShares shares;               // device force, where it came from
   ForceLedger force;                // the same, stage by stage
@@ -101,6 +105,7 @@ struct HapticState {
   SessionState session = SessionState::kOff;
   Reason session_reason = Reason::kNotEngaged;
   Reason off_reason = Reason::kNotEngaged;  // what ended the last engagement, until the next order
+  Reason peer_fault = Reason::kNone;        // as in HapticOutput
   bool want_engaged = false;
   bool want_clutched = false;
   bool button_was_down = false;

@@ -20,7 +20,7 @@ void OrderDesk::watch_engaging() {
     // Of a slave that gets ready, what it waits for.
     const bool its = out.reason == Reason::kNone || out.reason == Reason::kHoming;
     const Reason why = its && slave_.reason != Reason::kNone ? slave_.reason : out.reason;
-    std::exchange(engaging_, nullptr)(refused(reason_text(why, slave_)));
+    std::exchange(engaging_, nullptr)(refused(reason_text(why, out.peer_fault)));
     order(plain(OrderKind::kDisengage), [](pb::Reply) {});
   }
 }
@@ -72,7 +72,8 @@ void OrderDesk::hold_alive(ReplyTo reply) {
   const bool over = !report_ || report_->out.link.desired == Desired::kOff;
   if (!hold_ || over) {
     const Reason why = report_ ? report_->out.reason : Reason::kNone;
-    return reply(refused("not engaged any more: " + reason_text(why, slave_)));
+    const Reason cause = report_ ? report_->out.peer_fault : Reason::kNone;
+    return reply(refused("not engaged any more: " + reason_text(why, cause)));
   }
   hold_heard_ = now_;
   reply(done());

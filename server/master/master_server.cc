@@ -18,8 +18,8 @@ struct MasterServer::Impl {
     if (!desk.report()) return;
     const HapticReport& report = *desk.report();
     if (alive) alive(now, now <= report.good_until);
-    const auto why = [this](Reason reason) { return reason_text(reason, link.newest()); };
     const HapticOutput& out = report.out;
+    const auto why = [&out](Reason reason) { return reason_text(reason, out.peer_fault); };
     if (const auto line = session.step(now, out.link.state, out.reason, why)) {
       say(out.link.state == SessionState::kFault, *line);
     }

@@ -260,7 +260,8 @@ void OrderDesk::settle(const OrderAnswer& answer, Waiting waiting) {
   }
   if (answer.result != Reason::kNone) {
     std::string text = distance_text(answer, waiting.tool);
-    if (text.empty()) text = reason_text(answer.result, slave_);
+    if (text.empty())
+      text = reason_text(answer.result, report_ ? report_->out.peer_fault : Reason::kNone);
     if (answer.result == Reason::kOtherMaster && link_.refused(now_)) text = unheard();
     if (waiting.until == Until::kEngaged && report_ && link_.peer_epoch != 0) {
       for (const std::string& difference : hash_mismatches(report_->out.link, slave_)) {
@@ -296,7 +297,8 @@ std::string OrderDesk::unheard() const {
   if (link_.refused(now_)) {
     const bool latched = report_->out.link.state == SessionState::kFault;
     return other_master_text(link_, now_) + ": " +
-           way_out_of(Reason::kOtherMaster, -1, JointVector::Zero(), latched);
+           way_out_of(Reason::kOtherMaster, -1, JointVector::Zero(),
+                      latched ? Stand::kLatched : Stand::kOff);
   }
   if (report_->walls.present) return describe(Reason::kNoArmInScene);
   if (link_.peer_epoch == 0) {

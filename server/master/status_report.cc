@@ -39,15 +39,16 @@ double milliseconds(Nanos t) { return t < 0 || t >= kForever ? -1.0 : to_seconds
 std::string robot_reason(const HapticReport& report, const SlaveState& slave,
                          const LinkSnapshot& link, bool known, Nanos now) {
   if (link.refused(now)) return other_master_text(link, now);
-  if (report.out.reason != Reason::kNone) return reason_text(report.out.reason, slave);
+  const HapticOutput& out = report.out;
+  if (out.reason != Reason::kNone) return reason_text(out.reason, out.peer_fault);
   return describe(known ? slave.reason : Reason::kNoPeer);
 }
 
 }  // namespace
 
-std::string reason_text(Reason reason, const SlaveState& slave) {
-  const bool of_slave = reason == Reason::kPeerFault && slave.fault != Reason::kNone;
-  return describe(reason) + (of_slave ? std::string(": ") + describe(slave.fault) : "");
+std::string reason_text(Reason reason, Reason peer_fault) {
+  const bool of_slave = reason == Reason::kPeerFault && peer_fault != Reason::kNone;
+  return describe(reason) + (of_slave ? std::string(": ") + describe(peer_fault) : "");
 }
 
 std::string other_master_text(const LinkSnapshot& link, Nanos now) {

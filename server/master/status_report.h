@@ -23,8 +23,8 @@ struct MasterIdentity {
 pb::Status status_report(const MasterIdentity& identity, const HapticReport& report,
                          const SlaveState& slave, const LinkSnapshot& link, Nanos now);
 
-// `reason` in words; of a slave in fault also why it is.
-std::string reason_text(Reason reason, const SlaveState& slave);
+// `reason` in words; of a slave in fault also why it is: HapticOutput::peer_fault.
+std::string reason_text(Reason reason, Reason peer_fault);
 
 // "the slave is led by another master (port 47001 on this computer, for 12 s)". Only of a link that
 // is refused at `now`.

@@ -72,10 +72,16 @@ Shares shares_of(const MotionLedger& ledger, const SlaveState& slave, bool old_l
          smoothed);
   turned(slave_turn(slave), angle_between(ledger.q_SU, ledger.q_ST));
   Share& link = shares[static_cast<std::size_t>(MotionStage::kLink)];
-  // What the slave has, and the controller does not take, looks as if it were still on its way.
+  // It looks as if it were still on its way.
   if (link.why == Reason::kNone && slave.reason == Reason::kRobotSilent) link.why = slave.reason;
   if (link.why == Reason::kNone && old_loop) link.why = Reason::kLoopAge;
   return shares;
+}
+
+// What the slave has, and the controller does not take, is the controller's.
+const char* stage_name(const Share& share) {
+  if (share.why == Reason::kRobotSilent) return "controller";
+  return kStageNames[static_cast<std::size_t>(share.stage)];
 }
 
 const char* reason_text(const Share& share) {
@@ -100,15 +106,30 @@ Reason holding(const HapticReport& report, const SlaveState& slave, const LinkSn
   // it knows more of it.
   const bool idle = out.link.state == SessionState::kOff && link.age(now) <= kHeard;
   const bool in_fault = idle && slave.state == SessionState::kFault;
-  if ((out.reason == Reason::kPeerFault || in_fault) && slave.fault != Reason::kNone) {
-    return slave.fault;
-  }
+  const Reason fault = out.reason == Reason::kPeerFault ? out.peer_fault
+                       : in_fault                       ? slave.fault
+                                                        : Reason::kNone;
+  if (fault != Reason::kNone) return fault;
   const bool says_why = slave.reason != Reason::kNone && slave.reason != Reason::kNotEngaged;
   if (idle && says_why) return slave.reason;
-  if (out.obstacle != Reason::kNone) return out.obstacle;
+  if (out.link.state == SessionState::kOff && out.obstacle != Reason::kNone) return out.obstacle;
+  if (out.reason == Reason::kHoming && slave.reason != Reason::kNone) return slave.reason;
   if (out.reason != Reason::kNone) return out.reason;
   if (link.peer_epoch == 0) return Reason::kNoPeer;
   return slave.reason != Reason::kNone ? slave.reason : Reason::kNotEngaged;
+}
+
+// A stop or a lost link on top of what is still wrong: a reset alone meets that again. kNone where
+// a reset and an engage suffice.
+Reason still_wrong(const HapticReport& report, const SlaveState& slave, const LinkSnapshot& link,
+                   Nanos now) {
+  if (report.walls.present) return Reason::kNone;
+  if (link.age(now) <= kHeard) {
+    if (slave.obstacle != Reason::kNone) return slave.obstacle;
+    const bool says_why = slave.state == SessionState::kOff && slave.reason != Reason::kNotEngaged;
+    if (says_why && slave.reason != Reason::kNone) return slave.reason;
+  }
+  return report.out.obstacle == Reason::kPeerFault ? Reason::kNone : report.out.obstacle;
 }
 
 // "11.8 mm and 0.3 deg"; what is not worth saying is left out, but never all.
@@ -123,8 +144,7 @@ std::string amount(double mm, double deg) {
 std::string stage_text(const Share& share, int joint, const LinkSnapshot& link, Nanos now) {
   std::string out = amount(share.mm, share.deg) + " ";
   if (share.stage == MotionStage::kSmoother) return out + reason_text(share);
-  out += share.why == Reason::kRobotSilent ? "controller"
-                                           : kStageNames[static_cast<std::size_t>(share.stage)];
+  out += stage_name(share);
   if (share.why != Reason::kNone) out += fmt::format(": {}", describe(share.why));
   if (share.stage >= MotionStage::kReach && joint >= 0) out += fmt::format(" (J{})", joint + 1);
   if (share.stage == MotionStage::kLink && share.why != Reason::kRobotSilent &&
@@ -139,21 +159,30 @@ void set_sentence(pb::Ledger* out, const HapticReport& report, const SlaveState&
   const MotionLedger& ledger = report.out.motion;
   // What the slave said before another led it says nothing of how it will be found.
   const bool slave_latched = slave.state == SessionState::kFault && !link.refused(now);
-  const bool latched = report.out.link.state == SessionState::kFault || slave_latched;
+  const SessionState state = report.out.link.state;
+  const Stand stand = state == SessionState::kFault || slave_latched ? Stand::kLatched
+                      : state == SessionState::kOff                  ? Stand::kOff
+                                                                     : Stand::kLed;
   const auto set_way_out = [&](Reason why) {
-    out->set_way_out(way_out_of(why, ledger.joint, slave.q_measured, latched));
+    out->set_way_out(way_out_of(why, ledger.joint, slave.q_measured, stand));
   };
-  // In a scene of walls there is no arm to hold, nor to engage.
-  if (report.walls.present && report.out.link.state == SessionState::kFault) {
+  // In a scene of walls there is no arm to hold, nor to engage. Only a stop takes the walls away.
+  if (report.walls.present && report.out.link.stop_epoch != report.out.link.released_epoch) {
     out->set_sentence("the walls are not felt: a stop was requested");
     out->set_way_out("reset");
     return;
   }
   if (const Reason why = holding(report, slave, link, now); why != Reason::kNone) {
-    out->set_sentence(fmt::format("the arm holds: {}", why == Reason::kOtherMaster
-                                                           ? other_master_text(link, now)
-                                                           : describe(why)));
-    return set_way_out(why);
+    std::string text = std::string("the arm holds: ") +
+                       (why == Reason::kOtherMaster ? other_master_text(link, now) : describe(why));
+    const Reason still = stand == Stand::kLatched ? still_wrong(report, slave, link, now) : why;
+    // What a reset releases is no second trouble.
+    const std::string first = way_out_of(still, ledger.joint, slave.q_measured, stand);
+    const bool two = still != Reason::kNone && still != why && why != Reason::kOtherMaster &&
+                     first != "reset, then engage";
+    if (two) text += std::string("; and ") + describe(still);
+    out->set_sentence(text);
+    return set_way_out(two ? still : why);
   }
   if (!ledger.known) {
     out->set_sentence("the hand does not lead the arm yet");
@@ -162,9 +191,13 @@ void set_sentence(pb::Ledger* out, const HapticReport& report, const SlaveState&
   std::stable_sort(shares.begin(), shares.end(),
                    [](const Share& a, const Share& b) { return a.size() > b.size(); });
   std::string text = "the arm is " + amount(out->behind_mm(), out->behind_deg()) + " from the hand";
-  double parts = 0.0;
-  for (const Share& share : shares) parts += share.mm >= kWorthSaying ? share.mm : 0.0;
-  const bool cancel = parts > kCancels * out->behind_mm() + kWorthSaying;
+  const auto cancels = [&shares](double Share::*size, double behind) {
+    double parts = 0.0;
+    for (const Share& share : shares) parts += share.*size >= kWorthSaying ? share.*size : 0.0;
+    return parts > kCancels * behind + kWorthSaying;
+  };
+  const bool cancel =
+      cancels(&Share::mm, out->behind_mm()) || cancels(&Share::deg, out->behind_deg());
   const char* separator = cancel ? ", as these partly cancel: " : ": ";
   for (const Share& share : shares) {
     if (share.size() < kWorthSaying) break;
@@ -187,65 +220,84 @@ const char* way_out_of_singularity(const JointVector& q) {
 
 }  // namespace
 
-std::string way_out_of(Reason reason, int joint, const JointVector& q, bool latched) {
-  const std::string then = latched ? "then reset and engage" : "then engage";
+std::string way_out_of(Reason reason, int joint, const JointVector& q, Stand stand) {
+  const auto then_engage = [stand](const std::string& first) {
+    return first + (stand == Stand::kLatched ? ", then reset and engage"
+                    : stand == Stand::kOff   ? ", then engage"
+                                             : "");
+  };
   switch (reason) {
     case Reason::kNotEngaged:
       return "engage";
     case Reason::kStopRequested:
     case Reason::kLinkLost:
     case Reason::kPeerFault:  // of a slave that has been started anew since
-    case Reason::kFollowingError:
-      return latched ? "reset, then engage" : "engage";
+      return stand == Stand::kLatched ? "reset, then engage" : "engage";
+    case Reason::kAlignmentMismatch:
+      return stand == Stand::kLed ? "wait" : "engage";
+    case Reason::kHoming:
+      return then_engage("calibrate the haptic device, wait for the arm");
+    case Reason::kThreadStalled:
+      return "wait; if it lasts, start the master anew";
     case Reason::kRobotLost:
     case Reason::kRobotNotConnected:
-      return "at the controller: clear its alarm, if there is one, and start its program in "
-             "AUTOMATIC; the slave's log names other causes; " +
-             then;
+      return then_engage(
+          "at the controller: clear its alarm, if there is one, and start its program in "
+          "AUTOMATIC; the slave's log names other causes");
+    case Reason::kRobotBadPacket:
+      return then_engage("correct packet_bytes in the slave's configuration");
     case Reason::kRobotSilent:
-      return "wait, or move slower";
+      return "wait: it goes on by itself; if it comes again, look at the controller's cable, its "
+             "network and the load of the slave's computer";
     case Reason::kEncoderInvalid:
-      return joint >= 0 ? fmt::format("look at J{}, which reads {:.1f} deg; {}", joint + 1,
-                                      q[joint] / kDeg, then)
-                        : "look at the encoders; " + then;
+    case Reason::kFollowingError:
+      return then_engage(joint >= 0 ? fmt::format("look at J{}, which reads {:.1f} deg", joint + 1,
+                                                  q[joint] / kDeg)
+                                    : "look at the encoders");
     case Reason::kSensorStuck:
     case Reason::kSensorInvalid:
     case Reason::kSensorMissing:
     case Reason::kSensorSign:
     case Reason::kContactUnrelieved:
-      return "check the force sensor, " + then;
+      return then_engage("check the force sensor");
     case Reason::kHashTools:
     case Reason::kHashMapping:
     case Reason::kHashLimits:
     case Reason::kHashRobot:
     case Reason::kSceneDiffers:
     case Reason::kSceneNotLoaded:
-      return "give both sides the same scene and version, " + then;
+      return then_engage("give both sides the same scene and version");
     case Reason::kDeviceInvalid:
-      return "check the haptic device, then engage";
+      return then_engage("check the haptic device");
     case Reason::kNoArmInScene:
-      return "load a scene with an arm: 'handrail scene load NAME'";
+      return then_engage("load a scene with an arm: 'handrail scene load NAME'");
     case Reason::kNoPeer:
-      return "start the slave, or check the network, then engage";
+      return then_engage("start the slave, or check the network");
+    case Reason::kShutdown:
     case Reason::kSessionClosed:
-      return "start the slave if it does not run, " + then;
+      return then_engage("start the slave if it does not run");
     case Reason::kLinkStale:
     case Reason::kLinkHold:
     case Reason::kLinkQuality:
     case Reason::kNotConfirmed:
-      return "wait for the link, or move slower";
+      return stand == Stand::kLed ? "wait for the link, or move slower"
+                                  : then_engage("wait for the link");
     case Reason::kLoopAge:
       return "move slower: what you see is old";
     case Reason::kOtherMaster:
-      return "end that master: then the slave takes this one, without a restart; " + then;
+      return then_engage("end that master: then the slave takes this one, without a restart");
     case Reason::kClutched:
       return "let the clutch go";
     case Reason::kPresence:
-      return "hold the enabling button, or keep 'handrail engage --hold' running";
+      if (stand == Stand::kLed) {
+        return "hold the enabling button, or keep 'handrail engage --hold' running";
+      }
+      return std::string(stand == Stand::kLatched ? "reset, then " : "") +
+             "hold the enabling button and engage, or keep 'handrail engage --hold' running";
     case Reason::kLeaseLost:
       return "take the lease and engage: 'handrail lease take'";
     case Reason::kStopInput:
-      return "close the stop circuit, " + then;
+      return then_engage("close the stop circuit");
     case Reason::kOutOfReach:
     case Reason::kWorkspace:
       return "come back toward the base";
@@ -277,9 +329,9 @@ void set_ledger(pb::Ledger* out, const HapticReport& report, const SlaveState& s
   out->set_behind_deg(angle_between(ledger.q_SH, ledger.q_ST) / kDeg);
   set_sentence(out, report, slave, link, shares, now);
   for (const Share& share : shares) {
-    const int at = static_cast<int>(share.stage);
+    const auto at = static_cast<Eigen::Index>(share.stage);
     pb::MotionShare* stage = out->add_motion();
-    stage->set_stage(kStageNames[static_cast<std::size_t>(at)]);
+    stage->set_stage(stage_name(share));
     stage->set_mm(share.mm);
     stage->set_deg(share.deg);
     set_vector(stage->mutable_offset_mm(), ledger.off_S.col(at), kMm);

@@ -28,6 +28,7 @@ struct SlaveReport {
   Nanos good_until = kForever;  // later it is no longer true: the loop stands still
   std::uint64_t halts = 0;      // of an arm in motion, since the controller was not heard
   bool connected = false;       // to the controller
+  bool lost = false;            // it was, and is called again only after a reset
   FixedText<240> problem{};     // why not; empty: it has not been tried, or is connected
 };
 

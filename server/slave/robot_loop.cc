@@ -179,11 +179,16 @@ void RobotLoop::publish(Nanos busy_for) {
     output_.link.ledger.joint = static_cast<std::int8_t>(refused_);
     output_.link.q_measured = reply_.q_measured;
   }
+  // A reset meets that again.
+  if (!connected_ && output_.link.state == SessionState::kFault) {
+    output_.link.obstacle = lost_ ? Reason::kRobotLost : unconnected();
+  }
   output_.link.cycles = cycles_;
   output_.link.silences = silences_;
   report_.state = output_.link;
   report_.halts = state_.halts;
   report_.connected = connected_;
+  report_.lost = lost_;
   report_.good_until = clock_() + kStateStands + busy_for;
   boxes_.report.publish(report_);
 }

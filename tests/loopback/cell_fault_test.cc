@@ -13,6 +13,7 @@ namespace handrail {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class CellFaultTest : public WholeCell {
  protected:
@@ -139,11 +140,47 @@ TEST_F(CellFaultTest, ADeadControllerIsAFaultAndTheSlaveConnectsAgain) {
   EXPECT_TRUE(why == describe(Reason::kRobotLost) || why == describe(Reason::kSensorMissing))
       << why;
   EXPECT_NE(slave->after("session fault: "), "");
-  EXPECT_TRUE(slave->after(describe(Reason::kRobotLost)).starts_with(": reset"));
+  EXPECT_TRUE(slave->after(describe(Reason::kRobotLost)).starts_with("; a reset tries"));
   EXPECT_NE(master->after("session fault: " + std::string(describe(Reason::kPeerFault)) + ": "),
             "");
   EXPECT_TRUE(slave->running());
+  const std::string log = slave->output(), lost = describe(Reason::kRobotLost);
+  EXPECT_EQ(log.find(lost), log.rfind(lost)) << "one loss is one line: " << log;
+  // A reset that meets no controller says so, and nothing is tried again by itself.
+  EXPECT_NE(refusal("reset: true"), "");
+  EXPECT_THAT(slave->after("robot controller "), HasSubstr("; a reset tries to connect again"));
+  sleep_until(monotonic_now() + 3 * kSecond / 2);
+  EXPECT_THAT(slave->output(), Not(HasSubstr("trying again")));
   start_rig();
+  (void)rig->after("control thread: ");  // it answers from here on
+  reset_and_engage();
+  EXPECT_NE(slave->after("connected to "), "");
+}
+
+// What the slave has forgotten, as it was started anew, is still why the session ended.
+TEST_F(CellFaultTest, WhyTheSlaveStoppedIsSaidUntilAnOperatorResets) {
+  order("engage: true");
+  rig->kill();
+  ASSERT_TRUE(reaches("fault"));
+  const auto names = [](const std::string& text) {
+    return text.find(describe(Reason::kRobotLost)) != text.npos ||
+           text.find(describe(Reason::kSensorMissing)) != text.npos;
+  };
+  slave->kill();
+  start_rig();
+  start_slave();
+  ASSERT_TRUE(slave_reaches("off"));
+  const pb::Status s = status();
+  EXPECT_TRUE(s.reason().starts_with(describe(Reason::kPeerFault)) && names(s.reason()))
+      << s.reason();
+  EXPECT_TRUE(names(s.ledger().sentence())) << s.ledger().sentence();
+  EXPECT_TRUE(names(refusal("engage: true")));
+  EXPECT_TRUE(names(master->after("session fault: ")));
+  const auto [code, why] = handrail({"why"});
+  EXPECT_TRUE(code == 0 && names(why)) << why;
+  EXPECT_TRUE(names(handrail({"status"}).second));
+  order("reset: true");
+  EXPECT_FALSE(names(status().reason())) << status().reason();
   reset_and_engage();
 }
 

@@ -62,5 +62,43 @@ TEST(HapticObstacle, NothingStandsInTheWayOfAnEngageThatIsTakenNorOfOneThatIsOn)
   EXPECT_EQ(rig.out.obstacle, Reason::kNone);
 }
 
+// The slave's fault is over once it is started anew; why the session ended is not.
+TEST(HapticObstacle, WhyTheSlaveStoppedIsKnownUntilTheOperatorResets) {
+  HapticRig rig;
+  rig.engage();
+  ASSERT_EQ(rig.session(), SessionState::kEngaged);
+  EXPECT_EQ(rig.out.peer_fault, Reason::kNone);
+  rig.in.slave.state = SessionState::kFault;
+  rig.in.slave.fault = Reason::kFollowingError;
+  rig.tick();
+  ASSERT_EQ(rig.session(), SessionState::kFault);
+  EXPECT_EQ(rig.out.reason, Reason::kPeerFault);
+  EXPECT_EQ(rig.out.peer_fault, Reason::kFollowingError);
+  rig.in.slave.state = SessionState::kOff;
+  rig.in.slave.fault = Reason::kNone;
+  rig.ticks(1000);
+  EXPECT_EQ(rig.out.reason, Reason::kPeerFault);
+  EXPECT_EQ(rig.out.peer_fault, Reason::kFollowingError);
+  EXPECT_EQ(rig.order(OrderKind::kEngage), Reason::kPeerFault);
+  EXPECT_EQ(rig.out.peer_fault, Reason::kFollowingError);
+  EXPECT_EQ(rig.order(OrderKind::kReset), Reason::kNone);
+  rig.tick();
+  EXPECT_EQ(rig.session(), SessionState::kOff);
+  EXPECT_EQ(rig.out.peer_fault, Reason::kNone);
+}
+
+// A master that is off does not go into fault with the slave: it says how the slave is.
+TEST(HapticObstacle, WhileOffTheSlavesFaultIsTheOneItIsIn) {
+  HapticRig rig;
+  rig.ticks(30);
+  rig.in.slave.state = SessionState::kFault;
+  for (const Reason fault : {Reason::kRobotLost, Reason::kSensorStuck}) {
+    rig.in.slave.fault = fault;
+    rig.tick();
+    EXPECT_EQ(rig.out.obstacle, Reason::kPeerFault);
+    EXPECT_EQ(rig.out.peer_fault, fault);
+  }
+}
+
 }  // namespace
 }  // namespace handrail

@@ -177,6 +177,22 @@ TEST_F(OrderDeskTest, RefusesHandMovesThatAreNone) {
   }
 }
 
+TEST_F(OrderDeskTest, HandMovesAreTakenUpToTheirLimitsAndNoFurther) {
+  for (const char* move :
+       {"displacement_mm: [600, 0, -800]", "displacement_mm: [0, 1000, 0]",
+        "rotation_deg: [0, 0, -180]", "duration_s: 0.01", "duration_s: 600"}) {
+    EXPECT_EQ(at_once(std::string("hand { ") + move + " }"), "done: ") << move;
+  }
+  for (const char* move :
+       {"displacement_mm: [600, 1, -800]", "displacement_mm: [0, 1000.001, 0]",
+        "rotation_deg: [0, 0, -180.001]", "duration_s: 0.00999", "duration_s: 600.001"}) {
+    EXPECT_EQ(refusal(std::string("hand { ") + move + " }"),
+              "refused: hand: expected three numbers each, at most 1000 mm and 180 deg long, and "
+              "0.01 to 600 s")
+        << move;
+  }
+}
+
 TEST_F(OrderDeskTest, PassesTheLoopsRefusalOn) {
   const Answer answer = ask("clutch: true");
   loop(Reason::kNotEngaged);
@@ -239,7 +255,7 @@ TEST_F(OrderDeskTest, RefusesEngagingWithTheReasonAndWhatDiffers) {
 }
 
 TEST_F(OrderDeskTest, SaysWhichFaultOfTheSlaveKeepsItFromEngaging) {
-  slave.fault = Reason::kRobotLost;
+  report.out.peer_fault = Reason::kRobotLost;
   tick();
   const Answer answer = ask("engage: true");
   loop(Reason::kPeerFault);
@@ -253,7 +269,7 @@ TEST_F(OrderDeskTest, GivesEngagingUpWhenTheLoopDoes) {
   loop();
   stand(SessionState::kAligning, Desired::kEngaged);
   tick();
-  slave.fault = Reason::kRobotBadPacket;
+  report.out.peer_fault = Reason::kRobotBadPacket;
   stand(SessionState::kFault, Desired::kOff, Reason::kPeerFault);
   tick();
   EXPECT_EQ(text(answer), std::string("refused: ") + describe(Reason::kPeerFault) + ": " +

@@ -17,7 +17,7 @@ TEST_F(UnheardDeskTest, WithASlaveThatAnotherMasterLeadsEveryAnswerNamesIt) {
   later();
   const std::string who =
       "the slave is led by another master (port 47003 on this computer, for 5 s): end that master: "
-      "then the slave takes this one, without a restart; ";
+      "then the slave takes this one, without a restart, ";
   Answer answer = ask("engage: true");
   loop(Reason::kOtherMaster);
   tick();

@@ -87,13 +87,25 @@ TEST_F(WhyReportTest, AnArmThatHoldsSaysWhyBeforeAnyNumber) {
   EXPECT_EQ(why().sentence(), std::string("the arm holds: ") + describe(Reason::kLinkLost));
   EXPECT_EQ(why().way_out(), "reset, then engage");
   report.out.reason = Reason::kPeerFault;
-  slave.fault = Reason::kStopInput;
+  report.out.peer_fault = Reason::kStopInput;  // the slave itself has been started anew
   EXPECT_EQ(why().sentence(), std::string("the arm holds: ") + describe(Reason::kStopInput));
-  slave.fault = Reason::kNone;  // started anew
-  EXPECT_EQ(why().sentence(), std::string("the arm holds: ") + describe(Reason::kPeerFault));
-  EXPECT_EQ(why().way_out(), "reset, then engage");
+  EXPECT_EQ(why().way_out(), "close the stop circuit, then reset and engage");
   report.good_until = now - 1;
   EXPECT_EQ(why().sentence(), std::string("the arm holds: ") + describe(Reason::kThreadStalled));
+}
+
+// A stop, or a lost link, on top of another trouble: a reset alone would meet that again.
+TEST_F(WhyReportTest, WhatIsStillWrongBesideAFaultIsSaidAndComesFirst) {
+  report.out.link.state = slave.state = SessionState::kFault;
+  report.out.reason = Reason::kStopRequested;
+  link.received_at = now;
+  EXPECT_EQ(why().way_out(), "reset, then engage");
+  slave.obstacle = Reason::kSensorMissing;
+  EXPECT_EQ(why().sentence(), std::string("the arm holds: ") + describe(Reason::kStopRequested) +
+                                  "; and " + describe(Reason::kSensorMissing));
+  EXPECT_EQ(why().way_out(), "check the force sensor, then reset and engage");
+  link.received_at = now - kSecond;  // what it said is old
+  EXPECT_EQ(why().way_out(), "reset, then engage");
 }
 
 TEST_F(WhyReportTest, AMasterThatHasJustStartedNamesTheFaultThatItsSlaveIsIn) {
@@ -164,14 +176,25 @@ TEST_F(WhyReportTest, WhereNothingIsLatchedNoWayOutNamesAReset) {
 
 TEST_F(WhyReportTest, WallsWithoutAnArmHaveAWayOut) {
   report.walls.present = true;
+  report.out.link.state = SessionState::kOff;
   EXPECT_EQ(why().sentence(), std::string("the arm holds: ") + describe(Reason::kNoArmInScene));
-  EXPECT_EQ(why().way_out(), "load a scene with an arm: 'handrail scene load NAME'");
+  EXPECT_EQ(why().way_out(), "load a scene with an arm: 'handrail scene load NAME', then engage");
+}
+
+TEST_F(WhyReportTest, WallsLoadedInAnotherFaultThanAStopAreFelt) {
+  report.walls.present = true;
+  report.out.link.state = SessionState::kFault;
+  report.out.reason = Reason::kLinkLost;
+  EXPECT_EQ(why().sentence(), std::string("the arm holds: ") + describe(Reason::kNoArmInScene));
+  EXPECT_EQ(why().way_out(),
+            "load a scene with an arm: 'handrail scene load NAME', then reset and engage");
 }
 
 TEST_F(WhyReportTest, StoppedWallsAreReleasedByAResetAlone) {
   report.walls.present = true;
   report.out.link.state = SessionState::kFault;
   report.out.reason = Reason::kStopRequested;
+  report.out.link.stop_epoch = report.out.link.released_epoch + 1;
   EXPECT_EQ(why().sentence(), "the walls are not felt: a stop was requested");
   EXPECT_EQ(why().way_out(), "reset");
 }
@@ -181,7 +204,10 @@ TEST_F(WhyReportTest, AControllerThatIsNotHeardIsNotBlamedOnTheLink) {
   slave.reason = Reason::kRobotSilent;
   EXPECT_EQ(why().sentence(), std::string("the arm is 5.0 mm from the hand: 5.0 mm controller: ") +
                                   describe(Reason::kRobotSilent));
-  EXPECT_EQ(why().way_out(), "wait, or move slower");
+  EXPECT_TRUE(why().way_out().starts_with("wait: it goes on by itself")) << why().way_out();
+  EXPECT_EQ(why().motion(static_cast<int>(MotionStage::kLink)).stage(), "controller");
+  slave.reason = Reason::kNone;
+  EXPECT_EQ(why().motion(static_cast<int>(MotionStage::kLink)).stage(), "link");
 }
 
 TEST_F(WhyReportTest, PartsThatCancelAreSaidTo) {
@@ -194,6 +220,15 @@ TEST_F(WhyReportTest, PartsThatCancelAreSaidTo) {
   EXPECT_TRUE(why().sentence().starts_with("the arm is 5.0 mm from the hand: 4.0 mm tool"));
 }
 
+TEST_F(WhyReportTest, TurnsThatCancelAreSaidTo) {
+  turn(4.0, -3.0, 0);
+  EXPECT_TRUE(why().sentence().starts_with(
+      "the arm is 1.0 deg from the hand, as these partly cancel: 4.0 deg tool"))
+      << why().sentence();
+  turn(4.0, 3.0, 0);
+  EXPECT_TRUE(why().sentence().starts_with("the arm is 7.0 deg from the hand: 4.0 deg tool"));
+}
+
 TEST_F(WhyReportTest, NamesTheMasterThatLeadsTheSlaveAndTheWayOut) {
   report.out.link.state = SessionState::kFault;
   report.out.reason = Reason::kLinkLost;
@@ -204,12 +239,12 @@ TEST_F(WhyReportTest, NamesTheMasterThatLeadsTheSlaveAndTheWayOut) {
             "the arm holds: the slave is led by another master (port 47001 on this computer, "
             "for 3 s)");
   EXPECT_EQ(why().way_out(),
-            "end that master: then the slave takes this one, without a restart; then reset "
+            "end that master: then the slave takes this one, without a restart, then reset "
             "and engage");
   report.out.link.state = SessionState::kOff;
   slave.state = SessionState::kFault;  // said before the other led it
   EXPECT_EQ(why().way_out(),
-            "end that master: then the slave takes this one, without a restart; then engage");
+            "end that master: then the slave takes this one, without a restart, then engage");
 }
 
 TEST_F(WhyReportTest, SmoothingIsNoToolChange) {
