@@ -37,6 +37,7 @@ class StallWatch {
       longest_ = std::max(longest_, stood);
       if (said_ || stood < kPause) return std::nullopt;
       said_ = true;
+      next_ = now + kPause;
       return "the " + loop + " loop stands still: nothing is sent, the arm holds";
     }
     stood_ = 0;

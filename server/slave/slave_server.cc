@@ -7,6 +7,7 @@
 #include "server/control/session.h"
 #include "server/link/link_server.h"
 #include "server/link/session_watch.h"
+#include "server/slave/connection_watch.h"
 
 namespace handrail {
 
@@ -31,7 +32,11 @@ struct SlaveServer::Impl {
     say_halts(now);
     say_connection();
     SlaveState told = report.state;
-    const auto in_words = [](Reason reason) { return describe(reason); };
+    const auto in_words = [](Reason reason) {
+      std::string out = describe(reason);
+      if (reason == Reason::kRobotLost) out.append("; ").append(ConnectionWatch::kResetTries);
+      return out;
+    };
     const Reason why = told.state == SessionState::kFault ? told.fault : told.reason;
     if (const auto line = session.step(now, told.state, why, in_words)) {
       say(told.state == SessionState::kFault, *line);
@@ -50,19 +55,10 @@ struct SlaveServer::Impl {
     next_halt_line = now + kSecond;
   }
 
-  // Once when it begins, and when the problem is another.
   void say_connection() {
-    if (report.connected != said_connected) {
-      if (report.connected) {
-        spdlog::info("connected to {}", options.robot);
-      } else {
-        spdlog::error("{}: reset to connect again", describe(Reason::kRobotLost));
-      }
-    }
-    said_connected = report.connected;
-    if (report.problem == said_problem) return;
-    said_problem = report.problem;
-    if (said_problem[0] != '\0') spdlog::warn("{}; trying again", text_of(said_problem));
+    const auto line = connection.step(report.connected, report.lost, text_of(report.problem),
+                                      report.state.fault);
+    if (line) say(line->bad, line->text);
   }
 
   static void say(bool bad, const std::string& line) {
@@ -115,9 +111,8 @@ struct SlaveServer::Impl {
   SlaveReport report;
   bool known = false;  // the robot loop has spoken
   SessionWatch session;
+  ConnectionWatch connection{options.robot};
   std::function<void(Nanos, bool)> alive;
-  bool said_connected = false;
-  FixedText<240> said_problem{};
   std::uint64_t said_halts = 0;
   Nanos next_halt_line = -kForever;
   Nanos next_look = 0;         // for a scene

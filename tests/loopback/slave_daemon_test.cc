@@ -5,9 +5,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
+#include <boost/asio.hpp>
 #include <cstdio>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "devices/rig/rig_server.h"
 #include "server/base/clock.h"
@@ -54,6 +58,13 @@ class Program {
       if (std::string(text).starts_with(start)) return text;
     }
     return "";
+  }
+  // Everything from here to the end of the output.
+  std::vector<std::string> rest() {
+    std::vector<std::string> lines;
+    char text[512];
+    while (std::fgets(text, sizeof text, out_) != nullptr) lines.push_back(text);
+    return lines;
   }
   void terminate() const { ::kill(pid_, SIGTERM); }
   // Waits for the end; -1 when a signal ended it.
@@ -203,10 +214,81 @@ TEST_F(SlaveDaemonTest, APortInUseEndsTheSecondDaemonWithTwo) {
   EXPECT_EQ(second.exit_code(), 2);
 }
 
+// Where the controller should be, somebody who sends one answer more to each question; none is one.
+class NoController {
+ public:
+  explicit NoController(bool answers)
+      : socket_(io_, {boost::asio::ip::make_address("127.0.0.1"), 0}) {
+    if (answers) hear();
+    thread_ = std::thread([this] { io_.run(); });
+  }
+  ~NoController() {
+    boost::asio::post(io_, [this] { socket_.close(); });
+    work_.reset();
+    thread_.join();
+  }
+  int port() const { return socket_.local_endpoint().port(); }
+
+ private:
+  void hear() {
+    socket_.async_receive_from(boost::asio::buffer(bytes_), from_, [this](auto error, auto) {
+      if (error) return;
+      ++asked_;
+      for (int i = 0; i < asked_; ++i) {
+        boost::system::error_code ignored;
+        socket_.send_to(boost::asio::buffer(bytes_, 10), from_, 0, ignored);
+      }
+      hear();
+    });
+  }
+  boost::asio::io_context io_{1};
+  boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work_{
+      io_.get_executor()};
+  boost::asio::ip::udp::socket socket_;
+  boost::asio::ip::udp::endpoint from_;
+  std::array<char, 512> bytes_{};
+  int asked_ = 0;
+  std::thread thread_;
+};
+
+class SlaveAlone : public ::testing::TestWithParam<bool> {};
+
+TEST_P(SlaveAlone, WithoutAControllerIsALineWhenItBeginsAndNothingASecond) {
+  const NoController nobody(GetParam());
+  TempFolder folder;
+  Program slave(
+      {kSlave, "--config",
+       folder.write("alone.config", "link_port: 0 robot { port: " + std::to_string(nobody.port()) +
+                                        " } force_sensor { enabled: false }")});
+  ASSERT_FALSE(slave.line("READY").empty());
+  sleep_until(monotonic_now() + 6 * kSecond);  // it tries once a second
+  slave.terminate();
+  const std::vector<std::string> lines = slave.rest();
+  EXPECT_EQ(slave.exit_code(), 0);
+  const auto with = [&lines](const std::string& part) {
+    return std::count_if(lines.begin(), lines.end(),
+                         [&part](const std::string& line) { return line.find(part) != line.npos; });
+  };
+  std::string log;
+  for (const std::string& line : lines) log += line;
+  EXPECT_EQ(with("robot controller 127.0.0.1:"), 1) << log;
+  EXPECT_EQ(with(GetParam() ? "none a joint reply" : "no answer"), 1) << log;
+  EXPECT_EQ(with("; trying again"), 1) << log;
+  EXPECT_LE(with("stands still") + with("runs again"), 1) << log;  // a busy machine's own
+  EXPECT_EQ(with("session "), 0) << log;
+}
+
+INSTANTIATE_TEST_SUITE_P(, SlaveAlone, ::testing::Bool(),
+                         [](const auto& of) { return of.param ? "Garbage" : "Silence"; });
+
 TEST(SlaveProgram, CheckReadsTheConfigurationAndTheScene) {
   TempFolder folder;
   Program good({kSlave, "--check"});
   EXPECT_EQ(good.line("configuration ok"), "configuration ok\n");
+  EXPECT_EQ(
+      good.line("stop circuit: "),
+      "stop circuit: none, no driver reads one yet; the controller's emergency stop must be in "
+      "reach\n");
   EXPECT_EQ(good.exit_code(), 0);
   const std::string text = "force_sensor { filter_ms: 20 } payload { mass_kg: 0.5 }";
   Program filtered({kSlave, "--check", "--config", folder.write("f", text)});

@@ -76,5 +76,15 @@ TEST(StallWatch, ALoopThatStandsForASecondIsToldMeanwhileOnce) {
   EXPECT_NE(loop.lines[1].find("for 7000 ms"), std::string::npos) << loop.lines[1];
 }
 
+TEST(StallWatch, NeitherDoesALineAboutTheEndFollowWithinTheSecond) {
+  Loop loop;
+  loop.runs_until(ms(2000));
+  loop.stands_until(ms(3100));  // the line that it stands has just been said
+  loop.runs_until(ms(6000));
+  ASSERT_EQ(loop.lines.size(), 2u);
+  EXPECT_GE(loop.when[1] - loop.when[0], kSecond);
+  EXPECT_NE(loop.lines[1].find("for 1100 ms"), std::string::npos) << loop.lines[1];
+}
+
 }  // namespace
 }  // namespace handrail
