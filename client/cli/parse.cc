@@ -5,8 +5,11 @@
 #include <map>
 
 #include "client/cli/command.h"
+#include "server/base/hand_move.h"
 #include "server/base/operator_name.h"
 #include "server/base/operator_path.h"
+#include "server/base/units.h"
+#include "server/scene/field_check.h"
 #include "server/scene/plain_text.h"
 
 namespace handrail {
@@ -41,9 +44,15 @@ void add_tool_options(CLI::App& app, Options& o, const std::string& meant) {
 }
 
 void add_hand_options(CLI::App& app, Options& o) {
-  add_text(app, "--by", o.by, "x,y,z", "displacement in mm: right, up, toward the user");
-  add_text(app, "--rotate", o.rotate, "rx,ry,rz", "rotation vector in degrees");
-  add_text(app, "--seconds", o.seconds, "T", "duration of the move, 1 without it");
+  const std::string by = "displacement in mm: right, up, toward the user; at most " +
+                         number_text(kFarthestHandMove / kMm) + " long";
+  const std::string rotate =
+      "rotation vector in degrees, at most " + number_text(kWidestHandTurn / kDeg) + " long";
+  const std::string seconds = "duration of the move, " + number_text(kShortestHandMove) + " to " +
+                              number_text(kLongestHandMove) + "; 1 without it";
+  add_text(app, "--by", o.by, "x,y,z", by.c_str());
+  add_text(app, "--rotate", o.rotate, "rx,ry,rz", rotate.c_str());
+  add_text(app, "--seconds", o.seconds, "T", seconds.c_str());
 }
 
 void add_calibrate_options(CLI::App& app, Options& o) {

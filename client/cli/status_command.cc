@@ -12,24 +12,26 @@ namespace {
 constexpr int kRefreshMs = 200;
 constexpr Nanos kPatience = 2 * kSecond;
 
-void show(const pb::Status& status, const Options& options, const Console& console) {
+// `last`: what was shown before, for those who show changes only.
+void show(const pb::Status& status, const Options& options, const Console& console,
+          std::string& /*last*/) {
   if (options.json) {
     console.out << json_text(status, !options.watch) << '\n';
     return;
   }
   // Home, then clear what is left of the last screen.
   if (options.watch && console.is_terminal) console.out << "\033[H\033[J";
-  console.out << status_text(status);
+  console.out << (console.is_terminal ? status_text(status, kTerminalRows) : status_text(status));
   if (options.watch && !console.is_terminal) console.out << '\n';
 }
 
 // On a terminal in place; elsewhere a line for each change.
-void explain(const pb::Status& status, const Options& options, const Console& console) {
+void explain(const pb::Status& status, const Options& options, const Console& console,
+             std::string& last) {
   if (options.json) {
     console.out << json_text(status.ledger(), !options.watch) << '\n';
     return;
   }
-  static std::string last;
   const std::string text = why_text(status.ledger());
   if (options.watch && console.is_terminal) console.out << "\033[H\033[J";
   if (options.watch && !console.is_terminal && text == last) return;
@@ -37,13 +39,14 @@ void explain(const pb::Status& status, const Options& options, const Console& co
   console.out << text << '\n';
 }
 
-using Show = void (*)(const pb::Status&, const Options&, const Console&);
+using Show = void (*)(const pb::Status&, const Options&, const Console&, std::string&);
 
 ExitCode poll_status(const Options& options, const Console& console, Show show_it) {
   OperatorClient client(options.socket, options.as);
   pb::Request request;
   request.set_status(true);
   if (options.watch) catch_interrupts();
+  std::string last;
   do {
     const Result<pb::Reply> reply = client.call(request, kPatience);
     if (options.watch && interrupted()) break;
@@ -53,7 +56,7 @@ ExitCode poll_status(const Options& options, const Console& console, Show show_i
                   << '\n';
       return code;
     }
-    show_it(reply->status(), options, console);
+    show_it(reply->status(), options, console, last);
     console.out.flush();
     if (!console.out) return kExitDone;
     if (options.watch) ::poll(nullptr, 0, kRefreshMs);

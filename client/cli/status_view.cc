@@ -1,9 +1,11 @@
 #include "client/cli/status_view.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <initializer_list>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "client/cli/lease_command.h"
@@ -37,7 +39,8 @@ std::string line(const char* label, std::initializer_list<std::string> parts) {
   for (const std::string& part : parts) {
     if (part.empty()) continue;
     const bool first = row.size() == kIndent;
-    if (!first && row.size() + 2 + part.size() > kWidth) next_row();
+    const bool fits_a_row = part.size() <= kWidth - kIndent;
+    if (!first && fits_a_row && row.size() + 2 + part.size() > kWidth) next_row();
     if (row.size() > kIndent) row += "  ";
     // One that is longer than a line goes on where a word ends.
     std::string rest = part;
@@ -64,32 +67,74 @@ std::string vector_text(const Numbers& v, int decimals, int width) {
   return out.empty() ? "-" : out;
 }
 
-std::string session_text(const pb::Status& s) {
-  std::string out = line("session", {s.state(), labelled("reason:", s.reason())});
-  out += line("", {labelled("wanted:", s.desired()), labelled("slave:", s.slave_state()),
-                   labelled("reason:", s.slave_reason())});
-  for (const std::string& text : s.interventions()) {
-    if (text != s.reason()) out += line("", {"also: " + text});
+// A part of the screen. Where there are too many rows, those of the greatest `spare` go first.
+struct Section {
+  std::string text;
+  int spare = 0;
+  long least = 1;  // rows that stay
+
+  long rows() const { return std::count(text.begin(), text.end(), '\n'); }
+  // Without its last row, and the new last one says so.
+  void cut() {
+    text.pop_back();
+    text.erase(text.rfind('\n') + 1);
+    text.pop_back();
+    const std::size_t last = text.rfind('\n') + 1;  // npos + 1 is 0
+    constexpr std::size_t kRoom = kWidth - 4;
+    if (text.size() - last > kRoom) {
+      text.erase(std::max(text.rfind(' ', last + kRoom), last + kIndent));
+    }
+    text += " ...\n";
   }
-  if (s.has_ledger()) out += line("why", {why_text(s.ledger())});
-  if (s.has_lease()) out += line("lease", {lease_text(s.lease())});
-  out += line("scene", {s.scene().empty() ? "-" : s.scene(), labelled("slave:", s.slave_scene())});
-  for (const std::string& difference : s.hash_mismatch())
-    out += line("", {"differs: " + difference});
-  out += line("device", {s.device() + (s.device_simulated() ? " (simulated)" : ""),
-                         s.hand_moving() ? "hand moving" : ""});
+};
+using Screen = std::vector<Section>;
+
+std::string fitted(Screen screen, long most_rows) {
+  long rows = 0;
+  for (const Section& section : screen) rows += section.rows();
+  for (; rows > most_rows; --rows) {
+    Section* longest = nullptr;
+    for (Section& section : screen) {
+      if (section.rows() <= section.least) continue;
+      if (longest == nullptr || section.spare > longest->spare) longest = &section;
+    }
+    if (longest == nullptr) break;
+    longest->cut();
+  }
+  std::string out;
+  for (const Section& section : screen) out += section.text;
   return out;
+}
+
+void add_session(const pb::Status& s, Screen& screen) {
+  screen.push_back({line("session", {s.state(), labelled("reason:", s.reason())}), 1});
+  screen.push_back({line("", {labelled("wanted:", s.desired()), labelled("slave:", s.slave_state()),
+                              labelled("reason:", s.slave_reason())}),
+                    3});
+  std::string also, differs;
+  for (const std::string& text : s.interventions()) {
+    if (text != s.reason()) also += line("", {"also: " + text});
+  }
+  for (const std::string& text : s.hash_mismatch()) differs += line("", {"differs: " + text});
+  if (!also.empty()) screen.push_back({also, 6});
+  if (s.has_ledger()) screen.push_back({line("why", {why_text(s.ledger())}), 0, 2});
+  if (s.has_lease()) screen.push_back({line("lease", {lease_text(s.lease())}), 2});
+  screen.push_back(
+      {line("scene", {s.scene().empty() ? "-" : s.scene(), labelled("slave:", s.slave_scene())})});
+  if (!differs.empty()) screen.push_back({differs, 6});
+  screen.push_back({line("device", {s.device() + (s.device_simulated() ? " (simulated)" : ""),
+                                    s.hand_moving() ? "hand moving" : ""})});
 }
 
 std::string link_text(const pb::Status& s) {
   return line("link", {labelled("age", milliseconds(s.packet_age_ms())),
                        labelled("loss", number(100.0 * s.loss_share(), 1) + " %"),
                        labelled("round trip", milliseconds(s.round_trip_ms())),
-                       labelled("oldest applied", milliseconds(s.oldest_applied_ms()))}) +
-         line("", {labelled("quality", s.link_quality()), labelled("there", s.peer_quality()),
-                   labelled("loop", milliseconds(s.loop_age_ms()))}) +
-         line("", {labelled("accepted", std::to_string(s.datagrams_accepted())),
-                   labelled("rejected", std::to_string(s.datagrams_rejected()))});
+                       labelled("oldest applied", milliseconds(s.oldest_applied_ms())),
+                       labelled("quality", s.link_quality()), labelled("there", s.peer_quality()),
+                       labelled("loop", milliseconds(s.loop_age_ms())),
+                       labelled("accepted", std::to_string(s.datagrams_accepted())),
+                       labelled("rejected", std::to_string(s.datagrams_rejected()))});
 }
 
 // Of a log that nobody reads to its end.
@@ -109,9 +154,7 @@ std::string loop_text(const pb::Status& s) {
                        labelled("slave overruns", std::to_string(s.slave_overruns()))}) +
          line("", {"late [us]:", labelled("p50", number(l.p50(), 1)),
                    labelled("p99", number(l.p99(), 1)), labelled("p99.9", number(l.p999(), 1)),
-                   labelled("max", number(l.max(), 1))}) +
-         line("", {labelled("real time:", s.realtime())}) +
-         (s.log_lost() > 0 || s.slave_log_lost() ? line("", {log_text(s)}) : "");
+                   labelled("max", number(l.max(), 1))});
 }
 
 std::string tool_text(const char* label, const pb::ToolStatus& tool, bool is_position) {
@@ -128,9 +171,9 @@ std::string share_text(const char* label, const pb::ForceShare& share) {
 
 std::string pose_text(const char* label, const pb::PoseMm& pose) {
   std::string name = label;
-  name.resize(14, ' ');
-  if (pose.position_mm_size() == 0) return name + "-";
-  return name + vector_text(pose.position_mm(), 2, 9) + "  q " +
+  name.resize(13, ' ');
+  if (pose.position_mm_size() == 0) return name + " -";
+  return name + vector_text(pose.position_mm(), 2, 8) + " q " +
          vector_text(pose.quaternion(), 3, 6);
 }
 
@@ -152,21 +195,29 @@ std::string why_text(const pb::Ledger& ledger) {
   return ledger.sentence() + (ledger.way_out().empty() ? "" : "; way out: " + ledger.way_out());
 }
 
-std::string status_text(const pb::Status& s) {
-  std::string out = session_text(s) + link_text(s) + loop_text(s);
-  out += line("tools", {tool_text("position:", s.position_tool(), true)});
-  out += line("", {tool_text("orientation:", s.orientation_tool(), false)});
-  out += line("force [N]",
-              {share_text("tool", s.tool_force()), share_text("spring", s.spring_force()),
-               share_text("limits", s.limited_force()), share_text("device", s.device_force())});
-  out += line("touch [N]",
-              {s.has_contact_force() ? vector_text(s.contact_force_n(), 2, 0) : "no sensor"});
-  if (s.has_walls()) out += walls_text(s.walls());
-  out += line("pose [mm]", {pose_text("command", s.command())});
-  out += line("", {pose_text("slave command", s.slave_command())});
-  out += line("", {pose_text("tip", s.tip())});
-  out += line("", {pose_text("hand", s.hand())});
-  return out;
+std::string status_text(const pb::Status& s, long most_rows) {
+  Screen screen;
+  add_session(s, screen);
+  screen.push_back({link_text(s), 4, 2});
+  screen.push_back({loop_text(s), 0, 2});
+  screen.push_back({line("", {labelled("real time:", s.realtime())}), 5});
+  if (s.log_lost() > 0 || s.slave_log_lost()) screen.push_back({line("", {log_text(s)}), 5});
+  screen.push_back({line("tools", {tool_text("position:", s.position_tool(), true),
+                                   tool_text("orientation:", s.orientation_tool(), false)}),
+                    0, 2});
+  screen.push_back(
+      {line("force [N]",
+            {share_text("tool", s.tool_force()), share_text("spring", s.spring_force()),
+             share_text("limits", s.limited_force()), share_text("device", s.device_force())})});
+  screen.push_back(
+      {line("touch [N]",
+            {s.has_contact_force() ? vector_text(s.contact_force_n(), 2, 0) : "no sensor"})});
+  if (s.has_walls()) screen.push_back({walls_text(s.walls()), 2});
+  screen.push_back({line("pose [mm]", {pose_text("command", s.command())})});
+  screen.push_back({line("", {pose_text("slave command", s.slave_command())})});
+  screen.push_back({line("", {pose_text("tip", s.tip())})});
+  screen.push_back({line("", {pose_text("hand", s.hand())})});
+  return fitted(std::move(screen), most_rows);
 }
 
 }  // namespace handrail

@@ -27,6 +27,7 @@ class ScriptedMaster : public OperatorHandler {
     if (request.has_status()) {
       answer.mutable_status()->set_ticks(static_cast<std::uint64_t>(n));
       answer.mutable_status()->set_state("off");
+      if (why) answer.mutable_status()->mutable_ledger()->set_sentence(why(n));
       if (on_status) on_status(n);
     } else if (request.has_engage() || (request.has_stop() && keeps_stops)) {
       const std::lock_guard<std::mutex> lock(mutex_);
@@ -53,8 +54,9 @@ class ScriptedMaster : public OperatorHandler {
   }
 
   std::atomic<int> requests{0};
-  std::function<void(int)> on_status;  // set before serving
-  std::string holder;                  // of the lease; set in the IO thread
+  std::function<void(int)> on_status;   // set before serving
+  std::function<std::string(int)> why;  // of the n-th status; set before serving
+  std::string holder;                   // of the lease; set in the IO thread
   std::atomic<bool> keeps_stops{false};
 
  private:

@@ -248,5 +248,21 @@ TEST_F(OperatorClients, CliWatchPrintsOneJsonObjectALineUntilInterrupted) {
   EXPECT_NE(out_.str(), "");
 }
 
+TEST_F(OperatorClients, CliWatchesWhyAsALineForEachChangeWhereThereIsNoTerminal) {
+  bench_->run([this] {
+    bench_->master.on_status = [](int n) {
+      if (n == 7) ::kill(::getpid(), SIGINT);
+    };
+    bench_->master.why = [](int n) { return n < 3 || n > 4 ? "the arm holds" : "it follows"; };
+  });
+  // What is watched first is shown, whatever was seen by an earlier command.
+  for (int run = 0; run < 2; ++run) {
+    bench_->master.requests = 0;
+    EXPECT_EQ(cli({"why", "--watch"}), kExitDone);
+    EXPECT_EQ(out_.str(), "the arm holds\nit follows\nthe arm holds\n");
+    ::signal(SIGINT, SIG_DFL);
+  }
+}
+
 }  // namespace
 }  // namespace handrail

@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
@@ -95,6 +96,25 @@ TEST(Cli, EveryOrderWithoutAMasterExitsWithThree) {
         run.err,
         "handrail: no master on /nowhere/operator.sock: no such socket; start handrail-master\n");
     EXPECT_EQ(run.out, "");
+  }
+}
+
+// Those of server/base/hand_move.h.
+TEST(Cli, HelpOfHandToNamesItsLimitsAndTheDurationKeepsThem) {
+  const std::string help = without_master({"hand", "to", "--help"}).out;
+  EXPECT_THAT(help, testing::ContainsRegex("displacement in mm.* at most 1000 long"));
+  EXPECT_THAT(help, testing::ContainsRegex("degrees, at most 180 long"));
+  EXPECT_THAT(help, testing::ContainsRegex("0.01 to 600; 1 without it"));
+  for (const char* within : {"0.01", "600"}) {
+    EXPECT_EQ(without_master({"hand", "to", "--by", "1,0,0", "--seconds", within}).code,
+              kExitNoMaster)
+        << within;
+  }
+  for (const char* beyond : {"0.00999", "600.001", "nan"}) {
+    const CliRun run = without_master({"hand", "to", "--by", "1,0,0", "--seconds", beyond});
+    EXPECT_EQ(run.code, kExitUsage) << beyond;
+    EXPECT_EQ(run.err, std::string("handrail: --seconds: '") + beyond +
+                           "': expected a number from 0.01 to 600 s\n");
   }
 }
 

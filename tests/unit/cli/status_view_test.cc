@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <sstream>
 
+#include "server/base/reason.h"
+
 namespace handrail {
 namespace {
 
@@ -36,11 +38,11 @@ TEST(StatusView, ShowsStateReasonLinkLoopToolsAndForces) {
   EXPECT_THAT(text, HasSubstr("position: line #3, 0.421 mm off"));
   EXPECT_THAT(text, HasSubstr("orientation: none"));
   EXPECT_THAT(text, HasSubstr("tool 0.337  spring 0.000  limits 0.000  device 0.000"));
-  EXPECT_THAT(text, HasSubstr("350.00   -150.50    429.00"));
+  EXPECT_THAT(text, HasSubstr("tip            350.00  -150.50   429.00"));
 }
 
-// With all that a master can say while nothing is wrong but the hand being slowed.
-TEST(StatusView, FitsATerminalOf80By24) {
+// All that a master can say while nothing is wrong but the hand being slowed.
+pb::Status usual() {
   pb::Status s = engaged();
   s.set_desired("engaged");
   s.set_slave_reason("joint acceleration limit: following more slowly");
@@ -69,16 +71,87 @@ TEST(StatusView, FitsATerminalOf80By24) {
   for (pb::PoseMm* pose :
        {s.mutable_command(), s.mutable_slave_command(), s.mutable_tip(), s.mutable_hand()}) {
     pose->clear_position_mm();
-    for (const double x : {-350.123, -1150.5, 429.25}) pose->add_position_mm(x);
+    for (const double x : {-350.123, -950.5, 429.25}) pose->add_position_mm(x);
     for (const double x : {-0.5, 0.5, -0.5, 0.5}) pose->add_quaternion(x);
   }
-  const std::string text = status_text(s);
-  EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 24) << text;
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) {
-    EXPECT_LE(line.size(), 80u) << line;
-    EXPECT_FALSE(line.ends_with(' ')) << line;
+  return s;
+}
+
+// Everything at once, each as long as it can be: of a scene with an arm.
+pb::Status fullest() {
+  pb::Status s = usual();
+  const std::string longest = describe(Reason::kEncoderInvalid);
+  s.set_state("fault");
+  s.set_reason(std::string(describe(Reason::kPeerFault)) + ": " + longest);
+  s.set_slave_reason(longest);
+  for (int i = 1; i < static_cast<int>(Reason::kCount); ++i) {
+    s.add_interventions(describe(static_cast<Reason>(i)));
   }
+  for (const char* section : {"scene", "mapping", "limits", "robot", "tools"}) {
+    s.add_hash_mismatch(std::string(section) + ": master 0123456789abcdef, slave fedcba9876543210");
+  }
+  s.set_log_lost(123456789);
+  s.set_slave_log_lost(true);
+  s.mutable_lease()->set_holder("abcdefghijklmnopqrstuvwxyz012345");
+  s.mutable_lease()->set_asked_by("543210zyxwvutsrqponmlkjihgfedcba");
+  s.mutable_ledger()->set_way_out(
+      "at the controller: clear its alarm, if there is one, and start its program in AUTOMATIC; "
+      "the slave's log names other causes, then reset and engage");
+  s.set_scene("a-scene-whose-name-has-as-many-letters-as-it-may");
+  s.set_slave_scene(s.scene());
+  for (pb::ToolStatus* tool : {s.mutable_position_tool(), s.mutable_orientation_tool()}) {
+    tool->set_kind("n-rotation");
+    tool->set_id(4294967295u);
+    tool->set_blending(true);
+    tool->set_deviation_mm(123.456);
+    tool->set_deviation_deg(123.45);
+  }
+  return s;
+}
+
+// ... and of one with walls, in which no arm can differ.
+pb::Status fullest_walls() {
+  pb::Status s = fullest();
+  s.clear_hash_mismatch();
+  s.mutable_walls()->set_stage_name("a stage with quite a long name of its own");
+  s.mutable_walls()->set_touching(true);
+  s.mutable_walls()->set_region_name("a region with quite a long name of its own");
+  s.mutable_walls()->set_locked(true);
+  s.mutable_walls()->set_place("and a place");
+  return s;
+}
+
+long rows_of(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
+
+TEST(StatusView, FitsATerminalOf80By24) {
+  for (const pb::Status& s : {usual(), fullest(), fullest_walls()}) {
+    const std::string text = status_text(s, kTerminalRows);
+    EXPECT_LE(rows_of(text), kTerminalRows) << text;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) {
+      EXPECT_LE(line.size(), 80u) << line;
+      EXPECT_FALSE(line.ends_with(' ')) << line;
+    }
+  }
+}
+
+TEST(StatusView, WhereRowsAreShortTheMostImportantStayAndItSaysWhatIsCut) {
+  const std::string all = status_text(fullest()), text = status_text(fullest(), kTerminalRows);
+  EXPECT_GT(rows_of(all), 60);
+  EXPECT_EQ(all.find(" ..."), std::string::npos);
+  for (const char* part :
+       {"session    fault  reason: the other side is in fault: ", "also: not engaged ...",
+        "differs: scene: master 0123456789abcdef, slave fedcba9876543210 ...",
+        "why        the arm is 14.1 mm", "lease      abcdef", "scene      a-scene",
+        "link       age", "loop       ticks", "real time: memory not locked",
+        "log lines lost: 123456789 of the master", "tools      position: n-rotation",
+        "orientation: n-rotation", "force [N]", "touch [N]",
+        "pose [mm]", "slave command", "tip  ", "hand  "}) {
+    EXPECT_THAT(text, HasSubstr(part));
+  }
+  EXPECT_THAT(status_text(fullest_walls(), kTerminalRows),
+              HasSubstr("walls      stage 0 'a stage"));
+  EXPECT_EQ(status_text(usual(), 60), status_text(usual())) << "nothing is cut where there is room";
 }
 
 TEST(StatusView, NamesEverySectionThatDiffers) {
