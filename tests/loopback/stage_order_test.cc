@@ -1,5 +1,6 @@
 // `handrail stage` from the command line to the hand: socket, desk, haptic loop and a painted door.
 #include <gmock/gmock.h>
+#include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -215,12 +216,33 @@ TEST_F(StageOrder, WallsThatMoveAndTurnAreFeltWithoutAStepOfTheForce) {
 
 TEST_F(StageOrder, StatusNamesTheStage) {
   ASSERT_EQ(cli({"status"}), kExitDone);
-  EXPECT_THAT(out_.str(), HasSubstr("walls      stage 0 'shut'   free\n"));
+  EXPECT_THAT(out_.str(), HasSubstr("walls      stage 0 'shut'  free at 'paper'\n"));
   ASSERT_EQ(cli({"stage", "open"}), kExitDone);
   ASSERT_EQ(cli({"status"}), kExitDone);
-  EXPECT_THAT(out_.str(), HasSubstr("walls      stage 1 'open'   free\n"));
+  EXPECT_THAT(out_.str(), HasSubstr("walls      stage 1 'open'  free at 'paper'\n"));
   ASSERT_EQ(cli({"status", "--json"}), kExitDone);
   EXPECT_THAT(out_.str(), HasSubstr("\"stage_name\": \"open\""));
+}
+
+TEST_F(StageOrder, WhyGivesTheForceOfTheWallThatIsPressed) {
+  EXPECT_EQ(cli({"why", "--json"}), kExitDone);
+  pb::Ledger why;
+  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(out_.str(), &why).ok()) << out_.str();
+  EXPECT_EQ(why.walls().magnitude_n(), 0.0);
+  move_to(0.5);  // the door begins at 0
+  EXPECT_EQ(cli({"why", "--json"}), kExitDone);
+  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(out_.str(), &why).ok()) << out_.str();
+  EXPECT_NEAR(why.walls().magnitude_n(), 2.5, 0.3) << "half a millimetre, 5 N/mm";
+  ASSERT_EQ(why.walls().force_n_size(), 3);
+  EXPECT_NEAR(why.walls().force_n(0), -why.walls().magnitude_n(), 1e-6);
+  // All but the last add up to it.
+  double sum = 0.0;
+  for (const pb::ForceShare* share : {&why.tool(), &why.walls(), &why.spring(), &why.governor(),
+                                      &why.clamp(), &why.cue()}) {
+    sum += share->force_n(0);
+  }
+  EXPECT_NEAR(sum, why.device().force_n(0), 1e-9);
+  EXPECT_NEAR(why.device().force_n(0), force_x(), 0.01);
 }
 
 TEST_F(StageOrder, AnUnknownStageIsRefusedWithThoseThereAre) {
