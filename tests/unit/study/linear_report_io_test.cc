@@ -11,6 +11,7 @@
 #include "proto/study.pb.h"
 #include "server/base/units.h"
 #include "server/lab/study/linear_drawing.h"
+#include "server/lab/study/linear_figure.h"
 #include "server/lab/study/study_drawing.h"
 #include "tests/support/temp_folder.h"
 
@@ -109,8 +110,34 @@ TEST(LinearReport, AFailedTrialIsTheWorstRankAndIsCountedByItsEnd) {
   EXPECT_EQ(out.modes().v().off_target(), 0U);
   EXPECT_THAT(json, HasSubstr("\"median\": \"Infinity\""));
   EXPECT_DOUBLE_EQ(out.modes().nv().execution_time_s().min(), 12.0);
+  EXPECT_EQ(out.modes().nv().execution_time_s().failures(), 2U);
+  EXPECT_EQ(out.modes().nv().max_orientation_error_deg().failures(), 2U);
+  EXPECT_EQ(out.modes().v().execution_time_s().failures(), 0U);
+  EXPECT_THAT(json, HasSubstr("\"failures\": 2"));
   EXPECT_EQ(out.trials(0).end(), "time-out");
   EXPECT_NEAR(out.trials(0).path_mm(), 200.0, 1e-9) << "what it did is still told";
+}
+
+// Every measure has the number beside its figures: two of three without tools, one of three with.
+TEST(LinearReport, TheTableHasAColumnOfFailedTrials) {
+  LinearStudy study = three_people();
+  study.trials[0].result.end = TrialEnd::kTimeOut;
+  study.trials[2].result.end = TrialEnd::kOffTarget;
+  study.trials[3].result.end = TrialEnd::kSession;
+  std::istringstream lines(linear_table(header(), study, {}));
+  std::size_t column = std::string::npos;  // where it ends
+  int nv = 0, v = 0;
+  for (std::string line; std::getline(lines, line) && nv + v < 2 * kLinearFigures;) {
+    if (const std::size_t at = line.find("failed"); column == std::string::npos) {
+      if (at != std::string::npos) column = at + 6;
+      continue;
+    }
+    const std::string mode = line.substr(34, 6), failed = line.substr(column - 8, 8);
+    if (mode == "NV    ") nv += failed == "       2" ? 1 : 1000;
+    if (mode == "V     ") v += failed == "       1" ? 1 : 1000;
+  }
+  EXPECT_EQ(nv, kLinearFigures);
+  EXPECT_EQ(v, kLinearFigures);
 }
 
 TEST(LinearReport, VariationsStandBesideTheStudy) {

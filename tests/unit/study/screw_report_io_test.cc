@@ -105,6 +105,10 @@ TEST(ScrewReport, AFailedTrialIsCountedByItsEndAndStillTold) {
   EXPECT_EQ(study.modes().nc_nv().failures().session_lost(), 0u);
   EXPECT_EQ(study.modes().nc_v().failures().session_lost(), 1u);
   EXPECT_THAT(json, HasSubstr("\"median\": \"Infinity\"")) << "three of five failed";
+  EXPECT_EQ(study.modes().nc_nv().completion_time_s().failures(), 3u);
+  EXPECT_EQ(study.modes().nc_nv().mean_contact_force_n().failures(), 0u) << "their forces count";
+  EXPECT_EQ(study.modes().nc_v().completion_time_s().failures(), 1u);
+  EXPECT_EQ(study.modes().c_v().completion_time_s().failures(), 0u);
   EXPECT_NEAR(study.modes().nc_nv().mean_contact_force_n().median(), 51.0, 1e-9)
       << "their forces count";
   ASSERT_EQ(study.trials_size(), 20);
@@ -113,6 +117,25 @@ TEST(ScrewReport, AFailedTrialIsCountedByItsEndAndStillTold) {
   EXPECT_EQ(study.trials(0).end(), name_of(ScrewEnd::kForce));
   EXPECT_EQ(study.trials(0).misses(), 2u);
   EXPECT_EQ(study.trials(1).mode(), "NC-V");
+}
+
+TEST(ScrewReport, TheTableHasAColumnOfFailedTrials) {
+  ScrewStudy five = five_people();
+  result_of(five, 0, ScrewMode::kNCNV).end = ScrewEnd::kForce;
+  result_of(five, 1, ScrewMode::kNCNV).end = ScrewEnd::kTimeOut;
+  const std::string table = screw_table(header(), kForm, five, {});
+  const std::size_t heading = table.find("failed ");
+  ASSERT_NE(heading, std::string::npos);
+  const std::size_t column = heading - table.rfind('\n', heading) - 1;
+  const auto failed = [&](const std::string& start) {
+    const std::size_t row = table.find('\n' + start);
+    EXPECT_NE(row, std::string::npos) << start;
+    return table.substr(row + 1 + column - 2, 8);
+  };
+  EXPECT_EQ(failed("completion time [s]               NC-NV "), "       2");
+  EXPECT_EQ(failed("                                  NC-V  "), "       0");
+  EXPECT_EQ(failed("path of the tip [mm]              NC-NV "), "       2");
+  EXPECT_EQ(failed("mean contact force [N]            NC-NV "), "       0");
 }
 
 TEST(ScrewReport, VariationsStandBesideTheStudy) {
