@@ -56,8 +56,8 @@ struct SlaveServer::Impl {
   }
 
   void say_connection() {
-    const auto line = connection.step(report.connected, report.lost, text_of(report.problem),
-                                      report.state.fault);
+    const auto line =
+        connection.step(report.connected, report.lost, text_of(report.problem), report.state.fault);
     if (line) say(line->bad, line->text);
   }
 
