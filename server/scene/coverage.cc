@@ -9,20 +9,23 @@
 #include "server/scene/coverage_text.h"
 #include "server/scene/field_check.h"
 #include "server/scene/map_width.h"
+#include "server/scene/near_colours.h"
 #include "server/scene/pixel_mix.h"
 #include "server/scene/wall_near.h"
 
 namespace handrail {
 namespace {
 
-constexpr std::uint8_t kMixed = 0x80;  // in a region while reading: the pixel is no palette colour
-constexpr int kReach = 2;              // of the neighbourhood [pixels]
+constexpr int kReach = 2;  // of the neighbourhood [pixels]
+// Where three colours meet, one of them may end in a wedge. In one of 20 deg the first whole pixel
+// is sqrt(2) / sin(10 deg) from its tip: a disc of radius sqrt(2) has one wherever it is.
+constexpr int kMeetReach = 8;
+constexpr int kMostMeeting = 8;            // colours tried there, three by three
+constexpr std::size_t kMostTogether = 16;  // such pixels in one place: edges at 20 deg have up to 8
 
-// The palette entries that stand as such around a pixel.
-struct Neighbours {
-  std::array<int, 64> entries;
-  int count = 0;
-};
+constexpr char kMeetAdvice[] =
+    "; where three meet, let edges cross at 20 deg or more, and let one colour reach under the "
+    "other";
 
 // Reads an image pixel by pixel against a palette.
 class Reader {
@@ -54,24 +57,30 @@ class Reader {
   }
 
   // The pixels marked, from what is around them. Adds to `map` and its regions' marks.
-  Status read_mixed(CoverageMap& map) const {
+  Status read_mixed(CoverageMap& map, std::vector<std::string>& warnings) const {
     PixelCount bad;
     std::vector<Strip> strips;
+    std::vector<std::size_t> meetings;
     for (std::size_t i = 0; i < map.region.size() && bad.count < PixelCount::kMost; ++i) {
       if ((map.region[i] & kMixed) == 0) continue;
       const Found found = mixture_at(map, i);
       if (found.mixture.error > PixelMixer::kTolerance) {
-        bad.add(i);
+        if (!take_meeting(map, i, meetings)) bad.add(i);
         continue;
       }
       set(map, i, found.mixture);
-      if (found.strip >= 0) strips.push_back({i, found.strip, share_of(found)});
+      if (found.strip >= 0) {
+        strips.push_back({i, found.strip, found.mixture.share_of(found.strip)});
+      }
     }
     settle(map, strips);
     for (const Strip& strip : strips) {
-      if (!is_in_thin_strip(map, strip.pixel, mixer_.is_wall(strip.entry))) bad.add(strip.pixel);
+      if (is_in_thin_strip(map, strip.pixel, mixer_.is_wall(strip.entry))) continue;
+      if (!take_meeting(map, strip.pixel, meetings)) bad.add(strip.pixel);
     }
     if (bad.count > 0) return Status::error(bad_text(map, bad));
+    std::sort(meetings.begin(), meetings.end());
+    if (Status status = check_meetings(map, meetings, warnings); !status) return status;
     return check_open(map, strips);
   }
 
@@ -82,7 +91,7 @@ class Reader {
     std::array<int, 3> what{};
     for (std::size_t i = 0; i < map.region.size(); ++i) {
       if ((map.region[i] & kMixed) != 0) continue;
-      const Neighbours near = around(map, i);
+      const NearColours near = near_colours(map, i, kReach);
       if (near.count < 3 || !is_ambiguous(map.region[i], near, count == 0 ? &what : nullptr)) {
         continue;
       }
@@ -112,7 +121,9 @@ class Reader {
         ++out.bad;
       } else {
         // From the brighter of the two: which way round must not depend on the palette's order.
-        const float t = brightness(m.a) >= brightness(m.b) ? m.t : 1.0f - m.t;
+        const float a = m.parts[0].share, b = m.parts[1].share;
+        const bool first = brightness(m.parts[0].entry) >= brightness(m.parts[1].entry);
+        const float t = (first ? a : b) / (a + b);
         ++out.seen[std::min<std::size_t>(static_cast<std::size_t>(t * 64.0f), 63)];
       }
     }
@@ -140,25 +151,8 @@ class Reader {
     return 2 * c[0] + 7 * c[1] + c[2];
   }
 
-  Neighbours around(const CoverageMap& map, std::size_t i) const {
-    const int w = map.width, x = static_cast<int>(i % static_cast<std::size_t>(w)),
-              y = static_cast<int>(i / static_cast<std::size_t>(w));
-    std::uint64_t present = 0;
-    for (int v = std::max(0, y - kReach); v <= std::min(map.height - 1, y + kReach); ++v) {
-      const std::uint8_t* row = map.region.data() + std::ptrdiff_t{v} * w;
-      for (int u = std::max(0, x - kReach); u <= std::min(w - 1, x + kReach); ++u) {
-        if ((row[u] & kMixed) == 0) present |= std::uint64_t{1} << row[u];
-      }
-    }
-    Neighbours out;
-    for (; present != 0; present &= present - 1) {
-      out.entries[static_cast<std::size_t>(out.count++)] = __builtin_ctzll(present);
-    }
-    return out;
-  }
-
   Found mixture_at(const CoverageMap& map, std::size_t i) const {
-    const Neighbours near = around(map, i);
+    const NearColours near = near_colours(map, i, kReach);
     Found out{mixer_.mixture_of(pixel(i), near.entries.data(), near.count)};
     if (out.mixture.error <= PixelMixer::kTolerance) return out;
     if (is_at_border(map, i)) {
@@ -171,18 +165,48 @@ class Reader {
     }
     return out;
   }
-  static float share_of(const Found& found) {
-    const Mixture& m = found.mixture;
-    return found.strip == m.a   ? m.opaque * m.t
-           : found.strip == m.b ? m.opaque * (1.0f - m.t)
-                                : 1.0f - m.opaque;
-  }
   void set(CoverageMap& map, std::size_t i, const Mixture& m) const {
     map.open[i] = static_cast<std::uint16_t>(std::lround(65535.0f * mixer_.open_of(m)));
     map.region[i] = static_cast<std::uint8_t>(kMixed | mixer_.most_of(m));
     const int wall = mixer_.wall_of(m);
     if (wall >= 0) map.wall[i] = static_cast<std::uint8_t>(wall);
   }
+  // Where three colours or more are near, any two or three of them.
+  Mixture meeting_at(const CoverageMap& map, std::size_t i) const {
+    const NearColours near = near_colours(map, i, kMeetReach);
+    if (near.count < 3 || near.count > kMostMeeting) return {};
+    return mixer_.meeting_of(pixel(i), near.entries.data(), near.count);
+  }
+  bool take_meeting(CoverageMap& map, std::size_t i, std::vector<std::size_t>& meetings) const {
+    const Mixture m = meeting_at(map, i);
+    if (m.error > PixelMixer::kTolerance) return false;
+    set(map, i, m);
+    meetings.push_back(i);
+    return true;
+  }
+  // Three colours meet at a point. Along a line they are a blur, a sliver or a seam.
+  Status check_meetings(const CoverageMap& map, const std::vector<std::size_t>& meetings,
+                        std::vector<std::string>& warnings) const {
+    PixelCount all, line;
+    for (const std::size_t i : meetings) {
+      if (line.count == PixelCount::kMost) break;
+      all.add(i);
+      if (together(meetings, map.width, i, kMostTogether + 1) > kMostTogether) line.add(i);
+    }
+    if (line.count > 0) {
+      return Status::error(pixels_text(image_, line) +
+                           " is a mixture of colours that meet there, " +
+                           shares_text(rules_, meeting_at(map, line.first)) + ", but more than " +
+                           std::to_string(kMostTogether) + " of them hang together" + kMeetAdvice);
+    }
+    if (all.count > 0) {
+      warnings.push_back(pixels_text(image_, all) + " is a mixture of colours that meet there, " +
+                         shares_text(rules_, meeting_at(map, all.first)) +
+                         ": the edge there may be felt off by up to a quarter of a pixel");
+    }
+    return Status::ok();
+  }
+
   // A pixel with little of a strip may be of several: it is of that which most is of beside it.
   void settle(CoverageMap& map, std::vector<Strip>& strips) const {
     const std::vector<Strip> before = strips;
@@ -200,7 +224,7 @@ class Reader {
         }
       }
       if (most->entry == strip.entry) continue;
-      const Neighbours near = around(map, strip.pixel);
+      const NearColours near = near_colours(map, strip.pixel, kReach);
       const Mixture m =
           mixer_.strip_of(pixel(strip.pixel), near.entries.data(), near.count, most->entry);
       if (m.error > PixelMixer::kTolerance) continue;
@@ -221,7 +245,7 @@ class Reader {
     return mixer_.mixture_of(pixel(i), entries.data(), static_cast<int>(rules_.palette.size()));
   }
 
-  bool is_ambiguous(int c, const Neighbours& near, std::array<int, 3>* what) const {
+  bool is_ambiguous(int c, const NearColours& near, std::array<int, 3>* what) const {
     for (int i = 0; i < near.count; ++i) {
       for (int k = 0; k < i; ++k) {
         const int a = near.entries[static_cast<std::size_t>(k)];
@@ -262,19 +286,19 @@ class Reader {
 
   std::string bad_text(const CoverageMap& map, const PixelCount& bad) const {
     std::string around_it;
-    const Neighbours near = around(map, bad.first);
+    const NearColours near = near_colours(map, bad.first, kReach);
     for (int k = 0; k < near.count; ++k) {
       around_it += (k == 0 ? "'" : ", '") + name(near.entries[static_cast<std::size_t>(k)]) + "'";
     }
     // The nearest of two around it; of any two where hardly any are.
     Mixture nearest = mixer_.mixture_of(pixel(bad.first), near.entries.data(), near.count);
     if (nearest.error > 1.0f) nearest = mixture_of_any(bad.first);
-    return pixels_text(image_, bad) +
-           " is neither in the palette nor a mixture of two of its colours around it (" +
+    return pixels_text(image_, bad) + " is neither in the palette nor a mixture of two" +
+           (near.count > 2 ? " or three" : "") + " of its colours around it (" +
            (around_it.empty() ? "none" : around_it) + ")" +
            (nearest.error > 1.0f ? "" : "; nearest is " + mixture_text(rules_, mixer_, nearest)) +
            (near.count < 2   ? "; is it blurred, or a speck?"
-            : near.count > 2 ? "; where three meet, let two of them meet along whole pixels"
+            : near.count > 2 ? kMeetAdvice
                              : "");
   }
 
@@ -319,7 +343,7 @@ Result<CoverageMap> coverage_of(const RgbaImage& image, const CoverageRules& rul
   const Reader reader(image, rules);
   reader.read_plain(map);
   reader.warn_ambiguous(map, warnings);
-  if (Status status = reader.read_mixed(map); !status) return status;
+  if (Status status = reader.read_mixed(map, warnings); !status) return status;
   for (std::uint8_t& region : map.region) region &= static_cast<std::uint8_t>(~kMixed);
   const auto wall = std::find_if(rules.palette.begin(), rules.palette.end(),
                                  [](const PaletteEntry& entry) { return entry.wall; });

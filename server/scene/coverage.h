@@ -36,10 +36,11 @@ inline constexpr int kLeastImageSide = 100;  // [pixels]
 // What of every pixel is free, its region and the wall near it; `pixel` is left alone. A pixel must
 // be a palette colour, or within 2/255 of a mixture of two that its 5 x 5 neighbourhood holds; what
 // of that lies outside the image may be any, and one of the two need stand nowhere where walls or
-// aisles are too thin for it (is_in_thin_strip). Otherwise the error gives colour, position
-// (column, row from 0 at the top left), count and the nearest mixture. An error, too, is an aisle
-// so thin that nothing of it is left open. Warns of colours that are mixtures of two others beside
-// them.
+// aisles are too thin for it (is_in_thin_strip). Where three colours or more stand within 8 pixels
+// it may be a mixture of any three of them, with a warning that names the place, as long as few
+// such pixels hang together. Otherwise the error gives colour, position (column, row from 0 at the
+// top left), count and the nearest mixture. An error, too, is an aisle so thin that nothing of it is
+// left open. Warns of colours that are mixtures of two others beside them.
 Result<CoverageMap> coverage_of(const RgbaImage& image, const CoverageRules& rules,
                                 std::vector<std::string>& warnings);
 

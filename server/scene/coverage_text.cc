@@ -1,8 +1,10 @@
 #include "server/scene/coverage_text.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <vector>
 
 #include "server/scene/field_check.h"
 
@@ -18,6 +20,22 @@ std::string colour_text(const std::uint8_t* rgba) {
 }
 
 }  // namespace
+
+std::size_t together(const std::vector<std::size_t>& pixels, int width, std::size_t first,
+                     std::size_t most) {
+  std::vector<std::size_t> found{first};
+  for (std::size_t i = 0; i < found.size() && found.size() < most; ++i) {
+    // A row ends where the next begins: what hangs together across the border is counted, too.
+    for (const int step : {-width - 1, -width, -width + 1, -1, 1, width - 1, width, width + 1}) {
+      const std::size_t k = found[i] + static_cast<std::size_t>(step);
+      if (std::binary_search(pixels.begin(), pixels.end(), k) &&
+          std::find(found.begin(), found.end(), k) == found.end()) {
+        found.push_back(k);
+      }
+    }
+  }
+  return std::min(found.size(), most);
+}
 
 std::string place_text(std::size_t pixel, int width) {
   const auto w = static_cast<std::size_t>(width);
@@ -36,19 +54,27 @@ std::string pixels_text(const RgbaImage& image, const PixelCount& pixels) {
          std::to_string(pixels.count) + " pixels in all,";
 }
 
+std::string shares_text(const CoverageRules& rules, const Mixture& m) {
+  const float opaque = 1.0f - (rules.transparent < 0 ? 0.0f : m.share_of(rules.transparent));
+  std::vector<Mixture::Part> parts;
+  for (const Mixture::Part& part : m.parts) {
+    const bool seen = part.entry >= 0 && part.entry != rules.transparent;
+    if (seen && part.share >= 0.005f * opaque) parts.push_back(part);
+  }
+  std::string out;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    out += i == 0 ? "" : i + 1 == parts.size() ? " and " : ", ";
+    if (parts.size() > 1) {
+      out += std::to_string(std::lround(100.0f * parts[i].share / opaque)) + " % ";
+    }
+    out += "'" + rules.palette[static_cast<std::size_t>(parts[i].entry)].name + "'";
+  }
+  return out;
+}
+
 std::string mixture_text(const CoverageRules& rules, const PixelMixer& mixer, const Mixture& m) {
-  const auto name = [&](int entry) {
-    return "'" + rules.palette[static_cast<std::size_t>(entry)].name + "'";
-  };
-  const auto part = [&](int entry, float share) {
-    return std::to_string(std::lround(100.0f * share)) + " % " + name(entry);
-  };
-  const bool one = m.a == m.b || m.t < 0.005f || m.t > 0.995f;
-  const std::array<std::uint8_t, 4> rgba = mixer.rgba_of(m);
-  return colour_text(rgba.data()) + ", " +
-         (one ? name(m.t < 0.5f ? m.b : m.a) : part(m.a, m.t) + " and " + part(m.b, 1.0f - m.t)) +
-         ", off by " + number_text(std::round(2550.0 * static_cast<double>(m.error)) / 10.0) +
-         "/255";
+  return colour_text(mixer.rgba_of(m).data()) + ", " + shares_text(rules, m) + ", off by " +
+         number_text(std::round(2550.0 * static_cast<double>(m.error)) / 10.0) + "/255";
 }
 
 }  // namespace handrail

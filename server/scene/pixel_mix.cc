@@ -7,6 +7,9 @@
 namespace handrail {
 namespace {
 
+// The least height of a triangle of colours: eight times kTolerance.
+constexpr float kLeastHeight = 16.0f / 255.0f;
+
 std::uint32_t key_of(const std::uint8_t* rgba) {
   std::uint32_t key = 0;
   std::memcpy(&key, rgba, 4);
@@ -54,9 +57,16 @@ PixelMixer::Fit PixelMixer::fit(const Colour& coded, const Colour& mixed, int a,
   }
   Fit out;
   if (length > 0.0f) out.t = std::clamp(along / length, 0.0f, 1.0f);
+  Colour made;
+  for (std::size_t k = 0; k < 3; ++k) made[k] = out.t * ca[k] + (1.0f - out.t) * cb[k];
+  out.error = largest_difference(coded, made);
+  return out;
+}
+
+float PixelMixer::largest_difference(const Colour& coded, const Colour& mixed) const noexcept {
+  float out = 0.0f;
   for (std::size_t k = 0; k < 3; ++k) {
-    const float value = out.t * ca[k] + (1.0f - out.t) * cb[k];
-    out.error = std::max(out.error, std::abs((linear_ ? coded_of(value) : value) - coded[k]));
+    out = std::max(out, std::abs((linear_ ? coded_of(mixed[k]) : mixed[k]) - coded[k]));
   }
   return out;
 }
@@ -79,7 +89,58 @@ Mixture PixelMixer::mixture_of(const std::uint8_t* rgba, const int* near,
       // What is left of a difference once the pixel is composed.
       const float error = f.error * opaque;
       if (error >= best.error) continue;
-      best = {near[i], near[k], f.t, opaque, error};
+      best.parts[0] = {near[i], opaque * f.t};
+      best.parts[1] = {near[k], opaque * (1.0f - f.t)};
+      if (opaque < 1.0f) best.parts[2] = {transparent_, 1.0f - opaque};
+      best.error = error;
+    }
+  }
+  return best;
+}
+
+Mixture PixelMixer::triangle(const Colour& coded, const Colour& mixed,
+                             const std::array<int, 3>& of) const noexcept {
+  const auto at = [&](std::size_t i) { return mixed_[static_cast<std::size_t>(of[i])]; };
+  const Colour origin = at(2);
+  const auto minus = [](Colour c, const Colour& from) {
+    for (std::size_t k = 0; k < 3; ++k) c[k] -= from[k];
+    return c;
+  };
+  const auto dot = [](const Colour& c, const Colour& d) {
+    return c[0] * d[0] + c[1] * d[1] + c[2] * d[2];
+  };
+  const Colour u = minus(at(0), origin), v = minus(at(1), origin), p = minus(mixed, origin);
+  const float uu = dot(u, u), vv = dot(v, v), uv = dot(u, v), pu = dot(p, u), pv = dot(p, v);
+  const float area_squared = uu * vv - uv * uv;
+  const float longest_squared = std::max({uu, vv, uu + vv - 2.0f * uv});
+  Mixture out;
+  if (area_squared < kLeastHeight * kLeastHeight * longest_squared) return out;
+  const float s = (pu * vv - pv * uv) / area_squared, t = (pv * uu - pu * uv) / area_squared;
+  if (s < 0.0f || t < 0.0f || s + t > 1.0f) return out;
+  out.parts = {{{of[0], s}, {of[1], t}, {of[2], 1.0f - s - t}}};
+  Colour made = origin;
+  for (std::size_t k = 0; k < 3; ++k) made[k] += s * u[k] + t * v[k];
+  out.error = largest_difference(coded, made);
+  return out;
+}
+
+Mixture PixelMixer::meeting_of(const std::uint8_t* rgba, const int* near,
+                               int count) const noexcept {
+  if (rgba[3] != 255) return {};
+  Mixture best = mixture_of(rgba, near, count);
+  Colour coded, mixed;
+  for (std::size_t k = 0; k < 3; ++k) {
+    coded[k] = static_cast<float>(rgba[k]) / 255.0f;
+    mixed[k] = decode_[rgba[k]];
+  }
+  for (int i = 0; i < count; ++i) {
+    for (int k = i + 1; k < count; ++k) {
+      for (int l = k + 1; l < count; ++l) {
+        const std::array<int, 3> of{near[i], near[k], near[l]};
+        if (std::find(of.begin(), of.end(), transparent_) != of.end()) continue;
+        const Mixture m = triangle(coded, mixed, of);
+        if (m.error < best.error) best = m;
+      }
     }
   }
   return best;
@@ -92,7 +153,8 @@ Mixture PixelMixer::strip_of(const std::uint8_t* rgba, const int* near, int coun
     if (is_wall(entry) == is_wall(near[i])) continue;
     const std::array<int, 2> pair{near[i], entry};
     const Mixture m = mixture_of(rgba, pair.data(), 2);
-    const bool has_entry = m.a == entry || m.b == entry || entry == transparent_;
+    const bool has_entry =
+        m.parts[0].entry == entry || m.parts[1].entry == entry || entry == transparent_;
     if (has_entry && m.error < best.error) best = m;
   }
   return best;
@@ -102,13 +164,21 @@ std::array<std::uint8_t, 4> PixelMixer::rgba_of(const Mixture& m) const noexcept
   const auto byte = [](float value) {
     return static_cast<std::uint8_t>(std::lround(255.0f * value));
   };
+  Colour sum{};
+  float opaque = 0.0f;
+  for (const Mixture::Part& part : m.parts) {
+    if (part.entry < 0 || part.entry == transparent_) continue;
+    opaque += part.share;
+    for (std::size_t k = 0; k < 3; ++k) {
+      sum[k] += part.share * mixed_[static_cast<std::size_t>(part.entry)][k];
+    }
+  }
   std::array<std::uint8_t, 4> out{};
-  for (std::size_t k = 0; k < 3; ++k) {
-    const float value = m.t * mixed_[static_cast<std::size_t>(m.a)][k] +
-                        (1.0f - m.t) * mixed_[static_cast<std::size_t>(m.b)][k];
+  for (std::size_t k = 0; k < 3 && opaque > 0.0f; ++k) {
+    const float value = std::min(sum[k] / opaque, 1.0f);
     out[k] = byte(linear_ ? coded_of(value) : value);
   }
-  out[3] = byte(m.opaque);
+  out[3] = byte(std::min(opaque, 1.0f));
   return out;
 }
 
@@ -121,30 +191,26 @@ bool PixelMixer::is_between(int c, int a, int b) const noexcept {
 }
 
 float PixelMixer::open_of(const Mixture& m) const noexcept {
-  const auto open = [this](int entry) { return is_wall(entry) ? 0.0f : 1.0f; };
-  const float over = m.opaque * (m.t * open(m.a) + (1.0f - m.t) * open(m.b));
-  return m.opaque < 1.0f ? over + (1.0f - m.opaque) * open(transparent_) : over;
+  float open = 0.0f;
+  for (const Mixture::Part& part : m.parts) {
+    if (part.entry >= 0 && !is_wall(part.entry)) open += part.share;
+  }
+  return std::min(open, 1.0f);
 }
 
 int PixelMixer::most_of(const Mixture& m) const noexcept {
-  const float a = m.a == m.b ? 1.0f : m.t, most = std::max(a, 1.0f - a);
-  if (m.opaque * most < 1.0f - m.opaque) return transparent_;
-  return a >= 0.5f ? m.a : m.b;
+  return std::max_element(
+             m.parts.begin(), m.parts.end(),
+             [](const Mixture::Part& a, const Mixture::Part& b) { return a.share < b.share; })
+      ->entry;
 }
 
 int PixelMixer::wall_of(const Mixture& m) const noexcept {
-  const float t = m.a == m.b ? 1.0f : m.t;
-  float most = 0.0f;
-  int wall = -1;
-  const auto offer = [&](int entry, float share) {
-    if (entry < 0 || share <= most || !is_wall(entry)) return;
-    most = share;
-    wall = entry;
-  };
-  offer(m.a, m.opaque * t);
-  offer(m.b, m.opaque * (1.0f - t));
-  offer(transparent_, 1.0f - m.opaque);
-  return wall;
+  Mixture::Part most;
+  for (const Mixture::Part& part : m.parts) {
+    if (part.entry >= 0 && is_wall(part.entry) && part.share > most.share) most = part;
+  }
+  return most.entry;
 }
 
 }  // namespace handrail

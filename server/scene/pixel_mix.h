@@ -9,12 +9,21 @@
 
 namespace handrail {
 
-// Shares of two palette entries (and of the transparent one) that make up a pixel.
+// Shares of palette entries that make up a pixel.
 struct Mixture {
-  int a = 0, b = 0;     // entries, `a` of share t and `b` of the rest
-  float t = 1.0f;       // of the opaque part
-  float opaque = 1.0f;  // share not transparent
-  float error = 1e9f;   // largest difference of a channel, of 1
+  struct Part {
+    int entry = -1;      // -1: none
+    float share = 0.0f;  // of the pixel; together 1
+  };
+  std::array<Part, 3> parts{};
+  float error = 1e9f;  // largest difference of a channel, of 1
+
+  // What the pixel has of an entry.
+  float share_of(int entry) const noexcept {
+    float out = 0.0f;
+    for (const Part& part : parts) out += part.entry == entry ? part.share : 0.0f;
+    return out;
+  }
 };
 
 // Tells palette colours and their mixtures. Coded values; thread-safe after construction.
@@ -30,6 +39,9 @@ class PixelMixer {
   // The pixel as a mixture of the entries in `near` that is nearest to it. Two entries are tried
   // pairwise; the transparent one mixes through alpha only.
   Mixture mixture_of(const std::uint8_t* rgba, const int* near, int count) const noexcept;
+  // The same of two or three of these, for an opaque pixel. Three are tried where their colours
+  // span a triangle: then a colour off by kTolerance moves no share by more than an eighth.
+  Mixture meeting_of(const std::uint8_t* rgba, const int* near, int count) const noexcept;
   // The same of an entry in `near` and this one, of which one is wall and one is not: what there is
   // to see of a strip too thin for a pixel of its own colour.
   Mixture strip_of(const std::uint8_t* rgba, const int* near, int count, int entry) const noexcept;
@@ -52,6 +64,11 @@ class PixelMixer {
     float t = 0.0f, error = 0.0f;
   };
   Fit fit(const Colour& coded, const Colour& mixed, int a, int b) const noexcept;
+  float largest_difference(const Colour& coded, const Colour& mixed) const noexcept;
+  // Of three entries; an error above 1 where the colour lies outside their triangle, or there is
+  // hardly one.
+  Mixture triangle(const Colour& coded, const Colour& mixed,
+                   const std::array<int, 3>& of) const noexcept;
   float mixing(float coded) const noexcept { return linear_ ? light_of(coded) : coded; }
 
   bool linear_ = false;

@@ -155,16 +155,16 @@ TEST(Coverage, CountsWhatIsNotInThePalette) {
       "by 120/255; is it blurred, or a speck?");
 }
 
-TEST(Coverage, SaysWhatToDoWhereThreeColoursMeet) {
+TEST(Coverage, RefusesOtherColoursWhereThreeMeetAndSaysWhatToDo) {
   const auto image = image_of([](int x, int y) {
     if (x == 50 && y == 50) return Colour{144, 112, 112, 255};
     return y > 50 ? kInk : x <= 50 ? kPaper : kLane;
   });
   EXPECT_EQ(error_of(image, rules()),
-            "pixel (50, 50) of colour #907070 is neither in the palette nor a mixture of two of "
-            "its colours around it ('paper', 'ink', 'lane'); nearest is #7d7f79, 45 % 'paper' and "
-            "55 % 'ink', off by 18.6/255; where three meet, let two of them meet along whole "
-            "pixels");
+            "pixel (50, 50) of colour #907070 is neither in the palette nor a mixture of two or "
+            "three of its colours around it ('paper', 'ink', 'lane'); nearest is #7d7f79, 45 % "
+            "'paper' and 55 % 'ink', off by 18.6/255; where three meet, let edges cross at 20 deg "
+            "or more, and let one colour reach under the other");
 }
 
 TEST(Coverage, RefusesAMixtureFarFromItsColours) {
