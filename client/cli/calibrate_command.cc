@@ -91,8 +91,7 @@ std::string advice(PayloadSampler::State state, const PayloadSampler& sampler, b
     case PayloadSampler::State::kMoving:
       return text_of(
           "does not count: moved by %.1f mm and %.1f deg, expected at most %.0f mm and %.1f deg "
-          "for "
-          "%.0f s; clutch in when the hand cannot",
+          "for %.0f s; clutch in when the hand cannot",
           sampler.moved() / kMm, sampler.moved_turn() / kDeg, PayloadSampler::kStill / kMm,
           PayloadSampler::kStillTurn / kDeg, PayloadSampler::kStand);
     default:
@@ -115,7 +114,7 @@ ExitCode watch(const Options& options, const Console& console, std::size_t wante
     const Result<pb::Reply> reply = client.call(request, kPatience);
     if (interrupted() || !console.err) {
       progress.line(text_of("stopped after %zu of %zu orientations", out.size(), wanted));
-      return kExitRefused;
+      return kExitInterrupted;
     }
     if (const ExitCode code = exit_code(reply); code != kExitDone) {
       progress.line("handrail: " +

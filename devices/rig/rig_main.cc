@@ -7,6 +7,7 @@
 #include "devices/rig/rig_options_io.h"
 #include "devices/rig/rig_server.h"
 #include "proto/config.pb.h"
+#include "server/base/output.h"
 #include "server/base/realtime.h"
 #include "server/daemon/daemon_args.h"
 #include "server/daemon/daemon_log.h"
@@ -40,7 +41,7 @@ int main(int argc, char** argv) {
   }
   if (args->check) {
     std::puts("configuration ok");
-    return 0;
+    return handrail::end_output("handrail-rig", 0);
   }
   // Standard output carries only the READY line.
   const handrail::DaemonLog log("handrail-rig");

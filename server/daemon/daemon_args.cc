@@ -3,6 +3,8 @@
 #include <cstdio>
 #include <string_view>
 
+#include "server/base/output.h"
+
 namespace handrail {
 namespace {
 
@@ -62,11 +64,11 @@ std::optional<int> answer_at_once(const Result<DaemonArgs>& args, const std::str
   }
   if (args->help) {
     std::fputs(daemon_help(program, what_it_does).c_str(), stdout);
-    return 0;
+    return end_output(program, 0);
   }
   if (args->version) {
     std::printf("%s %s\n", program.c_str(), HANDRAIL_VERSION);
-    return 0;
+    return end_output(program, 0);
   }
   return std::nullopt;
 }

@@ -24,8 +24,9 @@ Result<DaemonArgs> parse_daemon_args(int argc, const char* const* argv);
 // The text for --help: `program` in one line with `what_it_does` (a sentence), then the options.
 std::string daemon_help(const std::string& program, const std::string& what_it_does);
 
-// What every daemon does before its work: prints --help or --version and returns 0, prints what is
-// wrong with the arguments and returns 2, or returns nothing: go on.
+// What every daemon does before its work: prints --help or --version and returns 0, or 1 where the
+// standard output takes no more; prints what is wrong with the arguments and returns 2; or returns
+// nothing: go on.
 std::optional<int> answer_at_once(const Result<DaemonArgs>& args, const std::string& program,
                                   const std::string& what_it_does);
 

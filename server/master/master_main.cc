@@ -14,6 +14,7 @@
 #include "devices/registry.h"
 #include "proto/config.pb.h"
 #include "server/base/clock.h"
+#include "server/base/output.h"
 #include "server/base/realtime.h"
 #include "server/base/units.h"
 #include "server/daemon/daemon_args.h"
@@ -172,7 +173,7 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
   const HapticSettings settings = settings_of(*scene);
   if (check_only) {
     std::puts("configuration ok");
-    return 0;
+    return end_output("handrail-master", 0);
   }
 
   ServiceSocket notice;

@@ -3,35 +3,79 @@
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/util/json_util.h>
 
-#include <set>
+#include <algorithm>
 
 namespace handrail {
 namespace {
 
-using Names = std::set<std::string>;
+using google::protobuf::Descriptor;
+using google::protobuf::FieldDescriptor;
 
-// Of all fields in it, at any depth, that count in 64 bits.
-void add_counters(const google::protobuf::Descriptor& type, Names& seen, Names& names) {
-  if (!seen.insert(type.full_name()).second) return;
-  for (int i = 0; i < type.field_count(); ++i) {
-    const google::protobuf::FieldDescriptor& field = *type.field(i);
-    if (field.type() == google::protobuf::FieldDescriptor::TYPE_UINT64) names.insert(field.name());
-    if (field.message_type() != nullptr) add_counters(*field.message_type(), seen, names);
+// Takes the quotes off the 64-bit counters in what protobuf printed of a message. It goes by the
+// types: a text in a field of the same name stays one.
+class CountersAsNumbers {
+ public:
+  CountersAsNumbers(const std::string& json, const Descriptor& type) : json_(json) {
+    value(&type, false);
   }
-}
+  const std::string& text() const { return out_; }
 
-// "name": "12" becomes "name": 12. Within a text quotes are escaped: there is no other such place.
-void unquote(const std::string& name, std::string& json) {
-  const std::string key = '"' + name + "\":";
-  for (std::size_t at = 0; (at = json.find(key, at)) != std::string::npos;) {
-    at += key.size();
-    const std::size_t open = json.find_first_not_of(' ', at);
-    if (open == std::string::npos || json[open] != '"') continue;
-    const std::size_t close = json.find('"', open + 1);
-    if (close == std::string::npos) return;
-    json.erase(close, 1).erase(open, 1);
+ private:
+  bool ended() const { return at_ >= json_.size(); }
+  void copy() { out_ += json_[at_++]; }
+  // Copies up to the next of these; false at the end.
+  bool copy_to(const char* stops) {
+    const std::size_t stop = std::min(json_.find_first_of(stops, at_), json_.size());
+    out_.append(json_, at_, stop - at_);
+    at_ = stop;
+    return !ended();
   }
-}
+  // What stands between quotes, which are left out.
+  std::string quoted() {
+    const std::size_t first = ++at_;
+    while (!ended() && json_[at_] != '"') at_ += json_[at_] == '\\' ? 2 : 1;
+    std::string out = json_.substr(first, at_ - first);
+    ++at_;
+    return out;
+  }
+  // An object of this type, if it is one, a list, or a single value. It begins at the next sign
+  // that is no blank.
+  void value(const Descriptor* type, bool counter) {
+    while (!ended() && (json_[at_] == ' ' || json_[at_] == '\n')) copy();
+    if (ended()) return;
+    if (json_[at_] == '"') {
+      const std::string text = quoted();
+      out_ += counter ? text : '"' + text + '"';
+    } else if (json_[at_] == '{') {
+      copy();
+      while (copy_to("\"}") && json_[at_] == '"') member(type);
+      if (!ended()) copy();
+    } else if (json_[at_] == '[') {
+      copy();
+      while (!ended() && json_[at_] != ']') {
+        value(type, counter);
+        copy_to(",]");
+        if (!ended() && json_[at_] == ',') copy();
+      }
+      if (!ended()) copy();
+    } else {
+      copy_to(",]} \n");
+    }
+  }
+  void member(const Descriptor* type) {
+    const std::string name = quoted();
+    out_ += '"' + name + '"';
+    if (copy_to(":")) copy();
+    const FieldDescriptor* field = type == nullptr ? nullptr : type->FindFieldByName(name);
+    value(field == nullptr ? nullptr : field->message_type(),
+          field != nullptr && field->type() == FieldDescriptor::TYPE_UINT64);
+    copy_to(",}");
+  }
+
+  const std::string& json_;
+  std::size_t at_ = 0;
+  std::string out_;
+};
 
 std::string to_json(const google::protobuf::Message& message, bool pretty, bool unset) {
   google::protobuf::util::JsonPrintOptions options;
@@ -42,10 +86,7 @@ std::string to_json(const google::protobuf::Message& message, bool pretty, bool 
   const auto status = google::protobuf::util::MessageToJsonString(message, &out, options);
   if (!status.ok()) return "{}";
   while (!out.empty() && out.back() == '\n') out.pop_back();
-  Names seen, counters;
-  add_counters(*message.GetDescriptor(), seen, counters);
-  for (const std::string& name : counters) unquote(name, out);
-  return out;
+  return CountersAsNumbers(out, *message.GetDescriptor()).text();
 }
 
 }  // namespace

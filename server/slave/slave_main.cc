@@ -12,6 +12,7 @@
 #include "devices/melfa/melfa_robot.h"
 #include "devices/net_ft/net_ft_sensor.h"
 #include "proto/config.pb.h"
+#include "server/base/output.h"
 #include "server/base/pacer.h"
 #include "server/base/realtime.h"
 #include "server/daemon/daemon_args.h"
@@ -120,7 +121,7 @@ int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
     std::puts("configuration ok");
     if (!sensor_says.empty()) std::puts(sensor_says.c_str());
     std::puts(kNoStopCircuit);
-    return 0;
+    return end_output("handrail-slave", 0);
   }
 
   if (!sensor_says.empty()) spdlog::info("{}", sensor_says);

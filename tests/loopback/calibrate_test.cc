@@ -73,7 +73,7 @@ TEST_F(CalibrateTest, CtrlCEndsItAndWhatWasGatheredIsKept) {
       {"calibrate", "payload", "--socket", socket(), "--out", block, "--record", csv});
   (void)calibrate.after("1 of 6: ");
   calibrate.send(SIGINT);
-  EXPECT_EQ(calibrate.finish(), 1);
+  EXPECT_EQ(calibrate.finish(), 130);
   EXPECT_THAT(calibrate.output(), HasSubstr("stopped after 1 of 6 orientations\nkept in " + csv));
   EXPECT_TRUE(std::filesystem::exists(csv));
   EXPECT_FALSE(std::filesystem::exists(block));

@@ -91,7 +91,21 @@ TEST_F(LabFaults, CtrlCEndsItCleanlyAndSaysHowToGoOn) {
   EXPECT_THAT(lab.output(), HasSubstr("of 6000 runs; the same command goes on from " + results));
   EXPECT_EQ(text(results).back(), '\n');
   EXPECT_FALSE(std::filesystem::exists(folder.path() + "/table.txt"));
-  EXPECT_FALSE(std::filesystem::exists(folder.path() + "/table.txt.new"));
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
+    EXPECT_THAT(entry.path().filename().string(), Not(StartsWith("table.txt")));
+  }
+}
+
+// S2b is one run of a simulated hour, of which nothing is kept.
+TEST_F(LabFaults, CtrlCIsAnsweredInTwoSecondsInTheMiddleOfALongRun) {
+  Program lab(folder, "handrail-lab", words({"--row", "S2b"}));
+  sleep_until(monotonic_now() + 500 * kMillisecond);
+  ASSERT_TRUE(lab.running()) << lab.output();
+  const Nanos sent = monotonic_now();
+  lab.send(SIGINT);
+  EXPECT_EQ(lab.finish(), 130);
+  EXPECT_LT(monotonic_now() - sent, 2 * kSecond);
+  EXPECT_THAT(lab.output(), HasSubstr("stopped after 0 of 1 runs; with --results FILE it could"));
 }
 
 TEST_F(LabFaults, TheTableOfSeveralSeedsIsPrintedAndWritten) {

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "client/cli/interrupt.h"
+#include "server/base/output.h"
 #include "server/lab/console.h"
 #include "tests/storm/crowded.h"
 #include "tests/storm/demos.h"
@@ -191,9 +192,7 @@ int run_crowded(const Arguments& arguments) {
   return figures_of(out.windows).reached() ? handrail::kDone : handrail::kFailed;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     if (std::string(argv[i]) != "--help" && std::string(argv[i]) != "-h") continue;
     std::fputs(kUsage, stdout);
@@ -259,4 +258,10 @@ int main(int argc, char** argv) {
   }
   std::fputs((arguments.json ? to_json(all) : for_people(all)).c_str(), stdout);
   return all.red.empty() ? handrail::kDone : handrail::kFailed;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return handrail::end_output("handrail-storm", run(argc, argv));
 }

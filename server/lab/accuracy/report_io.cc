@@ -2,6 +2,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <cstdint>
 
 #include "proto/accuracy.pb.h"
@@ -61,7 +62,15 @@ std::string accuracy_table(const AccuracyRows& rows) {
                        row.cost.median, row.cost.p999, memory_text(row.memory_bytes),
                        row.note.empty() ? "" : "  " + row.note);
   }
-  return out + "* efficient: no other setting has both less RMS error and less cost\n";
+  out += "* efficient: no other setting has both less RMS error and less cost\n";
+  const bool two = std::any_of(rows.begin(), rows.end(),
+                               [](const AccuracyRow& row) { return !row.whole.unit.empty(); });
+  if (two) {
+    out +=
+        "wall: the error is from the true surface; 'handrail scene resolve' goes by the one from "
+        "the exact proxy,\nwhich counts what the proxy stays behind along the wall, too\n";
+  }
+  return out;
 }
 
 std::string explanation_json(const Explanation& explanation) {

@@ -95,9 +95,14 @@ std::string wish_text(const AccuracyWish& wish) {
 }
 
 std::string figures_of(const AccuracyRow& row) {
-  return fmt::format(
-      "{}, {}: the proxy off by {:.3g} um RMS, {:.3g} um at worst, {:.0f} ns an update", row.method,
-      row.setting, row.whole_error().rms, row.whole_error().worst, row.cost.median);
+  const auto off = [](const AccuracyRow::Error& error) {
+    return fmt::format("{:.3g} um RMS, {:.3g} um at worst", error.rms, error.worst);
+  };
+  const bool two = !row.whole.unit.empty();
+  return fmt::format("{}, {}: the proxy off by {}{}, {:.0f} ns an update", row.method, row.setting,
+                     off(row.whole_error()),
+                     two ? " from the exact one, " + off(row.error) + " from the surface" : "",
+                     row.cost.median);
 }
 
 // The row that comes nearest to the wish.
@@ -109,9 +114,8 @@ const AccuracyRow& nearest(const AccuracyRows& rows, const AccuracyWish& wish) {
       });
 }
 
-// Checks the name, moves the image's path to where the copy stands, and writes.
-Status write_copy(pb::Scene scene, const std::string& from, const std::string& why,
-                  const std::string& out) {
+// Whether a copy of `from` may be written there: a new file with a scene's name.
+Status check_place(const std::string& from, const std::string& out) {
   namespace fs = std::filesystem;
   const fs::path path(out);
   if (path.extension() != kSceneExtension || !is_scene_name(path.stem().string())) {
@@ -121,6 +125,19 @@ Status write_copy(pb::Scene scene, const std::string& from, const std::string& w
   if (fs::equivalent(path, from, error)) {
     return Status::error(out + ": is the scene itself, expected another file");
   }
+  // A link that leads nowhere, too.
+  if (fs::exists(fs::symlink_status(path, error))) {
+    return Status::error(out +
+                         ": is there already, expected a new file; remove it or name another");
+  }
+  return Status::ok();
+}
+
+// Moves the image's path to where the copy stands, and writes.
+Status write_copy(pb::Scene scene, const std::string& from, const std::string& why,
+                  const std::string& out) {
+  namespace fs = std::filesystem;
+  const fs::path path(out);
   scene.set_name(path.stem().string());
   if (scene.has_walls() && scene.walls().has_image()) {
     const fs::path image =
@@ -180,6 +197,8 @@ Result<Resolved> resolve_scene(const std::string& scene_file, const AccuracyWish
   pb::Scene raw;
   const Result<Scene> scene = load_scene_file(scene_file, &raw);
   if (!scene) return scene.status();
+  // Before measuring, which takes a while.
+  if (Status s = check_place(scene_file, out); !s) return s;
   Resolved resolved;
   resolved.rows = rows_for(*scene, cancelled);
   if (cancelled) return Status::error("cancelled");

@@ -33,7 +33,8 @@ struct Resolved {
 // Measures what `scene` can choose between: with a painted map, at its own pixel, method and search
 // radius; with drawn walls the exact method alone; without walls how the proxy on tools is found.
 // Then writes the copy, named after the file, whose image is found from where it stands. Nothing is
-// written when no setting meets the wish: the error says the best there is.
+// written when no setting meets the wish: the error says the best there is. A file that is there
+// already is an error and stays as it is.
 Result<Resolved> resolve_scene(const std::string& scene_file, const AccuracyWish& wish,
                                const std::string& out, const std::atomic<bool>& cancelled);
 

@@ -46,7 +46,7 @@ int run_bumper_command(const BumperCommand& command, const std::atomic<bool>& ca
                                   done));
       };
       maps.push_back(run_bumper_map(options));
-      if (maps.back().cells.empty()) return kCancelled;
+      if (maps.back().cells.empty()) return complain(Status::error("cancelled"), kCancelled);
       kept = kept && (published || keeps_all(maps.back()));
     }
   }

@@ -3,10 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
-#include <cstdlib>
-#include <future>
 #include <mutex>
 #include <optional>
 
@@ -27,17 +24,16 @@ bool is_named(const std::string& id, const std::string& name) {
 }
 
 int prove(const FaultCommand& command, std::uint64_t seed, const std::atomic<bool>& cancelled) {
-  const auto results = prove_faults(seed, command.threads, cancelled);
-  if (cancelled) return complain(Status::error("cancelled"), kCancelled);
+  const auto stopped = [] { return complain(Status::error("cancelled"), kCancelled); };
+  // A proof counts runs alone: one cut short is nothing to keep.
+  const auto results = run_until_cancelled(
+      [&] { return prove_faults(seed, command.threads, cancelled); }, cancelled, stopped);
+  if (cancelled) return stopped();
   std::fputs((command.json ? proof_json(results) : proof_table(results)).c_str(), stdout);
   const bool all =
       std::all_of(results.begin(), results.end(), [](const ProofResult& r) { return r.proven(); });
   return all ? kDone : kFailed;
 }
-
-// From Ctrl-C on the runs under way have a second to end: twenty looks.
-constexpr auto kLook = std::chrono::milliseconds(50);
-constexpr int kPatience = 20;
 
 // A line on the terminal that is written over; on several seeds also one for each that is done.
 class FaultConsole {
@@ -84,21 +80,21 @@ int run_rows(const FaultCommand& command, const FaultRuns& what,
                                           : "; with --results FILE it could go on")),
         kCancelled);
   };
-  auto work = std::async(std::launch::async, [&] {
-    return run_faults(what, cancelled, journal ? &*journal : nullptr,
-                      [&](const FaultProgress& now) {
-                        const std::lock_guard lock(guarded);
-                        console->show(last = now);
-                      });
-  });
   // Some runs take a minute. The journal has every one that has ended, so nobody waits for them.
-  for (int left = kPatience; work.wait_for(kLook) != std::future_status::ready;) {
-    if (!cancelled || --left > 0) continue;
-    const std::lock_guard lock(guarded);
-    file.reset();
-    std::_Exit(stopped());
-  }
-  const Result<std::vector<FaultResult>> run = work.get();
+  const Result<std::vector<FaultResult>> run = run_until_cancelled(
+      [&] {
+        return run_faults(what, cancelled, journal ? &*journal : nullptr,
+                          [&](const FaultProgress& now) {
+                            const std::lock_guard lock(guarded);
+                            console->show(last = now);
+                          });
+      },
+      cancelled,
+      [&] {
+        const std::lock_guard lock(guarded);
+        file.reset();
+        return stopped();
+      });
   if (cancelled) return stopped();
   console.reset();
   if (!run) return complain(run.status(), kUsage);

@@ -53,6 +53,7 @@ Result<std::vector<FaultResult>> run_faults(
   std::vector<std::size_t> left(what.seeds.size(), jobs.size() / what.seeds.size());
   std::vector<std::uint64_t> of_seed(what.seeds.size(), 0);
   std::atomic<bool> ends = false;
+  if (progress) progress(now);
   run_parallel(
       jobs.size(), what.threads,
       [&](std::size_t i) {

@@ -20,7 +20,7 @@ struct FaultRuns {
   int threads = 0;     // 0: one a core; results do not depend on it
 };
 
-// Where the runs stand. Called by one thread at a time.
+// Where the runs stand. Called before the first, and then by one thread at a time.
 struct FaultProgress {
   std::size_t runs = 0;
   std::size_t of = 0;

@@ -61,14 +61,19 @@ int run_fit(const FitCommand& command, const FitJob& job, const std::atomic<bool
   options.evaluations = command.evaluations;
   options.cancelled = &cancelled;
   Progress progress;
+  const auto of_bound = [&](int tried) {
+    return "fit: " + std::to_string(tried) + " of at most " + std::to_string(command.evaluations) +
+           " candidates";
+  };
+  progress.show(of_bound(0));
   options.progress = [&](int evaluation, double misfit) {
-    char text[96];
-    std::snprintf(text, sizeof text, "fit: candidate %d, misfit %.3f", evaluation, misfit);
-    progress.show(text);
+    char text[32];
+    std::snprintf(text, sizeof text, ", misfit %.3f", misfit);
+    progress.show(of_bound(evaluation) + text);
   };
   const auto fit = job.fit(*setup, options);
-  if (!fit) return complain(fit.status(), cancelled ? kCancelled : kFailed);
   progress.clear();
+  if (!fit) return complain(fit.status(), cancelled ? kCancelled : kFailed);
 
   std::printf("%d candidates, %d operators, seed %u; mode %s alone\n", fit->evaluations,
               command.operators, command.seed, job.mode);

@@ -103,6 +103,7 @@ int run_study_command(const StudyCommand& command, const StudyJob<Study>& job,
                     std::to_string(command.operators) + " operators");
     };
     Result<Study> result = job.run(run.setup, plan);
+    progress.clear();
     if (!result) return complain(result.status(), cancelled ? kCancelled : kFailed);
     simulated += result->simulated_time;
     if (as_it_is) {
@@ -111,7 +112,6 @@ int run_study_command(const StudyCommand& command, const StudyJob<Study>& job,
       varied.push_back({run.setting, std::move(*result)});
     }
   }
-  progress.clear();
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - started;
   if (!command.json) {
     std::fprintf(stderr, "%.0f s of trials in %.1f s: %.0f times as fast as real time\n", simulated,

@@ -1,9 +1,13 @@
 // What is said, drawn and chosen for scenes.
 #include <gmock/gmock.h>
 
+#include <filesystem>
+#include <fstream>
+
 #include "server/lab/accuracy/canvas.h"
 #include "server/lab/accuracy/explain.h"
 #include "server/lab/accuracy/preview.h"
+#include "server/lab/accuracy/report_io.h"
 #include "server/lab/accuracy/resolve_io.h"
 #include "server/lab/accuracy/view.h"
 #include "server/scene/png_io.h"
@@ -212,12 +216,12 @@ TEST(ResolveScene, WritesSearchRadiusAndMethodWhenTimeIsDear) {
 
 TEST(ResolveScene, MeasuresNoLargerMapsForVeryFineOrCoarsePixels) {
   const TempFolder folder;
-  const std::string out = folder.path() + "/copy.scene";
+  const std::string out = folder.path() + "/copy.scene", other = folder.path() + "/other.scene";
   const auto coarse = resolve_scene(painted(folder, "1600, 800"), {1e6, 0.0}, out, kGoOn);
   ASSERT_TRUE(coarse) << coarse.message();
   const auto fine = resolve_scene(painted(folder, "0.001e3, 0.5e0"), {1e6, 0.0}, out, kGoOn);
   EXPECT_THAT(fine.message(), HasSubstr("size_mm"));  // at least 1 mm
-  const auto least = resolve_scene(painted(folder, "2, 1"), {1e6, 0.0}, out, kGoOn);
+  const auto least = resolve_scene(painted(folder, "2, 1"), {1e6, 0.0}, other, kGoOn);
   ASSERT_TRUE(least) << least.message();
   EXPECT_THAT(coarse->rows[1].setting, HasSubstr("pixel 4 mm, radius 1.5 px"));
   EXPECT_THAT(least->rows[1].setting, HasSubstr("pixel 0.005 mm, radius 1.5 px"));
@@ -229,13 +233,13 @@ TEST(ResolveScene, MeasuresNoLargerMapsForVeryFineOrCoarsePixels) {
 
 TEST(ResolveScene, KeepsDrawnWallsExactAndToolsInClosedForm) {
   const TempFolder folder;
-  const std::string out = folder.path() + "/copy.scene";
+  const std::string out = folder.path() + "/copy.scene", other = folder.path() + "/other.scene";
   ASSERT_TRUE(resolve_scene(folder.write("aisle.scene", kAisle), {1.0, 0.0}, out, kGoOn));
   EXPECT_EQ(load_scene_file(out)->walls->method, WallMethod::kExact);
   const auto linear = SceneLibrary().find("published");
   ASSERT_TRUE(linear);
-  ASSERT_TRUE(resolve_scene(*linear, {1.0, 0.0}, out, kGoOn));
-  EXPECT_FALSE(load_scene_file(out)->guidance.published_method);
+  ASSERT_TRUE(resolve_scene(*linear, {1.0, 0.0}, other, kGoOn));
+  EXPECT_FALSE(load_scene_file(other)->guidance.published_method);
 }
 
 TEST(ResolveScene, SaysWhatIsNearestWhenNothingMeetsTheWish) {
@@ -244,6 +248,39 @@ TEST(ResolveScene, SaysWhatIsNearestWhenNothingMeetsTheWish) {
   const auto none = resolve_scene(folder.write("aisle.scene", kAisle), {0.0, 1e-3}, out, kGoOn);
   EXPECT_THAT(none.message(), HasSubstr("nearest is exact"));
   EXPECT_FALSE(std::ifstream(out).good());
+}
+
+TEST(ResolveScene, SaysBothErrorsAndWhatTheyAreFrom) {
+  const TempFolder folder;
+  const auto made = resolve_scene(painted(folder), {1e4, 0.0}, folder.path() + "/a.scene", kGoOn);
+  ASSERT_TRUE(made) << made.message();
+  const AccuracyRow& row = made->rows[static_cast<std::size_t>(made->chosen)];
+  char both[200];
+  std::snprintf(both, sizeof both,
+                "off by %.3g um RMS, %.3g um at worst from the exact one, %.3g um RMS, %.3g um at "
+                "worst from the surface",
+                row.whole.rms, row.whole.worst, row.error.rms, row.error.worst);
+  EXPECT_THAT(made->why, HasSubstr(both));
+  EXPECT_THAT(accuracy_table(made->rows), HasSubstr("wall: the error is from the true surface; "));
+  AccuracyRows tools = made->rows;
+  for (AccuracyRow& r : tools) r.whole = {};
+  EXPECT_THAT(accuracy_table(tools), Not(HasSubstr("surface")));
+}
+
+TEST(ResolveScene, OverwritesNothing) {
+  const TempFolder folder;
+  const std::string file = folder.write("aisle.scene", kAisle);
+  const std::string mine = folder.write("mine.scene", "mine");
+  const std::string link = folder.path() + "/link.scene";
+  std::filesystem::create_symlink(folder.path() + "/nowhere.scene", link);
+  for (const std::string& out : {mine, link}) {
+    EXPECT_EQ(resolve_scene(file, {1.0, 0.0}, out, kGoOn).message(),
+              out + ": is there already, expected a new file; remove it or name another");
+  }
+  std::string text;
+  std::ifstream(mine) >> text;
+  EXPECT_EQ(text, "mine");
+  EXPECT_FALSE(std::filesystem::exists(folder.path() + "/nowhere.scene"));
 }
 
 TEST(ResolveScene, RefusesPlacesThatCannotHoldAScene) {

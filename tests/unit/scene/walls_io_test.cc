@@ -205,6 +205,22 @@ TEST_F(PaintedScene, WarnsOfAGuessWhereEdgesAreNotGiven) {
             "walls.image.edges: not given, guessed SRGB, as no pixel lies on an edge");
 }
 
+TEST_F(PaintedScene, WarnsWhereThreeColoursMeetAndNamesThePlace) {
+  png_.pixel = [](int x, int y) {
+    if (x == 60 && y == 60) return test::Pixel{126, 90, 110, 255};
+    return y >= 60  ? test::Pixel{32, 48, 64, 255}
+           : x < 60 ? test::Pixel{240, 224, 192, 255}
+                    : test::Pixel{200, 40, 120, 255};
+  };
+  const Result<Scene> scene = load("region { name: 'lane' kind: AISLE colour: '#c82878' }\n");
+  ASSERT_TRUE(scene.is_ok()) << scene.message();
+  ASSERT_EQ(warnings_of(*scene).size(), 1U);
+  EXPECT_EQ(warnings_of(*scene)[0],
+            "walls.image.file: pixel (60, 60) of colour #7e5a6e is a mixture of colours that meet "
+            "there, 25 % 'paper', 50 % 'ink' and 25 % 'lane': the edge there may be felt off by up "
+            "to a quarter of a pixel");
+}
+
 TEST_F(PaintedScene, SaysWhatIsWrongWithTheImage) {
   const std::string at = "a.scene:3:9: field 'walls.image.file': maps/a.png: ";
   png_.pixel = [](int x, int) {

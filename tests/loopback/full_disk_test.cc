@@ -1,0 +1,172 @@
+// What every program prints, with a full disk under its standard output: half a table or half a
+// JSON is no result, and the exit code says so.
+#include <gmock/gmock.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "client/cli/command.h"
+#include "tests/loopback/whole_cell.h"
+
+namespace handrail {
+namespace {
+
+using ::testing::HasSubstr;
+
+class FullDisk : public WholeCell {
+ protected:
+  void SetUp() override {
+    if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "needs /dev/full";
+  }
+  std::string read(const std::string& path) const {
+    std::ostringstream text;
+    text << std::ifstream(path).rdbuf();
+    return text.str();
+  }
+  // Runs the program with these words; its exit code.
+  int run(const std::string& program, const std::string& words, const std::string& output) const {
+    const std::string line = std::string(HANDRAIL_BIN_DIR) + "/" + program + " " + words + " >" +
+                             output + " 2>" + complaint;
+    const int status = std::system(line.c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  }
+  void expect_told(const std::string& program, const std::string& words) const {
+    EXPECT_EQ(run(program, words, "/dev/full"), 1) << program << " " << words;
+    EXPECT_THAT(read(complaint), HasSubstr(program + ": the standard output cannot be written"))
+        << program << " " << words;
+  }
+  std::string shapes() const {
+    return folder.write("aisle.scene", R"(name: "aisle"
+walls {
+  region { name: "free" kind: FREE }
+  region { name: "wall" kind: WALL }
+  shape { rectangle { size_mm: [60, 10] centre_mm: [0, 0] region: "free" } }
+}
+effect { wall {} }
+)");
+  }
+  // Six turns of a sensor from which half a kilogram hangs.
+  std::string samples() const {
+    std::ostringstream csv;
+    csv << "qw,qx,qy,qz,fx_n,fy_n,fz_n,tx_n_m,ty_n_m,tz_n_m\n";
+    for (int i = 0; i < 6; ++i) {
+      const Quat q(Eigen::AngleAxisd(0.7 * i, Vec3(1.0, 0.3 * i, 0.5).normalized()));
+      const Vec3 f = q.conjugate() * Vec3(0.0, 0.0, -0.5 * 9.80665);
+      csv << q.w() << ',' << q.x() << ',' << q.y() << ',' << q.z() << ',' << f.x() << ',' << f.y()
+          << ',' << f.z() << ",0,0,0\n";
+    }
+    return folder.write("samples.csv", csv.str());
+  }
+  // The words of "Subcommands:" in a help text.
+  std::set<std::string> subcommands(const std::string& help) const {
+    std::set<std::string> out;
+    std::istringstream lines(help.substr(help.find("Subcommands:")));
+    std::string line;
+    std::getline(lines, line);
+    // Two blanks, the name, and its help; what goes on below stands further right.
+    while (std::getline(lines, line)) {
+      if (line.size() > 2 && line[0] == ' ' && line[2] != ' ') {
+        out.insert(line.substr(2, line.find(' ', 2) - 2));
+      }
+    }
+    return out;
+  }
+
+  std::string complaint = folder.path() + "/complaint.txt";
+};
+
+TEST_F(FullDisk, UnderADaemonThatAnswersAtOnce) {
+  for (const char* daemon : {"handrail-master", "handrail-slave", "handrail-rig"}) {
+    for (const char* words : {"--help", "--version", "--check"}) expect_told(daemon, words);
+    EXPECT_EQ(run(daemon, "--check", "/dev/null"), 0) << daemon;
+  }
+}
+
+// Every sub-command that handrail-lab has, in its shortest form.
+TEST_F(FullDisk, UnderEveryCommandOfTheLab) {
+  std::string csv = "t_s,x_mm,y_mm\n";
+  for (int i = 0; i < 100; ++i) csv += std::to_string(i * 0.01) + ",0,0\n";
+  const std::string hand = folder.write("hand.csv", csv);
+  const std::string study = " --operators 1 --trials 1";
+  const std::string fit = " --operators 1 --evaluations 1 --out " + folder.path() + "/a.operators";
+  const std::vector<std::string> commands = {
+      "--help",
+      "hand " + hand,
+      "hand " + hand + " --json",
+      "linear-movement" + study,
+      "linear-movement --json" + study,
+      "screw-fastening" + study,
+      "screw-fastening --json" + study,
+      "fit linear-movement" + fit,
+      "fit screw-fastening" + fit,
+      "accuracy --only haptic_rate",
+      "accuracy --only haptic_rate --json",
+      "scene-explain gearshift",
+      "scene-explain gearshift --json",
+      "scene-preview gearshift --out " + folder.path() + "/a.png",
+      "scene-resolve " + shapes() + " --accuracy 1mm --out " + folder.path() + "/b.scene",
+      "effects gearshift",
+      "effects gearshift --json",
+      "wrench --turns 1 --loosen 0",
+      "wrench --turns 1 --loosen 0 --json",
+      "gearshift",
+      "gearshift --json",
+      "price-check gearshift",
+      "bumper --arm rigid --form default",
+      "bumper --arm rigid --form default --json",
+      "faults --row X9b --quick",
+      "faults --row X9b --quick --json"};
+  std::set<std::string> listed;
+  for (const std::string& words : commands) {
+    expect_told("handrail-lab", words);
+    listed.insert(words.substr(0, words.find(' ')));
+  }
+  ASSERT_EQ(run("handrail-lab", "--help", folder.path() + "/help.txt"), 0);
+  const std::set<std::string> known = subcommands(read(folder.path() + "/help.txt"));
+  EXPECT_GE(known.size(), 10U);
+  for (const std::string& command : known) EXPECT_TRUE(listed.count(command)) << command;
+}
+
+// Every command of handrail that prints JSON, and those that print a table, help or an answer.
+TEST_F(FullDisk, UnderTheOperatorsCommands) {
+  start_master();
+  std::set<std::string> listed;
+  const std::string at = " --socket " + socket();
+  for (const std::string words : {"status", "why", "lease show", "scene list"}) {
+    listed.insert(words);
+    expect_told("handrail", words + at);
+    expect_told("handrail", words + " --json" + at);
+  }
+  for (const std::string words : {"scene show", "scene explain"}) {
+    listed.insert(words);
+    // The lab speaks for itself.
+    const std::string program = words == "scene show" ? "handrail" : "handrail-lab";
+    for (const char* more : {" gearshift", " gearshift --json"}) {
+      EXPECT_EQ(run("handrail", words + more, "/dev/full"), 1) << words << more;
+      EXPECT_THAT(read(complaint), HasSubstr(program + ": the standard output cannot be written"));
+    }
+  }
+  for (const std::string& words :
+       {std::string("--help"), std::string("scene --help"), std::string("scene check gearshift"),
+        "scene preview gearshift --out " + folder.path() + "/a.png",
+        "scene resolve " + shapes() + " --accuracy 1mm --out " + folder.path() + "/b.scene",
+        "stop" + at}) {
+    EXPECT_EQ(run("handrail", words, "/dev/full"), 1) << words;
+    EXPECT_THAT(read(complaint), HasSubstr("the standard output cannot be written")) << words;
+  }
+  for (const char* more : {"", " --json"}) {
+    expect_told("handrail", "calibrate payload --from " + samples() + more);
+  }
+  listed.insert("calibrate payload");
+  listed.insert("demo");  // drives an arm for a minute, and ends as all of them do
+  for (const Command& command : commands()) {
+    if (command.takes.json) EXPECT_TRUE(listed.count(command.name)) << command.name;
+  }
+}
+
+}  // namespace
+}  // namespace handrail
