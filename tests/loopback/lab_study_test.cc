@@ -1,6 +1,11 @@
 // handrail-lab's study of the linear movement, as a program.
+#include <fcntl.h>
 #include <gmock/gmock.h>
+#include <pty.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
 
 #include "tests/loopback/program.h"
@@ -99,6 +104,25 @@ TEST_F(LabStudy, TheFitWritesAPopulationThatReadsBack) {
   Program check(folder, "handrail-lab",
                 {"fit", "linear-movement", "--operators", "1", "--population", out, "--check"});
   EXPECT_EQ(check.finish(), 0) << check.output();
+}
+
+TEST_F(LabStudy, AFitShowsOnATerminalHowFarItIsAndHowFarItMayGo) {
+  int ends[2] = {-1, -1};
+  ASSERT_EQ(::openpty(&ends[0], &ends[1], nullptr, nullptr, nullptr), 0);
+  for (const int end : ends) ::fcntl(end, F_SETFD, FD_CLOEXEC);
+  Program fit(folder, "handrail-lab",
+              {"fit", "linear-movement", "--operators", "1", "--evaluations", "2", "--out",
+               folder.path() + "/fitted.operators"},
+              ends[1]);
+  EXPECT_EQ(fit.finish(), 0) << fit.output();
+  ::fcntl(ends[0], F_SETFL, O_NONBLOCK);
+  std::array<char, 4096> seen{};
+  const ssize_t count = ::read(ends[0], seen.data(), seen.size());
+  const std::string text(seen.data(), static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+  for (const int end : ends) ::close(end);
+  EXPECT_THAT(text, HasSubstr("fit: 0 of at most 2 candidates"));
+  EXPECT_THAT(text, HasSubstr("fit: 2 of at most 2 candidates, misfit "));
+  EXPECT_THAT(fit.output(), Not(HasSubstr("at most")));
 }
 
 }  // namespace
