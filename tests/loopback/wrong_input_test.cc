@@ -50,7 +50,7 @@ TEST_F(WrongInput, CommandLinesOfTheOperator) {
   std::vector<Case> cases = {
       {handrail, {"statsu"}, 2, {"'statsu'", "did you mean 'status'"}},
       {handrail, {"Status"}, 2, {"'Status'", "status"}},
-      {handrail, {"start"}, 2, {"'start'", "status"}},
+      {handrail, {"start"}, 2, {"'start'", "did you mean"}},
       {handrail, {"xyzzy"}, 2, {"'xyzzy'", "there are", "engage", "demo"}},
       {handrail, {}, 2, {"--help"}},
       {handrail, {"tool"}, 2, {"--help"}},
@@ -69,7 +69,10 @@ TEST_F(WrongInput, CommandLinesOfTheOperator) {
       {handrail, {"tool", "line"}, 2, {"--dir"}},
       {handrail, {"tool", "line", "--dir", "w"}, 2, {"--dir", "'w'", "x"}},
       {handrail, {"tool", "line", "--dir", "0,0,0"}, 2, {"direction"}},
-      {handrail, {"tool", "line", "--dir", "x", "--at", "1,2"}, 2, {"--at", "'1,2'", "x,y,z"}},
+      {handrail,
+       {"tool", "line", "--dir", "x", "--at", "1,2"},
+       2,
+       {"--at", "'1,2'", "three numbers in mm"}},
       {handrail, {"tool", "point", "--at", "1,2,nan"}, 2, {"--at", "nan"}},
       {handrail, {"tool", "point", "--at", "10cm,0,0"}, 2, {"--at", "10cm", "mm"}},
       {handrail,
@@ -173,14 +176,24 @@ TEST_F(WrongInput, SceneFilesAndPictures) {
   };
   check("nmae: 'a'", {"nmae", "name"});
   check("name: 'a b'", {"name", "'a b'"});
-  check("limits { tip_speed_mm_s: 1e9 }", {"tip_speed_mm_s", "1e+09"});
+  check("limits { tip_speed_mm_s: 1e9 }", {"tip_speed_mm_s", "1000000000", "mm/s"});
   check("mapping { scale: 0 }", {"scale", "0"});
   check("smoother { form: LENGTH samples: 0 }", {"samples", "0"});
   check("mapping { scale: 2", {});
-  const std::string painted = "simulate { wall { painted { image: '";
-  check(painted + "nowhere.png' width_mm: 60 } } }", {"nowhere.png", "No such file"});
+  const auto painted = [&](const std::string& picture, const std::string& more,
+                           std::vector<std::string> parts) {
+    check("name: '" + std::to_string(number + 1) + "'\nwalls {\n image { file: '" + picture +
+              "' size_mm: [60, 60] }\n region { name: 'room' colour: '#ffffff' kind: FREE }\n" +
+              " region { name: 'wall' colour: " + more + " }\n}\neffect { wall {} }\n",
+          std::move(parts));
+  };
+  const std::string black = "'#000000' kind: WALL stiffness_n_mm: 5";
+  painted("nowhere.png", black, {"nowhere.png", "No such file"});
   file("text.png", "no picture");
-  check(painted + "text.png' width_mm: 60 } } }", {"text.png"});
+  painted("text.png", black, {"text.png", "PNG"});
+  painted("text.png", "'black' kind: WALL", {":5:", "colour", "'black'"});
+  painted("text.png", "'#000000' kind: STONE", {":5:", "kind", "STONE"});
+  painted("text.png", "'#000000' kind: WALL stiffness_n_mm: -5", {":5:", "stiffness_n_mm", "-5"});
 }
 
 TEST_F(WrongInput, States) {
