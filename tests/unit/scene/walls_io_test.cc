@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "server/base/units.h"
 #include "server/scene/scene_io.h"
 #include "tests/unit/scene/painted_scene.h"
@@ -214,11 +216,12 @@ TEST_F(PaintedScene, WarnsWhereThreeColoursMeetAndNamesThePlace) {
   };
   const Result<Scene> scene = load("region { name: 'lane' kind: AISLE colour: '#c82878' }\n");
   ASSERT_TRUE(scene.is_ok()) << scene.message();
-  ASSERT_EQ(warnings_of(*scene).size(), 1U);
-  EXPECT_EQ(warnings_of(*scene)[0],
-            "walls.image.file: pixel (60, 60) of colour #7e5a6e is a mixture of colours that meet "
-            "there, 25 % 'paper', 50 % 'ink' and 25 % 'lane': the edge there may be felt off by up "
-            "to a quarter of a pixel");
+  const std::vector<std::string> warnings = warnings_of(*scene);
+  EXPECT_EQ(std::count(warnings.begin(), warnings.end(),
+                       "walls.image.file: pixel (60, 60) of colour #7e5a6e is a mixture of colours "
+                       "that meet there, 25 % 'paper', 50 % 'ink' and 25 % 'lane': the edge there "
+                       "may be felt off by up to a quarter of a pixel"),
+            1);
 }
 
 TEST_F(PaintedScene, SaysWhatIsWrongWithTheImage) {
