@@ -106,11 +106,17 @@ Moved move_toward(const MotionSettings& settings, const TipSpace& space, const P
   planner.set_goal(goal.p);
   const bool in_reach = reached.joint < 0;
   const double off = (state.X_ST.p - target.p).norm();
-  // A target that moves on may be left as far as it goes itself.
-  const double least =
-      stands ? std::min(off, state.asked->least + (asked.p - state.asked->X.p).norm()) : off;
+  // A target that moves on may be left as far as it goes itself; one out of reach, also as far as
+  // its turn takes along the place in reach.
+  const bool stays = state.asked && kept(Check::kStay) && (stands || !in_reach);
+  double least = off;
+  if (stays) {
+    const Twist way = between(state.asked->X, asked);
+    const double went = way.linear.norm() + (in_reach ? 0.0 : settings.arm.d6 * way.angular.norm());
+    least = std::min(off, state.asked->least + went);
+    planner.stay_near(target.p, least);
+  }
   state.asked = TipTarget{asked, reached.X.p, !in_reach, least};
-  if (stands) planner.stay_near(target.p, least);
   Moved moved{goal.p, beyond_reach(reached), {}};
   if (in_reach && target.p != asked.p) moved.reach = {Reason::kWorkspace, -1};
 

@@ -1,5 +1,7 @@
 #include "server/scene/tool_io.h"
 
+#include <cmath>
+
 #include "server/base/units.h"
 
 namespace handrail {
@@ -65,8 +67,9 @@ Problem check_given(const pb::Tool& t, ToolKind kind) {
 FieldProblem blame(Reason reason, const ToolCall& call) {
   if (reason == Reason::kToolEndBehindStart) return {"end_mm", describe(reason)};
   if (!call.at_present && end_too_far(call, call.p_SA)) {
-    return {"end_mm", number_text((call.p_SE - call.p_SA).norm() / kMm) +
-                          " mm from at_mm, expected less than " + number_text(kFarthest / kMm)};
+    const double tenths = std::round((call.p_SE - call.p_SA).norm() / kMm * 10.0);
+    return {"end_mm", number_text(tenths / 10.0) + " mm from at_mm, expected less than " +
+                          number_text(kFarthest / kMm)};
   }
   if (reason != Reason::kToolDirectionZero) return {"kind", describe(reason)};
   if (call.kind == ToolKind::kFRotation) return {"axis", describe(reason)};

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <memory>
 #include <sstream>
 
 #include "server/scene/json_io.h"
@@ -21,7 +22,7 @@ walls {
 }
 effect { wall {} }
 effect { viscous {} }
-effect { detent { at_mm: [3, 0] radius_mm: 2 peak_n: 4 } }
+effect { detent { place { name: "1" at_mm: [3, 0] } radius_mm: 2 peak_n: 4 } }
 )";
 
 struct Shown {
@@ -65,7 +66,9 @@ TEST(SceneView, NamesEachMethodThatAMapMayHave) {
                                                         {WallMethod::kSubpixel, "SUBPIXEL"},
                                                         {WallMethod::kPublished, "PUBLISHED"}};
   for (const auto& [method, name] : methods) {
-    s.scene.walls->method = method;
+    auto walls = std::make_shared<Walls>(*s.scene.walls);
+    walls->method = method;
+    s.scene.walls = walls;
     EXPECT_EQ(value_of(scene_text(as_used(s.raw, s.scene)), "walls.method"), name);
   }
 }

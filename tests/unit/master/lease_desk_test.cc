@@ -152,6 +152,7 @@ TEST_F(LeaseDeskTest, AnEngageThatAnotherOneReplacesKeepsTheLease) {
   tick();
   const Answer first = ask("as: 'anna' engage: true");
   loop();
+  stand(SessionState::kAligning, Desired::kEngaged);
   const Answer second = ask("as: 'anna' engage: true");
   tick();
   loop();

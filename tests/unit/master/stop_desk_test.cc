@@ -29,7 +29,7 @@ TEST_F(StopDeskTest, AStopComesBeforeAllThatTheLoopHasNotGot) {
 
 // What was ordered in between must not have the last word.
 TEST_F(StopDeskTest, AStopAfterOtherOrdersIsOneOfItsOwn) {
-  const Answer first = ask("stop: true"), engage = ask("engage: true");
+  const Answer first = ask("stop: true"), clutch = ask("clutch: true");
   const Answer second = ask("stop: true");
   loop();
   tick();
