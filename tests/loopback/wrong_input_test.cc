@@ -114,7 +114,10 @@ TEST_F(WrongInput, CommandLinesOfTheLab) {
       {lab, {"screw"}, 2, {"'screw'", "did you mean 'screw-fastening'"}},
       {lab, {"hand", "/nowhere/hand.csv"}, 2, {"/nowhere/hand.csv", "No such file"}},
       {lab, {"hand", file("a.csv", "t,x\n")}, 2, {"a.csv:1", "t_s,x_mm,y_mm"}},
-      {lab, {"hand", file("b.csv", "t_s,x_mm,y_mm\n0,0,0\n1,a,0\n")}, 2, {"b.csv:3", "'a'"}},
+      {lab,
+       {"hand", file("b.csv", "t_s,x_mm,y_mm\n0,0,0\n1,a,0\n")},
+       2,
+       {"b.csv:3", "x_mm is \"a\""}},
       {lab, {"hand", file("c.csv", "t_s,x_mm,y_mm\n0,0,0\n0,1,0\n")}, 2, {"c.csv:3"}},
       {lab, {"hand", file("d.csv", "")}, 2, {"d.csv:1"}},
   });

@@ -76,14 +76,14 @@ TEST(SceneView, NamesEachMethodThatAMapMayHave) {
 TEST(SceneView, ASceneWithoutWallsGetsNone) {
   const Shown s = shown("name: 'a'\n");
   EXPECT_FALSE(as_used(s.raw, s.scene).has_walls());
-  EXPECT_THAT(scene_text(as_used(s.raw, s.scene)), Not(HasSubstr("walls")));
+  EXPECT_THAT(scene_text(as_used(s.raw, s.scene)), Not(HasSubstr("walls.region")));
 }
 
 TEST(SceneView, ListsEveryEffectAlsoThoseThatSayNothingMore) {
   const Shown s = shown(kShapes);
   const std::string text = scene_text(as_used(s.raw, s.scene));
   EXPECT_THAT(text, HasSubstr("\neffect[0].wall\n"));
-  EXPECT_THAT(text, HasSubstr("\neffect[1].viscous\n"));
+  EXPECT_THAT(text, HasSubstr("\neffect[1].viscous.coupling_n_mm "));
   EXPECT_EQ(value_of(text, "effect[2].detent.radius_mm"), "2 mm");
   EXPECT_THAT(text, Not(HasSubstr("effect[3]")));
   EXPECT_THAT(text, Not(HasSubstr("device_friction")));
