@@ -188,6 +188,10 @@ TEST_F(GarbageTest, OnTheLinkNoOldSessionComesBack) {
   client.close();
   master_through_relay();
   ASSERT_TRUE(eventually(fresh));
+  // The slave keeps to the old session until that has been silent for long enough.
+  order("engage: true");
+  ASSERT_TRUE(slave_reaches("engaged"));
+  order("disengage: true");
   for (int i = 0; i < 20; ++i) say_to_slave(Reject::kSessionRetired, old_master);
   slave->send(SIGSTOP);
   sleep_until(monotonic_now() + 50 * kMillisecond);
