@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <string>
 
+#include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 
 #include "devices/rig/rig_options_io.h"
@@ -10,11 +11,13 @@
 #include "server/base/realtime.h"
 #include "server/daemon/daemon_args.h"
 #include "server/daemon/daemon_log.h"
+#include "server/daemon/run_daemon.h"
 #include "server/scene/config_io.h"
 
 namespace {
 
 constexpr int kBadInput = 2;
+constexpr int kPriority = 75;  // between the daemons' control and IO threads
 
 const char kWhat[] =
     "A simulated laboratory: an RV-2A behind a CR1-571 that speaks real-time external control, and "
@@ -27,18 +30,17 @@ int fail(const std::string& message) {
   return kBadInput;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  const auto args = handrail::parse_daemon_args(argc, argv);
-  if (const auto code = handrail::answer_at_once(args, "handrail-rig", kWhat)) return *code;
-  handrail::pb::RigConfig config;
+int run(int argc, char** argv) {
+  using namespace handrail;
+  const auto args = parse_daemon_args(argc, argv);
+  if (const auto code = answer_at_once(args, "handrail-rig", kWhat)) return *code;
+  pb::RigConfig config;
   if (!args->config_path.empty()) {
-    const auto loaded = handrail::load_rig_config(args->config_path);
+    const auto loaded = load_rig_config(args->config_path);
     if (!loaded) return fail(loaded.message());
     config = *loaded;
   }
-  const auto options = handrail::rig_options(config);
+  const auto options = rig_options(config);
   if (!options) {
     return fail((args->config_path.empty() ? "" : args->config_path + ": ") + options.message());
   }
@@ -47,21 +49,27 @@ int main(int argc, char** argv) {
     return 0;
   }
   // Standard output carries only the READY line.
-  const handrail::DaemonLog log("handrail-rig");
-  handrail::RigServer server(*options);
+  const DaemonLog log("handrail-rig", kPriority);
+  Announcement ready;
+  RigServer server(*options);
   const auto port = [](std::uint32_t value) { return static_cast<std::uint16_t>(value); };
-  const handrail::Status opened =
+  const Status opened =
       server.open(config.address(), port(config.robot_port()), port(config.sensor_port()));
   if (!opened) return fail(opened.message());
   if (config.has_tap()) {
-    if (const handrail::Status tap = server.open_tap(config.tap()); !tap)
-      return fail(tap.message());
+    if (const Status tap = server.open_tap(config.tap()); !tap) return fail(tap.message());
   }
   server.handle_signals();
-  std::printf("READY robot_port=%d sensor_port=%d\n", server.robot_port(), server.sensor_port());
-  std::fflush(stdout);
+  ready.make(
+      fmt::format("READY robot_port={} sensor_port={}", server.robot_port(), server.sensor_port()));
   // A controller keeps its cycle whatever else runs.
-  spdlog::info("control thread: {}", handrail::enter_realtime(75).report);
+  spdlog::info("control thread: {}", enter_realtime(kPriority).report);
   server.run();
   return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return handrail::run_daemon("handrail-rig", [&] { return run(argc, argv); });
 }

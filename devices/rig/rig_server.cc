@@ -78,8 +78,13 @@ struct RigServer::Impl {
     if (!error) return Status::ok();
     boost::system::error_code ignored;
     port.socket.close(ignored);
-    return Status::error(std::string(what) + " port " + at.address().to_string() + ":" +
-                         std::to_string(at.port()) + ": " + error.message());
+    const std::string place = std::string(what) + " port " + std::to_string(at.port()) + " on " +
+                              at.address().to_string();
+    if (error == asio::error::address_in_use) {
+      return Status::error(place +
+                           " is in use: stop the program that has it, or configure another");
+    }
+    return Status::error(place + ": " + error.message());
   }
 
   void receive(Port& port) {
