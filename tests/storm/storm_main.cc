@@ -15,6 +15,7 @@
 #include "server/lab/console.h"
 #include "tests/storm/demos.h"
 #include "tests/storm/results.h"
+#include "tests/storm/soak.h"
 
 namespace {
 
@@ -27,6 +28,7 @@ using handrail::storm::Summary;
 const char kUsage[] =
     "usage: handrail-storm [--sequences N] [--seed S] [--results FILE] [--keep FOLDER] [--json]\n"
     "       handrail-storm --demos N [--seed S]\n"
+    "       handrail-storm --soak MINUTES [--seed S]\n"
     "\n"
     "Starts rig, slave and master, drives at speed, pauses, cuts off, ends and restarts them at\n"
     "random, follows `handrail why` out of it and drives again. In every sequence the arm keeps "
@@ -40,6 +42,10 @@ const char kUsage[] =
     "  --demos N        N times `handrail demo`, once every 10 s with one of its programs paused "
     "for\n"
     "                   20 to 500 ms; each has to end with its table\n"
+    "  --soak MINUTES   faults and clients without a restart; no program may grow by more than 1 "
+    "MiB "
+    "an\n"
+    "                   hour\n"
     "  --sequences N    seeds S to S+N-1 (50)\n"
     "  --seed S         of the first; drawn and printed when absent\n"
     "  --results FILE   a line a sequence; those in it are not run again\n"
@@ -49,7 +55,7 @@ const char kUsage[] =
     "  --json           the summary alone, for programs\n";
 
 struct Arguments {
-  std::uint64_t sequences = 50, seed = 0, demos = 0;
+  std::uint64_t sequences = 50, seed = 0, demos = 0, soak = 0;
   std::string results;
   // Named here, before the taps go elsewhere.
   std::filesystem::path keep =
@@ -86,6 +92,10 @@ int read_arguments(int argc, char** argv, Arguments& out) {
       if (!read_number(value, 1, out.demos)) {
         return complain("--demos '" + value + "': expected a number from 1 on");
       }
+    } else if (name == "--soak") {
+      if (!read_number(value, 1, out.soak)) {
+        return complain("--soak '" + value + "': expected whole minutes from 1 on");
+      }
     } else if (name == "--seed") {
       seeded = read_number(value, 0, out.seed);
       if (!seeded) return complain("--seed '" + value + "': expected a number from 0 on");
@@ -95,7 +105,7 @@ int read_arguments(int argc, char** argv, Arguments& out) {
       out.keep = value;
     } else {
       return complain("'" + name +
-                      "': unknown; expected --sequences, --demos, --seed, --results, "
+                      "': unknown; expected --sequences, --demos, --soak, --seed, --results, "
                       "--keep or --json");
     }
   }
@@ -157,6 +167,19 @@ int run_demos(const Arguments& arguments) {
   return failed == 0 ? handrail::kDone : handrail::kFailed;
 }
 
+int run_soak(const Arguments& arguments) {
+  const auto say = [](const std::string& line) {
+    fmt::print("{}\n", line);
+    std::fflush(stdout);
+  };
+  say(fmt::format("soak: {} min from seed {}", arguments.soak, arguments.seed));
+  const auto out = handrail::storm::run_soak(arguments.seed, static_cast<double>(arguments.soak),
+                                             handrail::interrupted, say);
+  std::fputs(for_people(out).c_str(), stdout);
+  if (!out.complete) return handrail::kCancelled;
+  return out.violations.empty() && !grows(out) ? handrail::kDone : handrail::kFailed;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -171,6 +194,12 @@ int main(int argc, char** argv) {
     handrail::catch_interrupts();
     return run_demos(arguments);
   }
+  // Taps and sockets lie in memory where there is such a folder: no disk holds a control thread.
+  if (std::filesystem::is_directory("/dev/shm")) ::setenv("TMPDIR", "/dev/shm", 0);
+  if (arguments.soak > 0) {
+    handrail::catch_interrupts();
+    return run_soak(arguments);
+  }
   std::error_code error;
   std::filesystem::create_directories(arguments.keep, error);
   if (error) return complain(arguments.keep.string() + ": " + error.message());
@@ -178,8 +207,6 @@ int main(int argc, char** argv) {
   if (const auto opened = results.open(arguments.results); !opened) {
     return complain(opened.message());
   }
-  // Taps and sockets lie in memory where there is such a folder: no disk holds a control thread.
-  if (std::filesystem::is_directory("/dev/shm")) ::setenv("TMPDIR", "/dev/shm", 0);
   handrail::catch_interrupts();
   if (!arguments.json) {
     fmt::print("storm: {} sequences from seed {}\n", arguments.sequences, arguments.seed);
