@@ -91,12 +91,12 @@ struct HapticOutput {
   // The slave's own fault behind a kPeerFault: of the slave as it is, and while this session is in
   // fault as it was when that began, whatever becomes of the slave meanwhile.
   Reason peer_fault = Reason::kNone;
-  ReasonSet reasons;                // every intervention of this tick
-  ForceShares shares;               // device force, where it came from
-  ForceLedger force;                // the same, stage by stage
-  MotionLedger motion;              // from the hand to the arm
-  double deviation = 0.0;           // hand from the position tool's proxy, at the hand [m]
-  double deviation_angle = 0.0;     // hand from the orientation tool [rad]
+  ReasonSet reasons;             // every intervention of this tick
+  ForceShares shares;            // device force, where it came from
+  ForceLedger force;             // the same, stage by stage
+  MotionLedger motion;           // from the hand to the arm
+  double deviation = 0.0;        // hand from the position tool's proxy, at the hand [m]
+  double deviation_angle = 0.0;  // hand from the orientation tool [rad]
   bool blending = false;
 };
 

@@ -39,8 +39,8 @@ inline constexpr int kLeastImageSide = 100;  // [pixels]
 // aisles are too thin for it (is_in_thin_strip). Where three colours or more stand within 8 pixels
 // it may be a mixture of any three of them, with a warning that names the place, as long as few
 // such pixels hang together. Otherwise the error gives colour, position (column, row from 0 at the
-// top left), count and the nearest mixture. An error, too, is an aisle so thin that nothing of it is
-// left open. Warns of colours that are mixtures of two others beside them.
+// top left), count and the nearest mixture. An error, too, is an aisle so thin that nothing of it
+// is left open. Warns of colours that are mixtures of two others beside them.
 Result<CoverageMap> coverage_of(const RgbaImage& image, const CoverageRules& rules,
                                 std::vector<std::string>& warnings);
 

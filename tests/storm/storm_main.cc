@@ -262,6 +262,4 @@ int run(int argc, char** argv) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  return handrail::end_output("handrail-storm", run(argc, argv));
-}
+int main(int argc, char** argv) { return handrail::end_output("handrail-storm", run(argc, argv)); }

@@ -125,7 +125,8 @@ TEST(Calibrate, UsageErrorsExitWithTwoAndOneLine) {
       {{"--from", csv, "--out", csv}, "--out: " + csv + " is there already, expected a new file"},
       {{"--from", csv, "--record", csv},
        "--record: " + csv + " is there already, expected a new file"},
-      {{"--from", csv, "--out", "/nowhere/x/p"}, "/nowhere/x/p: cannot write: No such file or directory"}};
+      {{"--from", csv, "--out", "/nowhere/x/p"},
+       "/nowhere/x/p: cannot write: No such file or directory"}};
   for (const auto& [args, what] : cases) {
     const CliRun run(args);
     EXPECT_EQ(run.code, kExitUsage) << what;

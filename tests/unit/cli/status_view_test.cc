@@ -145,8 +145,8 @@ TEST(StatusView, WhereRowsAreShortTheMostImportantStayAndItSaysWhatIsCut) {
         "why        the arm is 14.1 mm", "lease      abcdef", "scene      a-scene",
         "link       age", "loop       ticks", "real time: memory not locked",
         "log lines lost: 123456789 of the master", "tools      position: n-rotation",
-        "orientation: n-rotation", "force [N]", "touch [N]",
-        "pose [mm]", "slave command", "tip  ", "hand  "}) {
+        "orientation: n-rotation", "force [N]", "touch [N]", "pose [mm]", "slave command", "tip  ",
+        "hand  "}) {
     EXPECT_THAT(text, HasSubstr(part));
   }
   EXPECT_THAT(status_text(fullest_walls(), kTerminalRows),

@@ -178,9 +178,8 @@ TEST_F(OrderDeskTest, RefusesHandMovesThatAreNone) {
 }
 
 TEST_F(OrderDeskTest, HandMovesAreTakenUpToTheirLimitsAndNoFurther) {
-  for (const char* move :
-       {"displacement_mm: [600, 0, -800]", "displacement_mm: [0, 1000, 0]",
-        "rotation_deg: [0, 0, -180]", "duration_s: 0.01", "duration_s: 600"}) {
+  for (const char* move : {"displacement_mm: [600, 0, -800]", "displacement_mm: [0, 1000, 0]",
+                           "rotation_deg: [0, 0, -180]", "duration_s: 0.01", "duration_s: 600"}) {
     EXPECT_EQ(at_once(std::string("hand { ") + move + " }"), "done: ") << move;
   }
   for (const char* move :

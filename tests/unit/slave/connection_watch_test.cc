@@ -22,8 +22,8 @@ TEST_F(ConnectionWatchTest, AProblemIsALineWhenItBeginsAndOneWhenItEnds) {
   look(false, false, "");
   for (int i = 0; i < 100; ++i) look(false, false, "no answer");
   for (int i = 0; i < 100; ++i) look(true, false, "");
-  EXPECT_EQ(lines,
-            (std::vector<std::string>{"bad: no answer; trying again", "good: connected to the arm"}));
+  EXPECT_EQ(lines, (std::vector<std::string>{"bad: no answer; trying again",
+                                             "good: connected to the arm"}));
 }
 
 TEST_F(ConnectionWatchTest, NumbersThatChangeMakeNoOtherProblem) {
@@ -52,9 +52,8 @@ TEST_F(ConnectionWatchTest, AControllerLostWhileTheSessionIsInAnotherFaultIsSaid
   lines.clear();
   look(false, true, "", Reason::kStopRequested);
   look(false, true, "", Reason::kStopRequested);
-  EXPECT_EQ(lines,
-            std::vector<std::string>{std::string("bad: ") + describe(Reason::kRobotLost) +
-                                     "; a reset tries to connect again"});
+  EXPECT_EQ(lines, std::vector<std::string>{std::string("bad: ") + describe(Reason::kRobotLost) +
+                                            "; a reset tries to connect again"});
 }
 
 }  // namespace
