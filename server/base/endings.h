@@ -9,4 +9,10 @@ namespace handrail {
 // who was started by nohup.
 std::vector<int> ending_signals();
 
+// From here on they wait until take_endings(): what drives the arm is started in between, and must
+// not be killed for want of somebody who hears them. In the thread that starts the others.
+void hold_endings();
+// Those that came meanwhile come now, in this thread.
+void take_endings();
+
 }  // namespace handrail

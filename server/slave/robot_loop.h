@@ -28,7 +28,7 @@ class RobotLoop {
             Nanos (*clock)() noexcept = monotonic_now);
 
   // Waits for the controller and answers it, or tries to connect. Returns when to come again; 0 =
-  // at once. Real-time safe while connected; logs and allocates otherwise.
+  // at once. Real-time safe while connected; connecting allocates. Never logs.
   Nanos turn();
 
   // Asks the loop to stop the arm and finish. From any thread.
