@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <string>
 
+#include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 
 #include "devices/rig/rig_options_io.h"
@@ -11,11 +12,13 @@
 #include "server/base/realtime.h"
 #include "server/daemon/daemon_args.h"
 #include "server/daemon/daemon_log.h"
+#include "server/daemon/run_daemon.h"
 #include "server/scene/config_io.h"
 
 namespace {
 
 constexpr int kBadInput = 2;
+constexpr int kPriority = 75;  // between the daemons' control and IO threads
 
 const char kWhat[] =
     "A simulated laboratory: an RV-2A behind a CR1-571 that speaks real-time external control, and "
@@ -28,40 +31,45 @@ int fail(const std::string& message) {
   return kBadInput;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  const auto args = handrail::parse_daemon_args(argc, argv);
-  if (const auto code = handrail::answer_at_once(args, "handrail-rig", kWhat)) return *code;
-  const auto config = handrail::load_rig_config(args->config_path);
+int run(int argc, char** argv) {
+  using namespace handrail;
+  const auto args = parse_daemon_args(argc, argv);
+  if (const auto code = answer_at_once(args, "handrail-rig", kWhat)) return *code;
+  const auto config = load_rig_config(args->config_path);
   if (!config) return fail(config.message());
-  const auto options = handrail::rig_options(*config);
+  const auto options = rig_options(*config);
   if (!options) {
     return fail((args->config_path.empty() ? "" : args->config_path + ": ") + options.message());
   }
   if (args->check) {
     std::puts("configuration ok");
-    return handrail::end_output("handrail-rig", 0);
+    return end_output("handrail-rig", 0);
   }
   // Standard output carries only the READY line.
-  const handrail::DaemonLog log("handrail-rig");
-  handrail::RigServer server(*options);
+  const DaemonLog log("handrail-rig", kPriority);
+  Announcement ready;
+  RigServer server(*options);
   const auto port = [](std::uint32_t value) { return static_cast<std::uint16_t>(value); };
-  const handrail::Status opened =
+  const Status opened =
       server.open(config->address(), port(config->robot_port()), port(config->sensor_port()));
   if (!opened) return fail(opened.message());
   if (config->has_tap()) {
-    if (const handrail::Status tap = server.open_tap(config->tap()); !tap)
-      return fail(tap.message());
+    if (const Status tap = server.open_tap(config->tap()); !tap) return fail(tap.message());
   }
   server.handle_signals();
-  std::printf("READY robot_port=%d sensor_port=%d\n", server.robot_port(), server.sensor_port());
-  std::fflush(stdout);
+  ready.make(
+      fmt::format("READY robot_port={} sensor_port={}", server.robot_port(), server.sensor_port()));
   // A controller keeps its cycle whatever else runs.
-  const handrail::RealtimeGrant realtime = handrail::enter_realtime(75);
+  const RealtimeGrant realtime = enter_realtime(kPriority);
   spdlog::info("control thread: {}", realtime.report);
-  const std::string advice = handrail::realtime_advice({realtime});
+  const std::string advice = realtime_advice({realtime});
   if (!advice.empty()) spdlog::warn("{}", advice);
   server.run();
   return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return handrail::run_daemon("handrail-rig", [&] { return run(argc, argv); });
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
+#include <new>
 #include <string>
 #include <utility>
 
@@ -65,14 +66,15 @@ class LinkServer {
   // Until `finished` says so.
   void run(Hooks hooks) {
     hooks_ = std::move(hooks);
-    boost::asio::signal_set signals(io_);
-    for (const int signal : ending_signals()) signals.add(signal);
-    signals.async_wait([this](const boost::system::error_code& error, int) {
+    for (const int signal : ending_signals()) signals_.add(signal);
+    signals_.async_wait([this](const boost::system::error_code& error, int) {
       if (!error) hooks_.on_signal();
     });
-    transport_.on_readable([this] { receive(monotonic_now()); });
+    take_endings();
+    transport_.on_readable([this] { in_memory([this] { receive(monotonic_now()); }); });
     wait_for_tick(monotonic_now());
-    io_.run();
+    while (!in_memory([this] { io_.run(); })) {
+    }
     const LinkSnapshot& link = snapshot();
     const std::string causes = causes_text(peer_.rejects());
     hooks_.say(false, "link: " + std::to_string(link.accepted) + " datagrams accepted, " +
@@ -92,12 +94,28 @@ class LinkServer {
     timer_.async_wait([this](const boost::system::error_code& error) {
       if (error) return;
       const Nanos woke = monotonic_now();
-      receive(woke);
-      log_leader(woke);
-      hooks_.on_tick(woke);
+      in_memory([this, woke] {
+        receive(woke);
+        log_leader(woke);
+        hooks_.on_tick(woke);
+      });
       if (hooks_.finished()) return io_.stop();
       wait_for_tick(woke);
     });
+  }
+
+  // What finds no memory is left undone; the next tick comes all the same. False: it was so.
+  template <typename F>
+  bool in_memory(F f) {
+    try {
+      f();
+      return true;
+    } catch (const std::bad_alloc&) {
+      if (!std::exchange(said_full_, true)) {
+        hooks_.say(true, "no memory left: what needs some is not done until there is");
+      }
+      return false;
+    }
   }
 
   void receive(Nanos now) {
@@ -124,6 +142,7 @@ class LinkServer {
   const std::string own_loop_, peer_name_;
   boost::asio::io_context io_{1};
   boost::asio::steady_timer timer_{io_};
+  boost::asio::signal_set signals_{io_};  // needs descriptors: had before anybody is told READY
   UdpTransport transport_{io_};
   LinkPeer<Local, Remote> peer_{random_session_id()};
   LinkPump<Local, Remote> pump_{transport_, peer_};
@@ -132,6 +151,7 @@ class LinkServer {
   Hooks hooks_;
   std::uint32_t peer_epoch_ = 0;
   bool speaking_ = false;
+  bool said_full_ = false;
 };
 
 }  // namespace handrail

@@ -1,4 +1,5 @@
 // handrail-master: the operator's side, with the haptic device and the constraint engine.
+#include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 
 #include <sys/resource.h>
@@ -10,15 +11,19 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "devices/registry.h"
 #include "proto/config.pb.h"
 #include "server/base/clock.h"
+#include "server/base/endings.h"
 #include "server/base/output.h"
 #include "server/base/realtime.h"
 #include "server/base/units.h"
 #include "server/daemon/daemon_args.h"
 #include "server/daemon/daemon_log.h"
+#include "server/daemon/run_daemon.h"
+#include "server/daemon/errand.h"
 #include "server/daemon/service_socket.h"
 #include "server/master/haptic_loop.h"
 #include "server/master/haptic_settings.h"
@@ -38,7 +43,8 @@ constexpr int kBadInput = 2;
 constexpr int kHapticPriority = 85;
 // The thread has its grants by then: locking memory takes some 15 ms.
 constexpr Nanos kSetUp = 50 * kMillisecond;
-constexpr int kIoPriority = 70;  // the link must not starve on a busy machine
+// The link must not starve on a busy machine.
+constexpr int kIoPriority = 70;
 
 const char kWhat[] =
     "The operator's side: haptic device, virtual tools and forces at 1 kHz; sends the command to\n"
@@ -156,8 +162,9 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
   auto device = make_haptic_device(device_options(config.device()));
   if (!device) return fail(device.message());
   const HapticCapabilities capabilities = (*device)->capabilities();
-  const SceneLibrary library({config.scene_path().begin(), config.scene_path().end()});
-  auto scene = library.load(config.scene());
+  const std::vector<std::string> folders(config.scene_path().begin(), config.scene_path().end());
+  const auto library = std::make_shared<const SceneLibrary>(folders);
+  auto scene = library->load(config.scene());
   if (!scene) return fail(scene.message());
   WallRuns wall_runs;
   const auto settings_of = [&](const Scene& s) {
@@ -177,6 +184,8 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
   }
 
   ServiceSocket notice;
+  Announcement ready;
+  Errand<Result<Scene>> scenes;
   raise_descriptor_limit();
   auto boxes = std::make_unique<MasterMailboxes>();
   OrderDeskOptions desk_options;
@@ -186,7 +195,9 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
   desk_options.user = own_user_name();
   desk_options.slave_at = config.slave_address() + ":" + std::to_string(config.slave_port());
   desk_options.identity.log_lost = [&log] { return log.lost(); };
-  desk_options.load_scene = [&](const std::string& name) { return library.load(name); };
+  desk_options.load_scene = [&scenes, library](const std::string& name) {
+    return scenes.poll([library, name] { return library->load(name); });
+  };
   desk_options.settings_of = settings_of;
   OrderDesk desk(*boxes, *scene, desk_options);
   MasterServerOptions options;
@@ -196,6 +207,7 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
   options.slave_port = static_cast<std::uint16_t>(config.slave_port());
   options.operator_socket = config.operator_socket();
   MasterServer server(*boxes, desk, options);
+  hold_endings();
   if (const Status opened = server.open(); !opened) return fail(opened.message());
   if (const Status opened = (*device)->open(); !opened) return fail(opened.message());
 
@@ -203,9 +215,8 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
   const RealtimeGrant realtime = haptic.realtime();
   desk.set_realtime(realtime.report);
   spdlog::info("haptic thread: {}", realtime.report);
-  std::printf("READY link_port=%d operator_socket=%s\n", server.port(),
-              config.operator_socket().c_str());
-  std::fflush(stdout);
+  ready.make(fmt::format("READY link_port={} operator_socket={}", server.port(),
+                         config.operator_socket()));
   notice.ready();
   const RealtimeGrant io = enter_realtime(kIoPriority);
   spdlog::info("IO thread: {}", io.report);
@@ -225,11 +236,13 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
 
 int main(int argc, char** argv) {
   using namespace handrail;
-  const auto args = parse_daemon_args(argc, argv);
-  if (const auto code = answer_at_once(args, "handrail-master", kWhat)) return *code;
-  const auto config = load_master_config(args->config_path);
-  if (!config) return fail(config.message());
-  // Standard output carries only the READY line.
-  const DaemonLog log("handrail-master");
-  return run(*config, args->check, log);
+  return run_daemon("handrail-master", [&] {
+    const auto args = parse_daemon_args(argc, argv);
+    if (const auto code = answer_at_once(args, "handrail-master", kWhat)) return *code;
+    const auto config = load_master_config(args->config_path);
+    if (!config) return fail(config.message());
+    // Standard output carries only the READY line.
+    const DaemonLog log("handrail-master", kIoPriority);
+    return run(*config, args->check, log);
+  });
 }

@@ -8,6 +8,7 @@
 #include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
 #include <chrono>
+#include <new>
 
 #include "server/base/clock.h"
 #include "server/base/length_prefix.h"
@@ -113,6 +114,16 @@ class OperatorServer::Client : public std::enable_shared_from_this<Client> {
  private:
   class Ticket;
 
+  // Whoever cannot be served for want of memory is cut off, and does not wait in vain.
+  template <typename F>
+  void in_memory(const F& f) {
+    try {
+      f(*this);
+    } catch (const std::bad_alloc&) {
+      close();
+    }
+  }
+
   void limit_time() {
     timer_.expires_after(std::chrono::nanoseconds(kPatience));
     timer_.async_wait([weak = weak_from_this()](Error error) {
@@ -139,7 +150,7 @@ class OperatorServer::Client : public std::enable_shared_from_this<Client> {
                      [self = shared_from_this()](Error error, std::size_t) {
                        if (error) return self->close();
                        self->timer_.cancel();
-                       self->parse();
+                       self->in_memory([](Client& client) { client.parse(); });
                      });
   }
   void parse();
@@ -181,7 +192,8 @@ class OperatorServer::Client::Ticket {
     if (used_.exchange(true)) return;
     const auto client = client_.lock();
     if (!client) return;
-    asio::post(client->socket_.get_executor(), [client, f = std::move(f)] { f(*client); });
+    asio::post(client->socket_.get_executor(),
+               [client, f = std::move(f)] { client->in_memory(f); });
   }
   std::weak_ptr<Client> client_;
   std::atomic<bool> used_{false};
@@ -241,9 +253,13 @@ void OperatorServer::accept() {
   acceptor_.async_wait(Acceptor::wait_read, [this, running = std::weak_ptr(running_)](Error error) {
     if (running.expired()) return;
     bool more = !error;
-    for (int i = 0; i < kAdmitted && more; ++i) more = admit_one();
+    try {
+      for (int i = 0; i < kAdmitted && more; ++i) more = admit_one();
+    } catch (const std::bad_alloc&) {
+      more = false;
+    }
     if (more) return accept();
-    // Nobody is left, or there is no descriptor for him: asking again at once would only spin.
+    // Nobody is left, or no descriptor or memory for him: asking again at once would only spin.
     pause_.expires_after(kAcceptPause);
     pause_.async_wait([this, running](Error) {
       if (!running.expired()) accept();

@@ -206,6 +206,7 @@ void OrderDesk::tick(Nanos now, const SlaveState& slave, const LinkSnapshot& lin
   call_scene_tools();
   watch_engaging();
   watch_reset();
+  take_scene();
   watch_scene();
   feed_loop();
   give_back_lease();

@@ -23,8 +23,10 @@ struct OrderDeskOptions {
   Presence presence = Presence::kNone;  // what the configuration wants
   std::string user = "operator";        // who speaks when a request does not say
   std::string slave_at;                 // "127.0.0.1:47002", where a slave is looked for
-  // A scene by name, and what it means with this device; the errors say why there is none.
-  std::function<Result<Scene>(const std::string& name)> load_scene;
+  // A scene by name; the error says why there is none. Must not wait: asked again every tick while
+  // it gives nothing, as the disk takes its time.
+  std::function<std::optional<Result<Scene>>(const std::string& name)> load_scene;
+  // What it means with this device.
   std::function<HapticSettings(const Scene& scene)> settings_of;
 };
 
@@ -106,6 +108,7 @@ class OrderDesk : public OperatorHandler {
   bool stop_on_its_way() const;
   void send_reset();
   void watch_reset();
+  void take_scene();
   void watch_scene();
   void call_scene_tools();
   // Gives a scene up again that the slave cannot have.
@@ -143,7 +146,8 @@ class OrderDesk : public OperatorHandler {
   ReplyTo resetting_;  // who waits for the slave to leave its fault
   Nanos reset_until_ = 0;
 
-  ReplyTo loading_;  // who waits for a scene
+  ReplyTo loading_;                     // who waits for a scene
+  std::optional<std::string> reading_;  // its name, until the disk has given it
   Nanos load_until_ = 0;
   Nanos load_shown_ = kForever;    // when the loop's report first had the scene
   std::uint64_t load_epoch_ = 0;   // scenes the loop had taken over before it

@@ -11,12 +11,25 @@ void OrderDesk::load(const std::string& name, ReplyTo reply) {
   if (!report_ || !is_idle(report_->out.link.state)) {
     return reply(refused(describe(Reason::kBusy)));
   }
+  if (reading_) return reply(refused("scene '" + *reading_ + "' is still being read"));
   if (loading_) return reply(refused("another scene is being loaded"));
-  auto scene = options_.load_scene(name);
-  if (!scene) return reply(refused(scene.message()));
-  previous_ = std::exchange(scene_, std::move(*scene));
-  boxes_.settings.publish(options_.settings_of(scene_));
   loading_ = std::move(reply);
+  reading_ = name;
+  take_scene();
+}
+
+// What the disk has given; the rest of the time everything else is served.
+void OrderDesk::take_scene() {
+  if (!reading_) return;
+  auto scene = options_.load_scene(*reading_);
+  if (!scene) return;
+  reading_.reset();
+  if (!*scene) return std::exchange(loading_, nullptr)(refused(scene->message()));
+  if (!is_idle(report_->out.link.state)) {
+    return std::exchange(loading_, nullptr)(refused(describe(Reason::kBusy)));
+  }
+  previous_ = std::exchange(scene_, std::move(**scene));
+  boxes_.settings.publish(options_.settings_of(scene_));
   load_epoch_ = report_->scene_epoch;
   load_shown_ = kForever;
   load_until_ = now_ + kScenePatience;
@@ -60,7 +73,7 @@ void OrderDesk::name_stage(pb::Status& status) const {
 }
 
 void OrderDesk::watch_scene() {
-  if (!loading_ || report_->settings_pending || report_->scene_epoch == load_epoch_) return;
+  if (!loading_ || reading_ || report_->settings_pending || report_->scene_epoch == load_epoch_) return;
   if (text_of(report_->out.link.scene) != scene_.name) return;
   load_shown_ = std::min(load_shown_, now_);
   if (report_->walls.present) return std::exchange(loading_, nullptr)(done());

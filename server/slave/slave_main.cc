@@ -4,19 +4,24 @@
 
 #include <csignal>
 #include <cstdio>
+#include <functional>
 #include <future>
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "devices/melfa/melfa_robot.h"
 #include "devices/net_ft/net_ft_sensor.h"
 #include "proto/config.pb.h"
+#include "server/base/endings.h"
 #include "server/base/output.h"
 #include "server/base/pacer.h"
 #include "server/base/realtime.h"
 #include "server/daemon/daemon_args.h"
 #include "server/daemon/daemon_log.h"
+#include "server/daemon/run_daemon.h"
+#include "server/daemon/errand.h"
 #include "server/daemon/service_socket.h"
 #include "server/scene/config_io.h"
 #include "server/scene/payload_io.h"
@@ -86,27 +91,54 @@ std::string sensor_text(const FollowSettings& settings) {
   return out;
 }
 
-void run_robot(RobotLoop& loop, std::promise<RealtimeGrant>& realtime) {
-  sigset_t all;
-  sigfillset(&all);
-  pthread_sigmask(SIG_BLOCK, &all, nullptr);
-  realtime.set_value(enter_realtime(kRobotPriority));
-  while (!loop.finished()) {
-    const Nanos next = loop.turn();
-    if (next > 0) sleep_until(next);
-  }
-}
+// The thread that turns the loop until it has finished.
+class RobotThread {
+ public:
+  RobotThread(Robot& robot, const FollowSettings& settings, SlaveMailboxes& boxes)
+      : loop_(robot, settings, boxes), thread_([this] { run(); }) {}
+  ~RobotThread() { finish(); }
+  RobotThread(const RobotThread&) = delete;
+  RobotThread& operator=(const RobotThread&) = delete;
 
-int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
-  MelfaRobot robot(robot_options(config.robot()));
-  const std::unique_ptr<NetFtSensor> sensor = make_sensor(config.force_sensor());
-  const SceneLibrary library({config.scene_path().begin(), config.scene_path().end()});
-  const auto settings_of = [&](const std::string& scene) -> Result<FollowSettings> {
+  // What the thread got of what it asked for. Once.
+  RealtimeGrant realtime() { return realtime_.get_future().get(); }
+  void request_stop() noexcept { loop_.request_stop(); }
+  // Asks it to stop and waits until it has.
+  void finish() {
+    request_stop();
+    if (thread_.joinable()) thread_.join();
+  }
+  bool finished() const noexcept { return loop_.finished(); }
+
+ private:
+  void run() {
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, nullptr);
+    realtime_.set_value(enter_realtime(kRobotPriority));
+    while (!loop_.finished()) {
+      const Nanos next = loop_.turn();
+      if (next > 0) sleep_until(next);
+    }
+  }
+
+  RobotLoop loop_;
+  std::promise<RealtimeGrant> realtime_;
+  std::thread thread_;  // last: it uses the others
+};
+
+// What a scene means for the robot loop, by its name. Owns all that it uses.
+using SettingsOf = std::function<Result<FollowSettings>(const std::string& scene)>;
+
+SettingsOf settings_of(const pb::SlaveConfig& config, Nanos period, bool has_sensor) {
+  const std::vector<std::string> folders(config.scene_path().begin(), config.scene_path().end());
+  return [config, library = SceneLibrary(folders), period,
+          has_sensor](const std::string& scene) -> Result<FollowSettings> {
     const auto loaded = library.load(scene);
     if (!loaded) return loaded.status();
     const pb::FtConfig& force = config.force_sensor();
     const FollowSettings out =
-        follow_settings(*loaded, robot.capabilities().period, sensor != nullptr, force.range_n(),
+        follow_settings(*loaded, period, has_sensor, force.range_n(),
                         payload_from(config.payload()), force.filter_ms() * 1e-3);
     if (out.bumper.sensor_lag <= kMostSensorLag + 1e-9) return out;
     return Status::error(
@@ -114,7 +146,13 @@ int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
                     "{:.4g} ms, expected at most {} ms",
                     force.filter_ms(), scene, 1e3 * out.bumper.sensor_lag, 1e3 * kMostSensorLag));
   };
-  const auto settings = settings_of(config.scene());
+}
+
+int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
+  MelfaRobot robot(robot_options(config.robot()));
+  const std::unique_ptr<NetFtSensor> sensor = make_sensor(config.force_sensor());
+  const SettingsOf load = settings_of(config, robot.capabilities().period, sensor != nullptr);
+  const auto settings = load(config.scene());
   if (!settings) return fail(settings.message());
   const std::string sensor_says = sensor_text(*settings);
   if (check_only) {
@@ -126,25 +164,27 @@ int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
 
   if (!sensor_says.empty()) spdlog::info("{}", sensor_says);
   ServiceSocket notice;
+  Announcement ready;
+  Errand<Result<FollowSettings>> scenes;
   SlaveMailboxes boxes;
   SlaveServerOptions options;
   options.address = config.link_address();
   options.port = port_of(config.link_port());
   options.robot = robot.capabilities().name;
-  options.load_scene = settings_of;
+  options.load_scene = [&scenes, load](const std::string& scene) {
+    return scenes.poll([load, scene] { return load(scene); });
+  };
   options.log_lost = [&log] { return log.lost(); };
   SlaveServer server(boxes, sensor.get(), options);
+  hold_endings();
   if (const Status opened = server.open(); !opened) return fail(opened.message());
   if (sensor) {
     if (const Status started = sensor->start(); !started) return fail(started.message());
   }
-  RobotLoop loop(robot, *settings, boxes);
-  std::promise<RealtimeGrant> granted;
-  std::thread robot_thread([&] { run_robot(loop, granted); });
-  const RealtimeGrant realtime = granted.get_future().get();
+  RobotThread loop(robot, *settings, boxes);
+  const RealtimeGrant realtime = loop.realtime();
   spdlog::info("robot thread: {}", realtime.report);
-  std::printf("READY link_port=%d\n", server.port());
-  std::fflush(stdout);
+  ready.make(fmt::format("READY link_port={}", server.port()));
   notice.ready();
   const RealtimeGrant io = enter_realtime(kIoPriority);
   spdlog::info("IO thread: {}", io.report);
@@ -157,7 +197,7 @@ int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
       },
       [&loop] { return loop.finished(); },
       [&notice](Nanos now, bool runs) { notice.tick(now, runs); });
-  robot_thread.join();
+  loop.finish();
   const MxtCounters& packets = robot.counters();
   spdlog::info("controller: {} replies taken, {} rejected, {} late; {} packets sent",
                packets.replies, packets.rejected, packets.late, packets.sent);
@@ -174,11 +214,13 @@ int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
 
 int main(int argc, char** argv) {
   using namespace handrail;
-  const auto args = parse_daemon_args(argc, argv);
-  if (const auto code = answer_at_once(args, "handrail-slave", kWhat)) return *code;
-  const auto config = load_slave_config(args->config_path);
-  if (!config) return fail(config.message());
-  // Standard output carries only the READY line.
-  const DaemonLog log("handrail-slave");
-  return run(*config, args->check, log);
+  return run_daemon("handrail-slave", [&] {
+    const auto args = parse_daemon_args(argc, argv);
+    if (const auto code = answer_at_once(args, "handrail-slave", kWhat)) return *code;
+    const auto config = load_slave_config(args->config_path);
+    if (!config) return fail(config.message());
+    // Standard output carries only the READY line.
+    const DaemonLog log("handrail-slave", kIoPriority);
+    return run(*config, args->check, log);
+  });
 }

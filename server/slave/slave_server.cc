@@ -31,6 +31,7 @@ struct SlaveServer::Impl {
     if (alive) alive(now, now <= report.good_until);
     say_halts(now);
     say_connection();
+    take_scene();
     SlaveState told = report.state;
     const auto in_words = [](Reason reason) {
       std::string out = describe(reason);
@@ -77,21 +78,34 @@ struct SlaveServer::Impl {
     const SlaveState& state = report.state;
     const bool idle = state.state == SessionState::kOff || state.state == SessionState::kFault;
     if (!differs(master) || first_difference(master, tried) != Reason::kNone) scene_missing = false;
+    if (reading) return;
     if (wanted.empty() || !idle || !known || !differs(master) || now < next_look) return;
     next_look = now + kScenePause;
     tried = master;
-    const auto loaded = options.load_scene(wanted);
-    scene_missing = !loaded;
-    if (!loaded) {
-      if (loaded.message() != scene_problem) {
-        spdlog::error("the master's scene '{}' cannot be loaded: {}", wanted, loaded.message());
+    reading = wanted;
+    take_scene();
+  }
+
+  // What the disk has given of the scene that was looked for. The robot loop takes it over when it
+  // may.
+  void take_scene() {
+    if (!reading) return;
+    const auto loaded = options.load_scene(*reading);
+    if (!loaded) return;
+    const std::string name = *std::exchange(reading, std::nullopt);
+    // The master has gone on to another.
+    if (first_difference(link.newest(), tried) != Reason::kNone) return;
+    scene_missing = !*loaded;
+    if (!*loaded) {
+      if (loaded->message() != scene_problem) {
+        spdlog::error("the master's scene '{}' cannot be loaded: {}", name, loaded->message());
       }
-      scene_problem = loaded.message();
+      scene_problem = loaded->message();
       return;
     }
     scene_problem.clear();
-    if (wanted != text_of(state.scene)) spdlog::info("scene '{}', as the master has it", wanted);
-    boxes.settings.publish(*loaded);
+    if (name != text_of(report.state.scene)) spdlog::info("scene '{}', as the master has it", name);
+    boxes.settings.publish(**loaded);
   }
 
   bool differs(const MasterState& master) const {
@@ -115,10 +129,11 @@ struct SlaveServer::Impl {
   std::function<void(Nanos, bool)> alive;
   std::uint64_t said_halts = 0;
   Nanos next_halt_line = -kForever;
-  Nanos next_look = 0;         // for a scene
-  MasterState tried;           // whose scene was looked for last
-  std::string scene_problem;   // last one logged
-  bool scene_missing = false;  // the last one tried could not be loaded
+  Nanos next_look = 0;                 // for a scene
+  MasterState tried;                   // whose scene was looked for last
+  std::optional<std::string> reading;  // its name, until the disk has given it
+  std::string scene_problem;           // last one logged
+  bool scene_missing = false;          // the last one tried could not be loaded
 };
 
 SlaveServer::SlaveServer(SlaveMailboxes& boxes, FtSensor* sensor, SlaveServerOptions options)

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "devices/ft_sensor.h"
@@ -19,8 +20,9 @@ struct SlaveServerOptions {
   // Lines of the log that were lost so far; empty: nobody counts.
   std::function<std::uint64_t()> log_lost = {};
   // Our scene of that name; the error says why there is none. Called in the IO thread, while
-  // nothing moves, when the master's scene differs from the one in the robot loop.
-  std::function<Result<FollowSettings>(const std::string& scene)> load_scene;
+  // nothing moves, when the master's scene differs from the one in the robot loop. Must not wait:
+  // asked again every tick while it gives nothing, as the disk takes its time.
+  std::function<std::optional<Result<FollowSettings>>(const std::string& scene)> load_scene;
 };
 
 class SlaveServer {

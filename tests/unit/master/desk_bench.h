@@ -23,7 +23,8 @@ class DeskBench : public ::testing::Test {
     for (const char* name : {"first", "second"}) scenes[name].name = name;
     OrderDeskOptions options;
     options.slave_at = "127.0.0.1:47002";
-    options.load_scene = [this](const std::string& name) -> Result<Scene> {
+    options.load_scene = [this](const std::string& name) -> std::optional<Result<Scene>> {
+      if (disk_waits) return std::nullopt;
       if (!scenes.contains(name)) return Status::error("no scene '" + name + "'");
       return scenes[name];
     };
@@ -102,6 +103,7 @@ class DeskBench : public ::testing::Test {
   SlaveState slave;
   LinkSnapshot link;
   bool connected = true;
+  bool disk_waits = false;  // whoever reads a scene
   Nanos now = 1000 * kSecond;
   std::vector<OrderTicket> taken;
   std::unique_ptr<OrderDesk> desk;

@@ -65,6 +65,39 @@ TEST_F(SceneDeskTest, RefusesASecondLoadWhileOneRuns) {
   EXPECT_EQ(text(ask("scene_load: 'first'")), "refused: another scene is being loaded");
 }
 
+TEST_F(SceneDeskTest, WaitsForTheDiskAndServesAllElseMeanwhile) {
+  tick();
+  disk_waits = true;
+  const Answer answer = ask("scene_load: 'second'");
+  for (int i = 0; i < 10'000; ++i) tick();
+  EXPECT_EQ(text(answer), "(no answer)");
+  EXPECT_EQ(text(ask("scene_load: 'first'")), "refused: scene 'second' is still being read");
+  const Answer stopped = ask("stop: true");
+  loop();
+  EXPECT_EQ(last_order(), OrderKind::kStop);
+  disk_waits = false;
+  tick();
+  EXPECT_EQ(take_scene(), "second");
+  slave_follows();
+  tick();
+  EXPECT_EQ(text(answer), "done: ");
+}
+
+TEST_F(SceneDeskTest, ASceneThatComesWhenTheSessionIsOnIsRefused) {
+  tick();
+  disk_waits = true;
+  const Answer answer = ask("scene_load: 'second'");
+  stand(SessionState::kEngaged, Desired::kEngaged);
+  tick();
+  disk_waits = false;
+  tick();
+  EXPECT_EQ(text(answer), "refused: only possible when disengaged");
+  EXPECT_EQ(take_scene(), "");
+  stand(SessionState::kOff);
+  tick();
+  EXPECT_EQ(text(ask("scene_load: 'second'")), "(no answer)") << "it can be asked for again";
+}
+
 TEST_F(SceneDeskTest, TakesTheOldSceneBackWhenTheSlaveCannotLoadIt) {
   tick();
   const Answer answer = ask("scene_load: 'second'");

@@ -7,6 +7,7 @@
 
 #include <atomic>
 #include <csignal>
+#include <optional>
 #include <sstream>
 #include <thread>
 
@@ -74,7 +75,8 @@ class SlaveServerTest : public ::testing::Test {
     return false;
   }
 
-  Result<FollowSettings> load(const std::string& name) {
+  std::optional<Result<FollowSettings>> load(const std::string& name) {
+    if (disk_waits) return std::nullopt;
     ++looks;
     if (name == "missing") return Status::error("no such scene");
     FollowSettings settings;
@@ -97,6 +99,7 @@ class SlaveServerTest : public ::testing::Test {
 
   std::ostringstream log;
   std::atomic<int> looks{0};
+  std::atomic<bool> disk_waits{false};
   SlaveMailboxes boxes;
   CountingSensor sensor;
   SlaveState slave_state;
@@ -146,6 +149,32 @@ TEST_F(SlaveServerTest, LoadsTheMastersSceneByName) {
   FollowSettings settings;
   EXPECT_TRUE(play([&] { return boxes.settings.take(settings); }));
   EXPECT_EQ(text_of(settings.scene), "there");
+}
+
+TEST_F(SlaveServerTest, ADiskThatTakesItsTimeKeepsNobodyFromTheLink) {
+  disk_waits = true;
+  master_state.scene = scene_name("there");
+  const std::uint64_t before = peer.snapshot().accepted;
+  EXPECT_TRUE(play([&] { return peer.snapshot().accepted >= before + 300; }));
+  FollowSettings settings;
+  EXPECT_FALSE(boxes.settings.take(settings));
+  disk_waits = false;
+  EXPECT_TRUE(play([&] { return boxes.settings.take(settings); }));
+  EXPECT_EQ(text_of(settings.scene), "there");
+}
+
+TEST_F(SlaveServerTest, AFileThatComesWhenTheMasterHasAnotherSceneIsNotUsed) {
+  disk_waits = true;
+  master_state.scene = scene_name("there");
+  const std::uint64_t before = peer.snapshot().accepted;
+  EXPECT_TRUE(play([&] { return peer.snapshot().accepted >= before + 100; }));
+  master_state.scene = scene_name("elsewhere");
+  const std::uint64_t then = peer.snapshot().accepted;
+  EXPECT_TRUE(play([&] { return peer.snapshot().accepted >= then + 100; }));
+  disk_waits = false;
+  FollowSettings settings;
+  EXPECT_TRUE(play([&] { return boxes.settings.take(settings); }));
+  EXPECT_EQ(text_of(settings.scene), "elsewhere");
 }
 
 TEST_F(SlaveServerTest, LoadsItsFileAgainWhenTheSameSceneDiffers) {
