@@ -24,10 +24,10 @@ class Program : public Child {
   static constexpr Nanos kPatience = 30 * kSecond;
 #endif
 
-  // `name`: of a program in the build's bin folder. `error`: as a child's.
+  // `name`, `streams`: as a child's.
   Program(const TempFolder& folder, const std::string& name, std::vector<std::string> arguments,
-          int error = -1)
-      : Child(name, std::move(arguments), output_path(folder, name), false, error) {
+          const Streams& streams = {})
+      : Child(name, std::move(arguments), output_path(folder, name), false, streams) {
     EXPECT_EQ(start_error(), 0) << "cannot start " << path();
   }
 

@@ -33,11 +33,14 @@ class WholeCell : public ::testing::Test {
     robot_port = rig->number_after("READY robot_port=");
     sensor_port = rig->number_after(" sensor_port=");
   }
-  void start_slave() {
+  void launch_slave() {
     slave = launch("handrail-slave", "link_port: " + std::to_string(slave_port) +
                                          " robot { port: " + std::to_string(robot_port) +
                                          " } force_sensor { port: " + std::to_string(sensor_port) +
                                          " } " + slave_extra);
+  }
+  void start_slave() {
+    launch_slave();
     slave_port = slave->number_after("READY link_port=");
   }
   void start_master() {
@@ -54,7 +57,7 @@ class WholeCell : public ::testing::Test {
   std::unique_ptr<Program> launch(const std::string& name, const std::string& config) const {
     return std::make_unique<Program>(
         folder, name, std::vector<std::string>{"--config", folder.write(name + ".cfg", config)},
-        log_to);
+        streams);
   }
   std::string socket() const { return folder.path() + "/operator/operator.sock"; }
 
@@ -130,7 +133,7 @@ class WholeCell : public ::testing::Test {
   TempFolder folder;
   int robot_port = 0, sensor_port = 0, slave_port = 0, master_port = 0;
   std::string rig_extra, slave_extra, master_extra;
-  int log_to = -1;  // standard error of what is launched next; -1: with its output
+  Streams streams;  // of what is launched next
   std::unique_ptr<Program> rig, slave, master;
   OperatorClient client{socket()};
 };

@@ -10,29 +10,43 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace handrail {
+
+// Where a child's streams go instead of to its file.
+struct Streams {
+  int output = -1, error = -1;  // open here; -1: to the file
+  // Of a pseudo-terminal. The child leads a session that it controls, reads it, and writes its
+  // error output there.
+  std::string terminal;
+};
 
 // Standard output and error go to one file, so that a program never waits for its reader. Ends the
 // program, if it still runs, when it goes out of scope.
 class Child {
  public:
   // `name`: of a program in the build's bin folder, or a path from the root. Output is added to the
-  // file at `output_path`. `own_group`: a terminal's Ctrl-C does not reach it. `error`: standard
-  // error goes there instead; -1: it does not.
+  // file at `output_path`. `own_group`: a terminal's Ctrl-C does not reach it.
   Child(const std::string& name, std::vector<std::string> arguments, std::string output_path,
-        bool own_group = false, int error = -1)
+        bool own_group = false, const Streams& streams = {})
       : path_(name.starts_with('/') ? name : HANDRAIL_BIN_DIR "/" + name),
         output_path_(std::move(output_path)) {
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_addopen(&actions, 1, output_path_.c_str(),
                                      O_WRONLY | O_CREAT | O_APPEND, 0600);
-    posix_spawn_file_actions_adddup2(&actions, error >= 0 ? error : 1, 2);
+    if (!streams.terminal.empty()) {
+      posix_spawn_file_actions_addopen(&actions, 0, streams.terminal.c_str(), O_RDWR, 0);
+    }
+    const int terminal = streams.terminal.empty() ? 1 : 0;
+    posix_spawn_file_actions_adddup2(&actions, streams.error >= 0 ? streams.error : terminal, 2);
+    if (streams.output >= 0) posix_spawn_file_actions_adddup2(&actions, streams.output, 1);
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
     if (own_group) posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+    if (!streams.terminal.empty()) posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);
     std::vector<char*> argv{path_.data()};
     for (std::string& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);

@@ -1,0 +1,72 @@
+// A disk that takes its time, for ever if need be, while the arm is to be stopped.
+#include <gmock/gmock.h>
+
+#include <string>
+
+#include "tests/loopback/whole_cell.h"
+#include "tests/support/held_file.h"
+
+namespace handrail {
+namespace {
+
+using test::HeldFile;
+using ::testing::HasSubstr;
+
+class SlowDisk : public WholeCell {
+ protected:
+  SlowDisk() { slave_extra = "scene_path: '" + folder.path() + "'"; }
+
+  Program load(const std::string& scene) {
+    return Program(folder, "handrail", {"scene", "load", scene, "--socket", socket()});
+  }
+  // The link stays good, and a stop acts at once, for a while.
+  void all_goes_on() {
+    const Nanos start = monotonic_now();
+    while (monotonic_now() - start < 500 * kMillisecond) {
+      const pb::Status now = status();
+      ASSERT_LT(now.packet_age_ms(), 20.0);
+      ASSERT_NE(now.state(), "fault");
+      ASSERT_NE(now.slave_state(), "fault");
+      sleep_until(monotonic_now() + 5 * kMillisecond);
+    }
+    const Nanos asked = monotonic_now();
+    EXPECT_THAT(ask("stop: true").reason(), HasSubstr("the slave has it"));
+    EXPECT_LT(monotonic_now() - asked, 100 * kMillisecond);
+    order("reset: true");
+  }
+};
+
+TEST_F(SlowDisk, ASceneIsWaitedForByNobodyElse) {
+  HeldFile file(folder.write("slow.scene", "name: 'slow'\n"));
+  if (!file.works()) GTEST_SKIP() << "no file can be held here";
+  Program loads = load("slow");
+  ASSERT_EQ(file.holds(kPatience), master->pid());
+  all_goes_on();
+  EXPECT_THAT(refusal("scene_load: 'slow'"), HasSubstr("scene 'slow' is still being read"));
+  order("engage: true");
+  ASSERT_TRUE(slave_reaches("engaged"));
+  order("disengage: true");
+  ASSERT_TRUE(slave_reaches("off"));
+  ASSERT_TRUE(reaches("off"));
+  file.let_go();
+  ASSERT_EQ(file.holds(kPatience), slave->pid());
+  all_goes_on();
+  file.let_go();
+  EXPECT_EQ(loads.finish(), 0) << loads.output();
+  EXPECT_EQ(status().scene(), "slow");
+  order("engage: true");
+}
+
+TEST_F(SlowDisk, NorDoProgramsWaitForItWhenTheyEnd) {
+  HeldFile file(folder.write("slow.scene", "name: 'slow'\n"));
+  if (!file.works()) GTEST_SKIP() << "no file can be held here";
+  Program loads = load("slow");
+  ASSERT_EQ(file.holds(kPatience), master->pid());
+  const Nanos start = monotonic_now();
+  master->send(SIGTERM);
+  EXPECT_EQ(master->finish(), 0);
+  EXPECT_LT(monotonic_now() - start, 5 * kSecond) << "for good, if it waited";
+}
+
+}  // namespace
+}  // namespace handrail
