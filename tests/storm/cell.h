@@ -35,6 +35,7 @@ class Cell {
   bool running(Who who) { return program(who).child && child(who).running(); }
   bool paused(Who who) const { return program(who).paused; }
   std::string output(Who who) const;
+  pid_t pid(Who who) const { return program(who).child->pid(); }
   int code(Who who) const { return program(who).child->code(); }
 
   std::string socket() const { return folder_.path() + "/operator/operator.sock"; }

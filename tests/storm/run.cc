@@ -32,9 +32,11 @@ bool left(const std::string& state) { return state == "off" || state == "fault";
 
 }  // namespace
 
-Run::Run(const Sequence& sequence, bool (*interrupted)())
+Run::Run(const Sequence& sequence, bool (*interrupted)(),
+         std::function<void(const Cell& cell)> look)
     : sequence_(sequence),
       interrupted_(interrupted),
+      look_(std::move(look)),
       cell_(sequence),
       client_(cell_.socket()),
       random_(sequence.seed + 1) {}
@@ -283,6 +285,7 @@ bool Run::follow() {
 
 void Run::live(Nanos until) {
   while (!over() && monotonic_now() < until) {
+    if (look_) look_(cell_);
     // A short pause is not prolonged by looking at it.
     if (until - monotonic_now() > 2 * kTick) tick();
     sleep_until(std::min(until, monotonic_now() + kTick));

@@ -2,6 +2,7 @@
 // finds the way out, and the arm must follow again.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,8 +25,9 @@ struct Outcome {
 
 class Run {
  public:
-  // `interrupted` is asked every few milliseconds.
-  Run(const Sequence& sequence, bool (*interrupted)());
+  // `interrupted` is asked every few milliseconds; `look`, if given, sees the programs as often.
+  Run(const Sequence& sequence, bool (*interrupted)(),
+      std::function<void(const Cell& cell)> look = {});
 
   Outcome go();
   // The taps and outputs of a run that is over, for who looks into it.
@@ -61,6 +63,7 @@ class Run {
 
   Sequence sequence_;
   bool (*interrupted_)();
+  std::function<void(const Cell& cell)> look_;
   Cell cell_;
   OperatorClient client_;
   Random random_;

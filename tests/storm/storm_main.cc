@@ -17,6 +17,7 @@
 #include "tests/storm/crowded.h"
 #include "tests/storm/demos.h"
 #include "tests/storm/results.h"
+#include "tests/storm/soak.h"
 
 namespace {
 
@@ -30,6 +31,7 @@ const char kUsage[] =
     "usage: handrail-storm [--sequences N] [--seed S] [--results FILE] [--keep FOLDER] [--json]\n"
     "       handrail-storm --demos N [--seed S]\n"
     "       handrail-storm --crowded STOPS [--seed S] [--json]\n"
+    "       handrail-storm --soak MINUTES [--seed S]\n"
     "\n"
     "Starts rig, slave and master, drives at speed, pauses, cuts off, ends and restarts them at\n"
     "random, follows `handrail why` out of it and drives again. In every sequence the arm keeps "
@@ -48,6 +50,10 @@ const char kUsage[] =
     "                   windows with and without: how long a stop takes to the slave and how late "
     "the\n"
     "                   loops are; takes four minutes and 0.5 s a stop\n"
+    "  --soak MINUTES   faults and clients without a restart; no program may grow by more than 1 "
+    "MiB "
+    "an\n"
+    "                   hour\n"
     "  --sequences N    seeds S to S+N-1 (50)\n"
     "  --seed S         of the first; drawn and printed when absent\n"
     "  --results FILE   a line a sequence; those in it are not run again\n"
@@ -57,9 +63,10 @@ const char kUsage[] =
     "  --json           the summary alone, for programs\n";
 
 constexpr std::uint64_t kMostStops = 100'000;  // half a day
+constexpr std::uint64_t kMostMinutes = 44'640;  // a month
 
 struct Arguments {
-  std::uint64_t sequences = 50, seed = 0, demos = 0, crowded = 0;
+  std::uint64_t sequences = 50, seed = 0, demos = 0, crowded = 0, soak = 0;
   std::string results;
   // Named here, before the taps go elsewhere.
   std::filesystem::path keep =
@@ -101,6 +108,11 @@ int read_arguments(int argc, char** argv, Arguments& out) {
         return complain("--crowded '" + value + "': expected a number from 1 to " +
                         std::to_string(kMostStops));
       }
+    } else if (name == "--soak") {
+      if (!read_number(value, 1, out.soak) || out.soak > kMostMinutes) {
+        return complain("--soak '" + value + "': expected whole minutes from 1 to " +
+                        std::to_string(kMostMinutes));
+      }
     } else if (name == "--seed") {
       seeded = read_number(value, 0, out.seed);
       if (!seeded) return complain("--seed '" + value + "': expected a number from 0 on");
@@ -110,7 +122,7 @@ int read_arguments(int argc, char** argv, Arguments& out) {
       out.keep = value;
     } else {
       return complain("'" + name +
-                      "': unknown; expected --sequences, --demos, --crowded, --seed, "
+                      "': unknown; expected --sequences, --demos, --crowded, --soak, --seed, "
                       "--results, --keep or --json");
     }
   }
@@ -192,6 +204,19 @@ int run_crowded(const Arguments& arguments) {
   return figures_of(out.windows).reached() ? handrail::kDone : handrail::kFailed;
 }
 
+int run_soak(const Arguments& arguments) {
+  const auto say = [](const std::string& line) {
+    fmt::print("{}\n", line);
+    std::fflush(stdout);
+  };
+  say(fmt::format("soak: {} min from seed {}", arguments.soak, arguments.seed));
+  const auto out = handrail::storm::run_soak(arguments.seed, static_cast<double>(arguments.soak),
+                                             handrail::interrupted, say);
+  std::fputs(for_people(out).c_str(), stdout);
+  if (!out.complete) return handrail::kCancelled;
+  return out.violations.empty() && !grows(out) ? handrail::kDone : handrail::kFailed;
+}
+
 int run(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     if (std::string(argv[i]) != "--help" && std::string(argv[i]) != "-h") continue;
@@ -208,6 +233,7 @@ int run(int argc, char** argv) {
   if (std::filesystem::is_directory("/dev/shm")) ::setenv("TMPDIR", "/dev/shm", 0);
   handrail::catch_interrupts();
   if (arguments.crowded > 0) return run_crowded(arguments);
+  if (arguments.soak > 0) return run_soak(arguments);
   std::error_code error;
   std::filesystem::create_directories(arguments.keep, error);
   if (error) return complain(arguments.keep.string() + ": " + error.message());
