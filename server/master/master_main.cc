@@ -11,6 +11,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "devices/registry.h"
@@ -22,8 +23,8 @@
 #include "server/base/units.h"
 #include "server/daemon/daemon_args.h"
 #include "server/daemon/daemon_log.h"
-#include "server/daemon/run_daemon.h"
 #include "server/daemon/errand.h"
+#include "server/daemon/run_daemon.h"
 #include "server/daemon/service_socket.h"
 #include "server/master/haptic_loop.h"
 #include "server/master/haptic_settings.h"
@@ -135,7 +136,7 @@ class HapticThread {
   HapticThread(const HapticThread&) = delete;
   HapticThread& operator=(const HapticThread&) = delete;
 
-  // What the thread got of what it asked for. Once.
+  // What the thread got of what it asked for, once the loop has its first state to show. Once.
   RealtimeGrant realtime() { return realtime_.get_future().get(); }
   void request_stop() noexcept { loop_->request_stop(); }
   bool finished() const noexcept { return loop_->finished(); }
@@ -145,10 +146,12 @@ class HapticThread {
     sigset_t all;
     sigfillset(&all);
     pthread_sigmask(SIG_BLOCK, &all, nullptr);
-    realtime_.set_value(enter_realtime(kHapticPriority));
+    const RealtimeGrant got = enter_realtime(kHapticPriority);
+    bool told = false;
     while (!loop_->finished()) {
       sleep_until(loop_->due());
       loop_->tick(monotonic_now());
+      if (!std::exchange(told, true)) realtime_.set_value(got);
     }
     device.close();
   }

@@ -73,7 +73,8 @@ void OrderDesk::name_stage(pb::Status& status) const {
 }
 
 void OrderDesk::watch_scene() {
-  if (!loading_ || reading_ || report_->settings_pending || report_->scene_epoch == load_epoch_) return;
+  if (!loading_ || reading_ || report_->settings_pending || report_->scene_epoch == load_epoch_)
+    return;
   if (text_of(report_->out.link.scene) != scene_.name) return;
   load_shown_ = std::min(load_shown_, now_);
   if (report_->walls.present) return std::exchange(loading_, nullptr)(done());

@@ -77,6 +77,9 @@ class GarbageTest : public WholeCell {
     stranger.send(port, bytes);
     sleep_until(monotonic_now() + kPause);
   }
+  bool eventually_engages() {
+    return eventually([this](const pb::Status&) { return ask("engage: true").done(); });
+  }
   std::uint64_t session_of_master() const {
     Codec codec;
     DatagramHeader h;
@@ -189,7 +192,7 @@ TEST_F(GarbageTest, OnTheLinkNoOldSessionComesBack) {
   master_through_relay();
   ASSERT_TRUE(eventually(fresh));
   // The slave keeps to the old session until that has been silent for long enough.
-  order("engage: true");
+  ASSERT_TRUE(eventually_engages());
   ASSERT_TRUE(slave_reaches("engaged"));
   order("disengage: true");
   for (int i = 0; i < 20; ++i) say_to_slave(Reject::kSessionRetired, old_master);
@@ -212,7 +215,7 @@ TEST_F(GarbageTest, OnTheLinkNoOldSessionComesBack) {
   Bytes refusal(kMaxDatagram);
   refusal.resize(Codec().encode(Refusal{session_of_master(), false, 4711, kSecond}, refusal));
   say_to_master(Reject::kRefused, refusal);
-  order("engage: true");
+  ASSERT_TRUE(eventually_engages()) << "it stands until the slave's next word";
   ASSERT_TRUE(slave_reaches("engaged"));
   order("disengage: true");
   expect_counted(sent_to_master, causes_of(*master));

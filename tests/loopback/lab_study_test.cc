@@ -113,7 +113,7 @@ TEST_F(LabStudy, AFitShowsOnATerminalHowFarItIsAndHowFarItMayGo) {
   Program fit(folder, "handrail-lab",
               {"fit", "linear-movement", "--operators", "1", "--evaluations", "2", "--out",
                folder.path() + "/fitted.operators"},
-              ends[1]);
+              Streams{.error = ends[1]});
   EXPECT_EQ(fit.finish(), 0) << fit.output();
   ::fcntl(ends[0], F_SETFL, O_NONBLOCK);
   std::array<char, 4096> seen{};

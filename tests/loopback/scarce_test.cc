@@ -154,8 +154,8 @@ TEST_F(ScarceCell, APortInUseIsNamedByTheRig) {
     const auto second = launch("handrail-rig", robots ? "sensor_port: 0 robot_port: " + port
                                                       : "robot_port: 0 sensor_port: " + port);
     EXPECT_EQ(second->finish(), 2);
-    EXPECT_THAT(second->output(), HasSubstr((robots ? "robot port " : "sensor port ") + port +
-                                            " on 127.0.0.1 is in use"));
+    EXPECT_THAT(second->output(), HasSubstr((robots ? "robot port " : "sensor port ") +
+                                            ("127.0.0.1:" + port) + " is in use"));
   }
 }
 

@@ -57,7 +57,7 @@ class TerminalTest : public WholeCell {
     order("reset: true");
     ASSERT_TRUE(slave_reaches("off"));
   }
-  void all_end_at_once() {
+  void expect_all_to_end_at_once() {
     const Nanos start = monotonic_now();
     for (Program* program : {master.get(), slave.get(), rig.get()}) program->send(SIGTERM);
     for (Program* program : {master.get(), slave.get(), rig.get()}) {
@@ -175,7 +175,7 @@ TEST_F(Nohup, TheArmMovesOnWithoutATerminal) {
   EXPECT_EQ(last.slave_state(), "engaged");
   engage_and_stop();
   EXPECT_TRUE(eventually([](const pb::Status& s) { return s.log_lost() > 0; }));
-  all_end_at_once();
+  expect_all_to_end_at_once();
 }
 
 class SlaveIntoPipe : public TerminalTest {
@@ -214,7 +214,7 @@ class OnStoppedTerminal : public TerminalTest {
 TEST_F(OnStoppedTerminal, OrdersAreAnsweredAndProgramsEnd) {
   for (int i = 0; i < 5; ++i) engage_and_stop();
   EXPECT_EQ(status().log_lost(), 0u) << "they wait, and are not too many";
-  all_end_at_once();
+  expect_all_to_end_at_once();
 }
 
 class OnUnreadTerminal : public TerminalTest {
@@ -228,7 +228,7 @@ class OnUnreadTerminal : public TerminalTest {
 TEST_F(OnUnreadTerminal, OrdersAreAnsweredAndProgramsEndThoughNoLineFits) {
   leave_room(20);
   for (int i = 0; i < 2; ++i) engage_and_stop();
-  all_end_at_once();
+  expect_all_to_end_at_once();
 }
 
 class IntoOnePipe : public TerminalTest {
@@ -242,7 +242,7 @@ class IntoOnePipe : public TerminalTest {
 TEST_F(IntoOnePipe, ThreeProgramsEndThoughNobodyReads) {
   leave_room(4096);
   for (int i = 0; i < 2; ++i) engage_and_stop();
-  all_end_at_once();
+  expect_all_to_end_at_once();
 }
 
 class MasterIntoPipe : public TerminalTest {

@@ -39,7 +39,7 @@ Status Cell::start(Who who) {
   const std::string output = folder_.path() + "/" + name(who) + number + ".out";
   p.child = std::make_unique<Child>("handrail-" + std::string(name(who)),
                                     std::vector<std::string>{"--config", file}, output, true,
-                                    logs_[static_cast<std::size_t>(who)]);
+                                    Streams{.error = logs_[static_cast<std::size_t>(who)]});
   p.paused = false;
   const Nanos give_up = monotonic_now() + kPatience;
   for (std::string rest; !p.child->printed("READY", rest);) {

@@ -8,28 +8,9 @@ namespace {
 
 constexpr double kNormal95 = 1.96;  // two-sided, of the normal distribution
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-std::vector<double> grouped(const std::vector<double>& values) {
-  if (values.size() <= kGroups) return values;
-  std::vector<double> out;
-  for (std::size_t i = 0; i < kGroups; ++i) {
-    const auto at = [&](std::size_t group) {
-      return values.begin() + static_cast<std::ptrdiff_t>(group * values.size() / kGroups);
-    };
-    out.push_back(median({at(i), at(i + 1)}));
-  }
-  return out;
-}
-
 }  // namespace
 
-Slope robust_slope(const std::vector<double>& times, const std::vector<double>& values) {
-  const std::vector<double> t = grouped(times), v = grouped(values);
+Slope robust_slope(const std::vector<double>& t, const std::vector<double>& v) {
   std::vector<double> slopes;
   for (std::size_t i = 0; i < t.size(); ++i) {
     for (std::size_t j = i + 1; j < t.size(); ++j) {

@@ -11,9 +11,8 @@ struct Slope {
 };
 
 // The median of the slopes between every two samples (Theil and Sen), with Sen's interval. It takes
-// samples for independent: a single step makes it too narrow. At most kGroups are compared: of more
-// samples, the medians of as many equal groups. Fewer than three samples have no slope.
-constexpr std::size_t kGroups = 240;
+// samples for independent: a single step makes it too narrow. Fewer than three samples have no
+// slope. Takes memory for every pair of samples.
 Slope robust_slope(const std::vector<double>& times, const std::vector<double>& values);
 
 }  // namespace handrail::storm

@@ -17,7 +17,8 @@ namespace handrail::storm {
 namespace {
 
 constexpr Who kPrograms[] = {Who::kRig, Who::kSlave, Who::kMaster};
-constexpr Nanos kEvery = kSecond;  // a sample, and some clients
+constexpr Nanos kVisits = kSecond;       // between clients
+constexpr Nanos kSample = 15 * kSecond;  // of memory: 40 in ten minutes, 5760 in a day
 constexpr Nanos kTell = 30 * kSecond;
 // Until every buffer has once been as large as it gets; of a short run a quarter.
 constexpr Nanos kWarmUp = 60 * kSecond;
@@ -97,15 +98,18 @@ class Watch {
 
   void look(const Cell& cell) {
     const Nanos now = monotonic_now();
-    if (now < next_) return;
-    next_ = now + kEvery;
+    if (now >= next_visit_ && !cell.paused(Who::kMaster)) {
+      next_visit_ = now + kVisits;
+      crowd(cell.socket());
+    }
+    if (now < next_sample_) return;
+    next_sample_ = now + kSample;
     std::array<double, 3> mib{};
     for (const Who who : kPrograms) mib[index(who)] = resident_mib(cell.pid(who));
     if (now >= warm_at_) {
       hours_.push_back(to_seconds(now - start_) / 3600.0);
       for (const Who who : kPrograms) mib_[index(who)].push_back(mib[index(who)]);
     }
-    if (!cell.paused(Who::kMaster)) crowd(cell.socket());
     if (now < next_line_) return;
     next_line_ = now + kTell;
     say_(fmt::format("soak: {:.1f} of {:g} min; rig {:.1f}, slave {:.1f}, master {:.1f} MiB",
@@ -140,7 +144,7 @@ class Watch {
   const double minutes_;
   Random random_;
   const std::function<void(const std::string&)>& say_;
-  Nanos next_ = 0, next_line_ = 0;
+  Nanos next_visit_ = 0, next_sample_ = 0, next_line_ = 0;
   std::uint64_t clients_ = 0;
   std::vector<double> hours_;
   std::array<std::vector<double>, 3> mib_;

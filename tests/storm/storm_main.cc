@@ -63,7 +63,7 @@ const char kUsage[] =
     "  --json           the summary alone, for programs\n";
 
 constexpr std::uint64_t kMostStops = 100'000;  // half a day
-constexpr std::uint64_t kMostMinutes = 44'640;  // a month
+constexpr std::uint64_t kMostMinutes = 1440;   // a day
 
 struct Arguments {
   std::uint64_t sequences = 50, seed = 0, demos = 0, crowded = 0, soak = 0;

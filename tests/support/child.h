@@ -20,7 +20,7 @@ struct Streams {
   int output = -1, error = -1;  // open here; -1: to the file
   // Of a pseudo-terminal. The child leads a session that it controls, reads it, and writes its
   // error output there.
-  std::string terminal;
+  std::string terminal = {};
 };
 
 // Standard output and error go to one file, so that a program never waits for its reader. Ends the
