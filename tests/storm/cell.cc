@@ -67,7 +67,10 @@ std::string Cell::config(Who who) {
   std::string scene = fmt::format("scene: 'storm' scene_path: '{}'", folder_.path());
   std::string hand =
       "device { hand { reaction_ms: 0 tremor_rms_mm: 0 drift_rms_mm: 0 drift_rms_deg: 0 } }";
-  if (as_shipped_) scene = hand = "";
+  if (as_shipped_) {
+    scene = fmt::format("scene_path: '{}'", folder_.path());
+    hand = "";
+  }
   switch (who) {
     case Who::kRig:
       taps_.push_back(fmt::format("{}/rig{}.tap", folder_.path(), taps_.size() + 1));

@@ -19,6 +19,7 @@
 #include "server/link/codec.h"
 #include "tests/storm/cell.h"
 #include "tests/support/crowd.h"
+#include "tests/support/held_file.h"
 #include "tests/support/stuck_log.h"
 #include "tests/support/udp_relay.h"
 
@@ -31,6 +32,7 @@ constexpr Nanos kSettle = 2 * kSecond;   // until all of the crowd has come
 constexpr int kClients = 1000;
 constexpr Nanos kPeriod = 200 * kMillisecond;  // of each client: 5000 acts a second
 constexpr Nanos kPatience = 20 * kSecond;
+constexpr char kSlowScene[] = "slow";
 // What is to be shown.
 constexpr double kStopIn = 10.0;   // [ms]
 constexpr double kGrowsBy = 50.0;  // [us]
@@ -97,6 +99,7 @@ class Window {
     if (Status s = start(); !s) return s;
     std::unique_ptr<Crowd> crowd;
     if (out_.crowded) {
+      if (Status s = hold_disk(); !s) return s;
       crowd = std::make_unique<Crowd>(cell_.socket(), kClients, kPeriod, random_.bits());
     }
     if (Status s = engage(); !s) return s;
@@ -115,6 +118,7 @@ class Window {
     if (Status s = read_robot(begin); !s) return s;
     if (crowd) out_.acts = crowd->counts().acts;
     crowd.reset();
+    if (disk_) disk_->let_go();
     return end();
   }
   const CrowdedWindow& result() const { return out_; }
@@ -124,6 +128,21 @@ class Window {
     Sequence out;
     out.seed = seed;
     return out;
+  }
+
+  // A scene that the master reads from a disk which does not answer.
+  Status hold_disk() {
+    const std::string scene = fmt::format("name: '{}'\n", kSlowScene);
+    disk_ = std::make_unique<test::HeldFile>(
+        cell_.folder().write(fmt::format("{}.scene", kSlowScene), scene));
+    out_.disk_held = disk_->works();
+    if (!out_.disk_held) return Status::ok();
+    load_ = std::make_unique<Child>("handrail",
+                                    std::vector<std::string>{"scene", "load", kSlowScene, "--as",
+                                                             "ada", "--socket", cell_.socket()},
+                                    cell_.folder().path() + "/load.out", true);
+    if (disk_->holds(kPatience) == cell_.pid(Who::kMaster)) return Status::ok();
+    return Status::error("the master does not read the scene: " + load_->output());
   }
 
   Status start() {
@@ -221,6 +240,8 @@ class Window {
   StopWatch watch_;
   Cell cell_;
   std::unique_ptr<UdpRelay> wire_;
+  std::unique_ptr<Child> load_;
+  std::unique_ptr<test::HeldFile> disk_;  // after what waits for it
   std::unique_ptr<OperatorClient> driver_ = std::make_unique<OperatorClient>(cell_.socket(), "ada");
   bool (*interrupted_)();
   double way_ = 10.0;  // of the hand, there and back [mm]
@@ -250,6 +271,13 @@ std::vector<double> of(const std::vector<CrowdedWindow>& windows, bool crowded,
     if (w.crowded == crowded) out.push_back(w.*figure);
   }
   return out;
+}
+
+bool disk_held(const CrowdedOutcome& outcome) {
+  const auto with = [](const CrowdedWindow& w) { return w.crowded; };
+  const auto held = [](const CrowdedWindow& w) { return !w.crowded || w.disk_held; };
+  return std::any_of(outcome.windows.begin(), outcome.windows.end(), with) &&
+         std::all_of(outcome.windows.begin(), outcome.windows.end(), held);
 }
 
 double median_growth(const std::vector<CrowdedWindow>& windows, double CrowdedWindow::*figure) {
@@ -322,16 +350,16 @@ bool CrowdedFigures::reached() const {
 
 std::string for_people(const CrowdedOutcome& outcome) {
   const CrowdedFigures f = figures_of(outcome.windows);
+  const bool held = disk_held(outcome);
   std::string out = fmt::format(
-      "{} stops, {} clients, logs into a stopped terminal, a full pipe and a full disk; from "
-      "before "
-      "the operator connects\n"
+      "{} stops, {} clients, logs into a stopped terminal, a full pipe and a full disk{}; from "
+      "before the operator connects\n"
       "  until the stop is on the wire to the slave:   {}\n"
       "  until the slave says on it that it stops:     {}\n"
       "  until the operator is answered:               {}\n"
       "  the same without all that, slave says so:     {}\n",
-      f.taken.count, kClients, in_words(f.sent), in_words(f.taken), in_words(f.answered),
-      in_words(f.calm_taken));
+      f.taken.count, kClients, held ? ", a scene from a disk that does not answer" : "",
+      in_words(f.sent), in_words(f.taken), in_words(f.answered), in_words(f.calm_taken));
   const auto loop = [&](const char* what, double CrowdedWindow::*figure, double grows) {
     return fmt::format(
         "  {}: p99.9 without {:.0f} us, with {:.0f} us\n    median difference of {} "
@@ -341,6 +369,9 @@ std::string for_people(const CrowdedOutcome& outcome) {
   };
   out += loop("haptic ticks late", &CrowdedWindow::haptic_us, f.haptic_grows_us);
   out += loop("robot commands after their cycle began", &CrowdedWindow::robot_us, f.robot_grows_us);
+  if (!held) {
+    out += "  no disk was slow: only root can hold the scene that the master reads\n";
+  }
   if (!outcome.realtime) {
     out += "  this program was granted no real time: what kept it waiting is in these times\n";
   }
@@ -357,16 +388,17 @@ std::string to_json(const CrowdedOptions& options, const CrowdedOutcome& outcome
     return fmt::format("[{:.1f}]", fmt::join(of(outcome.windows, crowded, figure), ", "));
   };
   return fmt::format(
-      "{{\"seed\": {}, \"clients\": {}, \"realtime\": {}, \"on_the_wire_ms\": {}, "
+      "{{\"seed\": {}, \"clients\": {}, \"slow_disk\": {}, \"realtime\": {}, "
+      "\"on_the_wire_ms\": {}, "
       "\"slave_says_ms\": {}, \"answered_ms\": {}, \"slave_says_without_ms\": {}, "
       "\"haptic_p999_us\": {{\"without\": {}, \"with\": {}, \"median_difference\": {:.1f}}}, "
       "\"robot_p999_us\": {{\"without\": {}, \"with\": {}, \"median_difference\": {:.1f}}}, "
       "\"reached\": {}}}\n",
-      options.seed, kClients, outcome.realtime, in_json(f.sent), in_json(f.taken),
-      in_json(f.answered), in_json(f.calm_taken), list(false, &CrowdedWindow::haptic_us),
-      list(true, &CrowdedWindow::haptic_us), f.haptic_grows_us,
-      list(false, &CrowdedWindow::robot_us), list(true, &CrowdedWindow::robot_us), f.robot_grows_us,
-      f.reached());
+      options.seed, kClients, disk_held(outcome), outcome.realtime, in_json(f.sent),
+      in_json(f.taken), in_json(f.answered), in_json(f.calm_taken),
+      list(false, &CrowdedWindow::haptic_us), list(true, &CrowdedWindow::haptic_us),
+      f.haptic_grows_us, list(false, &CrowdedWindow::robot_us),
+      list(true, &CrowdedWindow::robot_us), f.robot_grows_us, f.reached());
 }
 
 }  // namespace handrail::storm

@@ -1,4 +1,5 @@
-// Stops, and how late the control loops are, while logs are stuck and a thousand clients crowd in.
+// Stops, and how late the control loops are, while logs and a disk are stuck and a thousand
+// clients crowd in.
 #pragma once
 
 #include <cstdint>
@@ -15,6 +16,7 @@ struct CrowdedOptions {
 // One start of all programs.
 struct CrowdedWindow {
   bool crowded = false;
+  bool disk_held = false;  // the master waited all the time for a scene from a disk
   double haptic_us = 0.0;  // p99.9 of how late the haptic loop's ticks began
   double robot_us = 0.0;   // p99.9 of when the controller got the robot loop's command, after its
                            // cycle had begun
