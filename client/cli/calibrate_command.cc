@@ -68,12 +68,12 @@ class Progress {
   explicit Progress(const Console& console) : console_(console) {}
   // On a terminal only.
   void now(const std::string& text) {
-    if (!console_.is_terminal || text == last_) return;
+    if (!console_.err_is_terminal || text == last_) return;
     last_ = text;
     console_.err << "\r\033[K" << text << std::flush;
   }
   void line(const std::string& text) {
-    if (console_.is_terminal) console_.err << "\r\033[K";
+    if (console_.err_is_terminal) console_.err << "\r\033[K";
     console_.err << text << std::endl;
     last_.clear();
   }
@@ -188,11 +188,6 @@ Status check_new(const char* flag, const std::optional<std::string>& path) {
   return Status::error(std::string(flag) + ": " + *path + " is there already, expected a new file");
 }
 
-Status write(const std::optional<std::string>& path, const std::string& text) {
-  if (!path) return Status::ok();
-  return write_file(*path, text);
-}
-
 }  // namespace
 
 ExitCode run_calibrate_payload(const Options& o, const Console& console) {
@@ -207,6 +202,13 @@ ExitCode run_calibrate_payload(const Options& o, const Console& console) {
   for (const Status& s : {check_new("--out", o.out), check_new("--record", o.record)}) {
     if (!s) return complain(console, s.message());
   }
+  // Known before a person turns the arm for minutes.
+  std::optional<NewFile> out, record;
+  if (o.out) out.emplace(*o.out);
+  if (o.record) record.emplace(*o.record);
+  for (const auto* file : {&out, &record}) {
+    if (*file && !(*file)->opened()) return complain(console, (*file)->opened().message());
+  }
   Samples samples;
   ExitCode watched = kExitDone;
   if (o.from) {
@@ -217,8 +219,8 @@ ExitCode run_calibrate_payload(const Options& o, const Console& console) {
     watched = watch(o, console, static_cast<std::size_t>(*poses), samples);
   }
   // Also when they are none of a calibration, or too few: they show why.
-  if (!samples.empty()) {
-    if (const Status s = write(o.record, payload_samples_text(samples)); !s) {
+  if (record && !samples.empty()) {
+    if (const Status s = record->finish(payload_samples_text(samples)); !s) {
       return complain(console, s.message());
     }
   }
@@ -234,7 +236,9 @@ ExitCode run_calibrate_payload(const Options& o, const Console& console) {
                                    fit->payload.mass));
   }
   const std::string block = payload_text(fit->payload);
-  if (const Status s = write(o.out, block); !s) return complain(console, s.message());
+  if (out) {
+    if (const Status s = out->finish(block); !s) return complain(console, s.message());
+  }
   if (o.json) {
     console.out << json_text(report_of(*fit, samples), true) << '\n';
     return kExitDone;

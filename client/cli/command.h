@@ -31,7 +31,8 @@ struct Options {
 struct Console {
   std::ostream& out;
   std::ostream& err;
-  bool is_terminal = false;  // `out` understands cursor movement
+  bool is_terminal = false;      // `out` understands cursor movement
+  bool err_is_terminal = false;  // `err` does
 };
 
 // Options a command takes, besides --socket which all take.

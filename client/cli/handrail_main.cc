@@ -10,6 +10,7 @@
 
 int main(int argc, char** argv) {
   const std::vector<std::string> args(argv + (argc > 0 ? 1 : 0), argv + argc);
-  const handrail::Console console{std::cout, std::cerr, ::isatty(STDOUT_FILENO) == 1};
+  const handrail::Console console{std::cout, std::cerr, ::isatty(STDOUT_FILENO) == 1,
+                                  ::isatty(STDERR_FILENO) == 1};
   return handrail::end_output("handrail", handrail::run_cli(args, console));
 }

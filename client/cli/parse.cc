@@ -89,7 +89,26 @@ std::string default_socket() {
   return default_operator_socket();
 }
 
-// Names a word that is no command, and the nearest that is one; empty when all are.
+std::string joined(const std::vector<std::string>& words) {
+  std::string out;
+  for (const std::string& word : words) out += (out.empty() ? "" : ", ") + word;
+  return out;
+}
+
+// The first words of the commands after `group`, which ends with a blank or is empty.
+std::vector<std::string> words_after(const std::string& group) {
+  std::vector<std::string> out;
+  for (const Command& command : commands()) {
+    const std::string name = command.name;
+    if (!name.starts_with(group)) continue;
+    out.push_back(name.substr(group.size(), name.find(' ', group.size()) - group.size()));
+  }
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
+}
+
+// Names a word that is no command, and the nearest that is one, or what is missing; empty when
+// there is nothing to say.
 std::string unknown_command(const std::vector<std::string>& args) {
   std::string group;
   for (std::size_t i = 0; i < args.size(); ++i) {
@@ -97,34 +116,21 @@ std::string unknown_command(const std::vector<std::string>& args) {
       ++i;  // its value
       continue;
     }
-    if (args[i].starts_with('-')) continue;
-    std::vector<std::string> words;
-    bool is_leaf = false, is_group = false;
-    for (const Command& command : commands()) {
-      std::string name = command.name;
-      if (!group.empty()) {
-        if (!name.starts_with(group)) continue;
-        name = name.substr(group.size());
-      }
-      const std::size_t blank = name.find(' ');
-      words.push_back(name.substr(0, blank));
-      if (words.back() != args[i]) continue;
-      is_leaf = is_leaf || blank == std::string::npos;
-      is_group = is_group || blank != std::string::npos;
+    if (args[i] == "--json" || args[i] == "--watch") continue;
+    if (args[i].starts_with('-')) return {};  // with a value or without, the parser knows
+    const std::vector<std::string> words = words_after(group);
+    if (std::find(words.begin(), words.end(), args[i]) == words.end()) {
+      const std::string nearest = nearest_name(args[i], words);
+      return "no command '" + group + args[i] + "'" +
+             (nearest.empty() ? "; there are " + joined(words)
+                              : "; did you mean '" + group + nearest + "'?");
     }
-    if (is_leaf) return {};
-    if (is_group) {
-      group = args[i] + ' ';
-      continue;
-    }
-    const std::string nearest = nearest_name(args[i], words);
-    std::string known;
-    words.erase(std::unique(words.begin(), words.end()), words.end());
-    for (const std::string& word : words) known += (known.empty() ? "" : ", ") + word;
-    return "no command '" + group + args[i] + "'" +
-           (nearest.empty() ? "; there are " + known : "; did you mean '" + group + nearest + "'?");
+    if (words_after(group + args[i] + ' ').empty()) return {};
+    group += args[i] + ' ';
   }
-  return {};
+  return "expected a command after 'handrail" +
+         (group.empty() ? "" : " " + group.substr(0, group.size() - 1)) +
+         "': " + joined(words_after(group)) + " (see handrail --help)";
 }
 
 }  // namespace
@@ -141,6 +147,7 @@ ExitCode run_cli(const std::vector<std::string>& args, const Console& console) {
       ->type_name("NAME")
       ->check(
           CLI::Validator([](std::string& who) { return operator_name_problem(who); }, "", "name"));
+  app.set_version_flag("--version", "handrail " HANDRAIL_VERSION);
   app.footer("Exit: 0 done, 1 refused, 2 usage or bad file, 3 no master, 130 ended by Ctrl-C.");
   std::map<std::string, CLI::App*> groups;
   std::vector<std::pair<CLI::App*, const Command*>> leaves;

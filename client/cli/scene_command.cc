@@ -143,7 +143,8 @@ ExitCode run_scene_load(const Options& options, const Console& console) {
   }
   pb::Request request;
   request.set_scene_load(*options.word);
-  return send_order(options, console, request, "scene " + *options.word + " loaded");
+  // The master waits 2 s for its disk and 3 s for the slave.
+  return send_order(options, console, request, "scene " + *options.word + " loaded", 8 * kSecond);
 }
 
 }  // namespace handrail

@@ -77,7 +77,7 @@ void print_field(const Message& m, const FieldDescriptor& f, const std::string& 
   if (!is_set && !all) return;
   const bool empty = f.is_repeated() && !is_set;
   const std::string unit = empty ? std::string() : f.options().GetExtension(pb::range).unit();
-  out << std::left << std::setw(36) << name << (empty ? "-" : value_text(m, f))
+  out << std::left << std::setw(35) << name << ' ' << (empty ? "-" : value_text(m, f))
       << (unit.empty() ? "" : " ") << unit << (is_set ? "" : "  (default)") << '\n';
 }
 

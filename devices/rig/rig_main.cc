@@ -17,7 +17,6 @@
 
 namespace {
 
-constexpr int kBadInput = 2;
 constexpr int kPriority = 75;  // between the daemons' control and IO threads
 
 const char kWhat[] =
@@ -26,10 +25,7 @@ const char kWhat[] =
     "force/torque sensor that streams RDT. An alarm silences the controller; SIGUSR1 resets it.\n"
     "SIGUSR2 pulls the network cables of both, and plugs them in again.";
 
-int fail(const std::string& message) {
-  std::fprintf(stderr, "handrail-rig: %s\n", message.c_str());
-  return kBadInput;
-}
+int fail(const std::string& message) { return handrail::fail_start("handrail-rig", message); }
 
 int run(int argc, char** argv) {
   using namespace handrail;

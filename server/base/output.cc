@@ -1,6 +1,7 @@
 #include "server/base/output.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -16,18 +17,20 @@ Status cannot_write(const std::string& path, int error) {
   return Status::error(path + ": cannot write: " + std::strerror(error));
 }
 
-// 0, or why not.
+}  // namespace
+
 int write_all(int file, const std::string& text) {
   std::size_t done = 0;
   while (done < text.size()) {
     const ssize_t n = ::write(file, text.data() + done, text.size() - done);
-    if (n < 0 && errno != EINTR) return errno;
     if (n > 0) done += static_cast<std::size_t>(n);
+    if (n >= 0 || errno == EINTR) continue;
+    if (errno != EAGAIN) return errno;
+    ::pollfd room{file, POLLOUT, 0};
+    (void)::poll(&room, 1, -1);
   }
   return 0;
 }
-
-}  // namespace
 
 NewFile::NewFile(const std::string& path) : path_(path) {
   std::error_code ignored;

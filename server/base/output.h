@@ -31,6 +31,10 @@ class NewFile {
   Status opened_ = Status::ok();
 };
 
+// Writes all of it, for as long as it takes; 0, or the error (errno) that keeps the rest. `file`:
+// open for writing.
+int write_all(int file, const std::string& text);
+
 Status write_file(const std::string& path, const std::string& text);
 
 // To be called last in main: what was printed is written out. `code`, or 1 with a line on the

@@ -5,6 +5,7 @@
 #include <exception>
 #include <functional>
 #include <memory>
+#include <new>
 #include <optional>
 #include <semaphore>
 #include <string>
@@ -76,6 +77,8 @@ class Errand {
       if (state.step.load() != Step::kUnderWay) return;  // its owner is gone
       try {
         state.result.emplace(std::exchange(state.work, nullptr)());
+      } catch (const std::bad_alloc&) {
+        state.result.emplace(Status::error("no memory left"));  // short: it takes none
       } catch (const std::exception& refused) {
         state.result.emplace(Status::error(std::string("cannot be done now: ") + refused.what()));
       }

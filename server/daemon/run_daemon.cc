@@ -2,29 +2,23 @@
 
 #include <unistd.h>
 
-#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <new>
 
+#include "server/base/endings.h"
+#include "server/base/output.h"
+
 namespace handrail {
 namespace {
 
 constexpr int kFailed = 1;
-
-Status write_out(const std::string& text) {
-  std::size_t done = 0;
-  while (done < text.size()) {
-    const ssize_t count = ::write(STDOUT_FILENO, text.data() + done, text.size() - done);
-    if (count < 0 && errno != EINTR) return Status::error(std::strerror(errno));
-    if (count > 0) done += static_cast<std::size_t>(count);
-  }
-  return Status::ok();
-}
+constexpr int kBadInput = 2;
 
 void complain(const std::string& program, const char* why) {
+  take_endings();
   std::fprintf(stderr,
                "%s: the system refuses what it needs: %s; `ulimit -a` shows the limits it has\n",
                program.c_str(), why);
@@ -33,7 +27,16 @@ void complain(const std::string& program, const char* why) {
 }  // namespace
 
 void Announcement::make(const std::string& line) {
-  (void)errand_.poll([text = line + "\n"] { return write_out(text); });
+  (void)errand_.poll([text = line + "\n"] {
+    const int error = write_all(STDOUT_FILENO, text);
+    return error == 0 ? Status::ok() : Status::error(std::strerror(error));
+  });
+}
+
+int fail_start(const std::string& program, const std::string& why) {
+  take_endings();
+  std::fprintf(stderr, "%s: %s\n", program.c_str(), why.c_str());
+  return kBadInput;
 }
 
 int run_daemon(const std::string& program, const std::function<int()>& work) {

@@ -20,6 +20,11 @@ class Announcement {
   Errand<Status> errand_;
 };
 
+// For a start that fails: says why on standard error; the exit code of a bad argument,
+// configuration or address. Signals that end the program are taken from here on: whoever started it
+// may not read.
+int fail_start(const std::string& program, const std::string& why);
+
 // `work` is all that a daemon does, its log included; its exit code. What the system refuses there
 // (descriptors, memory, threads) is said on standard error, and the code is 1. To be called last in
 // main: may end the process itself.

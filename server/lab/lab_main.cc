@@ -2,11 +2,13 @@
 #include <signal.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -31,6 +33,13 @@ const CLI::Validator kFinite(
       double value = 0.0;
       const bool number = CLI::detail::lexical_cast(text, value);
       return number && std::isfinite(value) ? std::string() : text + " is no finite number";
+    },
+    "");
+
+const CLI::Validator kPngFile(
+    [](std::string& text) {
+      return text.ends_with(".png") ? std::string()
+                                    : text + " is no name of a PNG file, as map.png";
     },
     "");
 
@@ -201,7 +210,7 @@ void add_scene_tools(CLI::App& app, SceneToolCommand& tool) {
   CLI::App* preview =
       app.add_subcommand("scene-preview", "draw a scene's walls, forces and a proxy's way");
   preview->add_option("SCENE", tool.scene, "name, or a file")->required();
-  preview->add_option("--out", tool.out, "PNG file to write")->required();
+  preview->add_option("--out", tool.out, "PNG file to write")->required()->check(kPngFile);
   CLI::App* resolve = app.add_subcommand(
       "scene-resolve", "copy a scene with the cheapest setting that meets a wish");
   resolve->add_option("SCENE", tool.scene, "name, or a file")->required();
@@ -304,14 +313,16 @@ void add_bumper(CLI::App& app, BumperCommand& bumper) {
   sub->add_option("--figures", bumper.figures, "folder for the figure (SVG)");
 }
 
-// Names a first word that is no command, and the nearest that is one, or all; empty when it is one.
-std::string unknown_command(const CLI::App& app, int argc, char** argv) {
-  if (argc < 2 || argv[1][0] == '-') return {};
-  const std::string word = argv[1];
+// Names the first of `words` that is no command of `app`, or of the command before it, and the
+// nearest that is one, or all; empty when there is none.
+std::string unknown_command(const CLI::App& app, std::span<char* const> words) {
+  const auto subs = app.get_subcommands([](const CLI::App*) { return true; });
+  if (subs.empty() || words.empty() || words[0][0] == '-') return {};
+  const std::string word = words[0];
   std::vector<std::string> names;
   std::string known;
-  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) {
-    if (sub->get_name() == word) return {};
+  for (const CLI::App* sub : subs) {
+    if (sub->get_name() == word) return unknown_command(*sub, words.subspan(1));
     names.push_back(sub->get_name());
     known += (known.empty() ? "" : ", ") + sub->get_name();
   }
@@ -344,14 +355,21 @@ int run(int argc, char** argv) {
   add_bumper(app, bumper);
   PriceCommand prices;
   add_price_check(app, prices);
-  if (const std::string unknown = unknown_command(app, argc, argv); !unknown.empty()) {
+  const std::span<char* const> words(argv + 1, static_cast<std::size_t>(std::max(argc - 1, 0)));
+  if (const std::string unknown = unknown_command(app, words); !unknown.empty()) {
     std::fprintf(stderr, "handrail-lab: %s\n", unknown.c_str());
     return 2;
   }
   try {
     app.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+    std::string command;
+    for (const CLI::App* sub : app.get_subcommands()) command += " " + sub->get_name();
+    std::fprintf(stderr, "handrail-lab: %s (see handrail-lab%s --help)\n", error.what(),
+                 command.c_str());
+    return 2;
   }
   if (app.got_subcommand("hand")) return run_hand_command(hand);
   let_ctrl_c_cancel();

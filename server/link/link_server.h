@@ -63,7 +63,8 @@ class LinkServer {
     peer_.withhold(now);
   }
 
-  // Until `finished` says so.
+  // Until `finished` says so. Throws std::bad_alloc where there is no memory for the next tick: who
+  // cannot serve a stop must not go on.
   void run(Hooks hooks) {
     hooks_ = std::move(hooks);
     for (const int signal : ending_signals()) signals_.add(signal);
@@ -73,8 +74,7 @@ class LinkServer {
     take_endings();
     transport_.on_readable([this] { in_memory([this] { receive(monotonic_now()); }); });
     wait_for_tick(monotonic_now());
-    while (!in_memory([this] { io_.run(); })) {
-    }
+    io_.run();
     const LinkSnapshot& link = snapshot();
     const std::string causes = causes_text(peer_.rejects());
     hooks_.say(false, "link: " + std::to_string(link.accepted) + " datagrams accepted, " +
@@ -104,17 +104,15 @@ class LinkServer {
     });
   }
 
-  // What finds no memory is left undone; the next tick comes all the same. False: it was so.
+  // What finds no memory is left undone; the next tick comes all the same.
   template <typename F>
-  bool in_memory(F f) {
+  void in_memory(F f) {
     try {
       f();
-      return true;
     } catch (const std::bad_alloc&) {
       if (!std::exchange(said_full_, true)) {
         hooks_.say(true, "no memory left: what needs some is not done until there is");
       }
-      return false;
     }
   }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "server/base/time.h"
 
@@ -29,6 +30,10 @@ class StallWatch {
   // made. A line when a loop has stood still, with how long it was, and when it still does after
   // kPause. Allocates then.
   std::optional<std::string> step(Nanos now, Nanos good_until, const std::string& loop) {
+    // One that ended before anybody looked: the newest state came too long after the one before.
+    const Nanos between = good_until - std::exchange(last_good_, good_until);
+    if (stood_ == 0 && between > kStateStands) ++count_;
+    if (between > kStateStands) longest_ = std::max(longest_, between);
     stalled_ = now > good_until;
     if (stalled_) {
       const Nanos stood = now - good_until + kStateStands;
@@ -63,6 +68,7 @@ class StallWatch {
   int count_ = 0;      // since the last line
   Nanos longest_ = 0;  // of them
   Nanos next_ = -kForever;
+  Nanos last_good_ = kForever;  // at the last look
 };
 
 }  // namespace handrail

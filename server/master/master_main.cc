@@ -5,7 +5,6 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <csignal>
 #include <cstdio>
 #include <future>
 #include <memory>
@@ -20,6 +19,7 @@
 #include "server/base/endings.h"
 #include "server/base/output.h"
 #include "server/base/realtime.h"
+#include "server/base/signals_blocked.h"
 #include "server/base/units.h"
 #include "server/daemon/daemon_args.h"
 #include "server/daemon/daemon_log.h"
@@ -40,7 +40,6 @@
 namespace handrail {
 namespace {
 
-constexpr int kBadInput = 2;
 constexpr int kHapticPriority = 85;
 // The thread has its grants by then: locking memory takes some 15 ms.
 constexpr Nanos kSetUp = 50 * kMillisecond;
@@ -60,10 +59,7 @@ void raise_descriptor_limit() {
   ::setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-int fail(const std::string& message) {
-  std::fprintf(stderr, "handrail-master: %s\n", message.c_str());
-  return kBadInput;
-}
+int fail(const std::string& message) { return fail_start("handrail-master", message); }
 
 HapticDeviceOptions device_options(const pb::DeviceConfig& config) {
   HapticDeviceOptions out;
@@ -127,8 +123,10 @@ Nanos milliseconds(double value) { return static_cast<Nanos>(value * 1e6); }
 class HapticThread {
  public:
   HapticThread(HapticDevice& device, const HapticSettings& settings, MasterMailboxes& boxes)
-      : loop_(std::make_unique<HapticLoop>(device, settings, boxes, monotonic_now() + kSetUp)),
-        thread_([this, &device] { run(device); }) {}
+      : loop_(std::make_unique<HapticLoop>(device, settings, boxes, monotonic_now() + kSetUp)) {
+    const SignalsBlocked blocked;
+    thread_ = std::thread([this, &device] { run(device); });
+  }
   ~HapticThread() {
     loop_->request_stop();
     thread_.join();
@@ -143,9 +141,6 @@ class HapticThread {
 
  private:
   void run(HapticDevice& device) {
-    sigset_t all;
-    sigfillset(&all);
-    pthread_sigmask(SIG_BLOCK, &all, nullptr);
     const RealtimeGrant got = enter_realtime(kHapticPriority);
     bool told = false;
     while (!loop_->finished()) {

@@ -72,7 +72,7 @@ class OperatorServer::Client : public std::enable_shared_from_this<Client> {
   void await_frame() {
     heard_ = monotonic_now();
     socket_.async_wait(Socket::wait_read, [self = shared_from_this()](Error error) {
-      if (!error) self->read_header();
+      if (!error) self->in_memory([&] { self->read_header(); });
     });
   }
   // Answers and, with `last`, closes afterwards.
@@ -84,7 +84,7 @@ class OperatorServer::Client : public std::enable_shared_from_this<Client> {
                       [self = shared_from_this(), last](Error error, std::size_t) {
                         self->timer_.cancel();
                         if (error || last) return self->close();
-                        self->await_frame();
+                        self->in_memory([&] { self->await_frame(); });
                       });
   }
   void close() {
@@ -109,20 +109,20 @@ class OperatorServer::Client : public std::enable_shared_from_this<Client> {
   // Has given an order, and speaks for who may.
   bool drives() const { return gives_orders_ && server_.handler_.may_drive(as_); }
   Nanos heard() const { return heard_; }  // newest whole frame, or when it came
+  // Hands its request to the handler, which answers when it has the answer.
   void have_handled();
-
- private:
-  class Ticket;
-
   // Whoever cannot be served for want of memory is cut off, and does not wait in vain.
   template <typename F>
   void in_memory(const F& f) {
     try {
-      f(*this);
+      f();
     } catch (const std::bad_alloc&) {
       close();
     }
   }
+
+ private:
+  class Ticket;
 
   void limit_time() {
     timer_.expires_after(std::chrono::nanoseconds(kPatience));
@@ -136,7 +136,7 @@ class OperatorServer::Client : public std::enable_shared_from_this<Client> {
     asio::async_read(socket_, asio::buffer(header_),
                      [self = shared_from_this()](Error error, std::size_t) {
                        if (error) return self->close();
-                       self->read_body();
+                       self->in_memory([&] { self->read_body(); });
                      });
   }
   void read_body() {
@@ -150,7 +150,7 @@ class OperatorServer::Client : public std::enable_shared_from_this<Client> {
                      [self = shared_from_this()](Error error, std::size_t) {
                        if (error) return self->close();
                        self->timer_.cancel();
-                       self->in_memory([](Client& client) { client.parse(); });
+                       self->in_memory([&] { self->parse(); });
                      });
   }
   void parse();
@@ -174,7 +174,11 @@ class OperatorServer::Client::Ticket {
  public:
   explicit Ticket(std::weak_ptr<Client> client) : client_(std::move(client)) {}
   ~Ticket() {
-    in_io_thread([](Client& client) { client.close(); });
+    try {
+      in_io_thread([](Client& client) { client.close(); });
+    } catch (const std::bad_alloc&) {
+      // Its client waits for as long as it has patience.
+    }
   }
   Ticket(const Ticket&) = delete;
   Ticket& operator=(const Ticket&) = delete;
@@ -193,7 +197,7 @@ class OperatorServer::Client::Ticket {
     const auto client = client_.lock();
     if (!client) return;
     asio::post(client->socket_.get_executor(),
-               [client, f = std::move(f)] { client->in_memory(f); });
+               [client, f = std::move(f)] { client->in_memory([&] { f(*client); }); });
   }
   std::weak_ptr<Client> client_;
   std::atomic<bool> used_{false};
@@ -300,11 +304,12 @@ void OperatorServer::take(const std::shared_ptr<Client>& client) {
 
 void OperatorServer::serve_waiting() {
   for (auto* queue : {&driving_, &others_}) {
-    for (; turns_ > 0 && !queue->empty(); queue->pop_front()) {
+    while (turns_ > 0 && !queue->empty()) {
       const auto client = queue->front().lock();
+      queue->pop_front();
       if (!client || !client->is_open()) continue;
       --turns_;
-      client->have_handled();
+      client->in_memory([&] { client->have_handled(); });
     }
   }
   const bool waits = turns_ < kRequestsPerMs;

@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -44,7 +45,7 @@ void OrderDesk::handle(const pb::Request& request, ReplyTo reply) {
     }
   }
   if (!refusal.empty()) return reply(refused(refusal));
-  obey(request, std::move(reply));
+  obey(request, who, std::move(reply));
   give_back_lease();
 }
 
@@ -52,7 +53,7 @@ bool OrderDesk::may_drive(const std::optional<std::string>& as) const {
   return leases_.may_drive(as ? *as : options_.user);
 }
 
-void OrderDesk::obey(const pb::Request& request, ReplyTo reply) {
+void OrderDesk::obey(const pb::Request& request, const std::string& who, ReplyTo reply) {
   switch (request.order_case()) {
     case pb::Request::kStatus: {
       if (!report_) return reply(refused("the haptic loop has not started yet"));
@@ -73,8 +74,8 @@ void OrderDesk::obey(const pb::Request& request, ReplyTo reply) {
       return order(plain(request.clutch() ? OrderKind::kClutchOn : OrderKind::kClutchOff),
                    std::move(reply));
     case pb::Request::kStop:
-      give_up_engaging();
-      return stop(std::move(reply));
+      stop(std::move(reply));
+      return give_up_engaging();
     case pb::Request::kReset:
       if (reset_waits_) reset_waits_(refused("another reset came after this one"));
       reset_waits_ = std::move(reply);
@@ -89,7 +90,7 @@ void OrderDesk::obey(const pb::Request& request, ReplyTo reply) {
       return order(off, std::move(reply), Until::kDropped);
     }
     case pb::Request::kSceneLoad:
-      return load(request.scene_load(), std::move(reply));
+      return load(request.scene_load(), who, std::move(reply));
     case pb::Request::kStage:
       return stage(request.stage(), std::move(reply));
     case pb::Request::kHand:
@@ -153,7 +154,9 @@ void OrderDesk::hand(const pb::HandMove& move, ReplyTo reply) {
       !within(ticket.hand.rotation_M, kWidestHandTurn) ||
       !(time >= kShortestHandMove && time <= kLongestHandMove)) {
     return reply(refused(fmt::format(
-        "hand: expected three numbers each, at most {:g} mm and {:g} deg long, and {:g} to {:g} s",
+        "hand: {:g} mm and {:g} deg in {:g} s, expected three numbers each, at most {:g} mm and "
+        "{:g} deg long, and {:g} to {:g} s",
+        ticket.hand.displacement_M.norm() / kMm, ticket.hand.rotation_M.norm() / kDeg, time,
         kFarthestHandMove / kMm, kWidestHandTurn / kDeg, kShortestHandMove, kLongestHandMove)));
   }
   push(ticket, {std::move(reply), Until::kTaken, now_});
@@ -174,21 +177,33 @@ void OrderDesk::feed_loop() {
 }
 
 // Of what was ordered before, only what the loop has already got comes before a stop: all else is
-// not carried out any more. One stop that waits is as good as another.
+// not carried out any more. One stop that waits is as good as another. First the loop gets it: for
+// all else memory may be missing.
 void OrderDesk::stop(ReplyTo reply) {
-  std::uint64_t waits = 0;
-  for (const OrderTicket& ticket : std::exchange(queue_, {})) {
+  OrderTicket stop;
+  stop.order = plain(OrderKind::kStop);
+  std::array<std::uint64_t, kMostOrders> gone{};
+  std::size_t count = 0;
+  for (const OrderTicket& ticket : queue_) {
     if (ticket.order.kind == OrderKind::kStop) {
-      waits = ticket.id;
-      queue_.push_back(ticket);
-    } else if (const auto found = waiting_.find(ticket.id); found != waiting_.end()) {
-      const Waiting gone = std::move(found->second);
-      waiting_.erase(found);
-      gone.reply(refused("a stop came before it"));
+      stop.id = ticket.id;
+    } else {
+      gone[count++] = ticket.id;
     }
   }
-  if (waits == 0) return order(plain(OrderKind::kStop), std::move(reply), Until::kSlaveStopped);
-  waiting_.emplace(waits, Waiting{std::move(reply), Until::kSlaveStopped, now_});
+  if (stop.id == 0) stop.id = next_id_++;
+  if (queue_.empty()) queue_.push_back(stop);
+  queue_.front() = stop;
+  queue_.erase(queue_.begin() + 1, queue_.end());
+  feed_loop();
+  waiting_.emplace(stop.id, Waiting{std::move(reply), Until::kSlaveStopped, now_});
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto found = waiting_.find(gone[i]);
+    if (found == waiting_.end()) continue;
+    const Waiting left = std::move(found->second);
+    waiting_.erase(found);
+    left.reply(refused("a stop came before it"));
+  }
 }
 
 void OrderDesk::tick(Nanos now, const SlaveState& slave, const LinkSnapshot& link) {

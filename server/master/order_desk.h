@@ -41,6 +41,7 @@ class OrderDesk : public OperatorHandler {
   static constexpr Nanos kStopPatience = kSecond;
   static constexpr Nanos kResetPatience = kSecond;
   static constexpr Nanos kScenePatience = 3 * kSecond;  // a slave looks once a second
+  static constexpr Nanos kReadPatience = 2 * kSecond;   // before that, for the disk
   static constexpr std::size_t kMostOrders = 64;        // that wait for the loop
   // That the loop has at a time: it takes one a tick, and a stop comes after them.
   static constexpr int kOrdersInLoop = 2;
@@ -73,7 +74,7 @@ class OrderDesk : public OperatorHandler {
   };
 
   // The request is its sender's to make.
-  void obey(const pb::Request& request, ReplyTo reply);
+  void obey(const pb::Request& request, const std::string& who, ReplyTo reply);
   void watch_lease();
   void end_engagement(Reason why);
   void order(HapticOrder order, ReplyTo reply, Until until = Until::kTaken);
@@ -83,7 +84,7 @@ class OrderDesk : public OperatorHandler {
   std::string distance_text(const OrderAnswer& answer, const ToolCall& call) const;
   void stage(const std::string& name, ReplyTo reply);
   void name_stage(pb::Status& status) const;
-  void load(const std::string& name, ReplyTo reply);
+  void load(const std::string& name, const std::string& who, ReplyTo reply);
   void push(OrderTicket ticket, Waiting waiting);
   void feed_loop();
   void take_report();
@@ -108,6 +109,7 @@ class OrderDesk : public OperatorHandler {
   bool stop_on_its_way() const;
   void send_reset();
   void watch_reset();
+  bool scene_may_change() const;
   void take_scene();
   void watch_scene();
   void call_scene_tools();
@@ -146,8 +148,12 @@ class OrderDesk : public OperatorHandler {
   ReplyTo resetting_;  // who waits for the slave to leave its fault
   Nanos reset_until_ = 0;
 
-  ReplyTo loading_;                     // who waits for a scene
-  std::optional<std::string> reading_;  // its name, until the disk has given it
+  ReplyTo loading_;  // who waits for a scene
+  struct Reading {
+    std::string scene, who;
+    Nanos until = 0;  // that who ordered it waits for the disk
+  };
+  std::optional<Reading> reading_;  // until the disk has given it
   Nanos load_until_ = 0;
   Nanos load_shown_ = kForever;    // when the loop's report first had the scene
   std::uint64_t load_epoch_ = 0;   // scenes the loop had taken over before it

@@ -1,4 +1,6 @@
 // The order desk's work on scenes: loading one in both sides, its stages, calling its tools.
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -7,29 +9,42 @@
 
 namespace handrail {
 
-void OrderDesk::load(const std::string& name, ReplyTo reply) {
-  if (!report_ || !is_idle(report_->out.link.state)) {
-    return reply(refused(describe(Reason::kBusy)));
-  }
-  if (reading_) return reply(refused("scene '" + *reading_ + "' is still being read"));
+void OrderDesk::load(const std::string& name, const std::string& who, ReplyTo reply) {
+  if (!scene_may_change()) return reply(refused(describe(Reason::kBusy)));
+  if (reading_) return reply(refused("scene '" + reading_->scene + "' is still being read"));
   if (loading_) return reply(refused("another scene is being loaded"));
   loading_ = std::move(reply);
-  reading_ = name;
+  reading_ = {name, who, now_ + kReadPatience};
   take_scene();
 }
 
-// What the disk has given; the rest of the time everything else is served.
+bool OrderDesk::scene_may_change() const {
+  return report_ && is_idle(report_->out.link.state) && !engage_waits();
+}
+
+// What the disk has given; the rest of the time everything else is served. What was refused
+// meanwhile, or may not be done any more, is not done late.
 void OrderDesk::take_scene() {
   if (!reading_) return;
-  auto scene = options_.load_scene(*reading_);
-  if (!scene) return;
-  reading_.reset();
-  if (!*scene) return std::exchange(loading_, nullptr)(refused(scene->message()));
-  if (!is_idle(report_->out.link.state)) {
-    return std::exchange(loading_, nullptr)(refused(describe(Reason::kBusy)));
+  auto scene = options_.load_scene(reading_->scene);
+  if (!scene) {
+    if (!loading_ || now_ <= reading_->until) return;
+    return std::exchange(loading_, nullptr)(
+        refused("scene '" + reading_->scene + "' is not loaded: the disk has not given it for " +
+                fmt::format("{:g} s", to_seconds(kReadPatience))));
   }
+  const Reading read = *std::exchange(reading_, std::nullopt);
+  ReplyTo reply = std::exchange(loading_, nullptr);
+  if (!reply) return;
+  if (!*scene) return reply(refused(scene->message()));
+  if (!leases_.may_drive(read.who)) {
+    return reply(refused("somebody else drives by now: scene '" + read.scene + "' is not loaded"));
+  }
+  if (!scene_may_change()) return reply(refused(describe(Reason::kBusy)));
+  const HapticSettings settings = options_.settings_of(**scene);  // the last that can fail
   previous_ = std::exchange(scene_, std::move(**scene));
-  boxes_.settings.publish(options_.settings_of(scene_));
+  boxes_.settings.publish(settings);
+  loading_ = std::move(reply);
   load_epoch_ = report_->scene_epoch;
   load_shown_ = kForever;
   load_until_ = now_ + kScenePatience;
@@ -95,8 +110,9 @@ void OrderDesk::watch_scene() {
 
 void OrderDesk::end_scene_wait(const std::string& problem) {
   const std::string name = scene_.name;
+  const HapticSettings settings = options_.settings_of(*previous_);  // the last that can fail
   scene_ = std::move(*previous_);
-  boxes_.settings.publish(options_.settings_of(scene_));
+  boxes_.settings.publish(settings);
   std::exchange(loading_, nullptr)(refused("the slave did not load '" + name + "': " + problem +
                                            "; '" + scene_.name + "' stays"));
 }

@@ -2,7 +2,6 @@
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 
-#include <csignal>
 #include <cstdio>
 #include <functional>
 #include <future>
@@ -18,6 +17,7 @@
 #include "server/base/output.h"
 #include "server/base/pacer.h"
 #include "server/base/realtime.h"
+#include "server/base/signals_blocked.h"
 #include "server/daemon/daemon_args.h"
 #include "server/daemon/daemon_log.h"
 #include "server/daemon/errand.h"
@@ -37,7 +37,6 @@
 namespace handrail {
 namespace {
 
-constexpr int kBadInput = 2;
 constexpr int kRobotPriority = 80;
 constexpr double kMostSensorLag = 0.1;  // that the bumper can reckon with [s]
 constexpr int kIoPriority = 70;         // the link must not starve on a busy machine
@@ -49,10 +48,7 @@ const char kWhat[] =
 const char kNoStopCircuit[] =
     "stop circuit: none, no driver reads one yet; the controller's emergency stop must be in reach";
 
-int fail(const std::string& message) {
-  std::fprintf(stderr, "handrail-slave: %s\n", message.c_str());
-  return kBadInput;
-}
+int fail(const std::string& message) { return fail_start("handrail-slave", message); }
 
 std::uint16_t port_of(std::uint32_t value) { return static_cast<std::uint16_t>(value); }
 
@@ -95,7 +91,10 @@ std::string sensor_text(const FollowSettings& settings) {
 class RobotThread {
  public:
   RobotThread(Robot& robot, const FollowSettings& settings, SlaveMailboxes& boxes)
-      : loop_(robot, settings, boxes), thread_([this] { run(); }) {}
+      : loop_(robot, settings, boxes) {
+    const SignalsBlocked blocked;
+    thread_ = std::thread([this] { run(); });
+  }
   ~RobotThread() { finish(); }
   RobotThread(const RobotThread&) = delete;
   RobotThread& operator=(const RobotThread&) = delete;
@@ -112,9 +111,6 @@ class RobotThread {
 
  private:
   void run() {
-    sigset_t all;
-    sigfillset(&all);
-    pthread_sigmask(SIG_BLOCK, &all, nullptr);
     realtime_.set_value(enter_realtime(kRobotPriority));
     while (!loop_.finished()) {
       const Nanos next = loop_.turn();
@@ -171,9 +167,10 @@ int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
   options.address = config.link_address();
   options.port = port_of(config.link_port());
   options.robot = robot.capabilities().name;
-  options.load_scene = [&scenes, load](const std::string& scene) {
-    return scenes.poll([load, scene] { return load(scene); });
-  };
+  options.load_scene =
+      [&scenes, shared = std::make_shared<const SettingsOf>(load)](const std::string& scene) {
+        return scenes.poll([shared, scene] { return (*shared)(scene); });
+      };
   options.log_lost = [&log] { return log.lost(); };
   SlaveServer server(boxes, sensor.get(), options);
   hold_endings();

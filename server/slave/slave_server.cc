@@ -14,8 +14,7 @@ namespace handrail {
 namespace {
 
 // Between two looks for the master's scene, whatever it asks for: names that alternate must not
-// keep this thread from the link, nor fill the log. An operator can wait so long for a second
-// scene.
+// keep the disk busy, nor fill the log. An operator can wait so long for a second scene.
 constexpr Nanos kScenePause = kSecond;
 
 }  // namespace
@@ -31,7 +30,7 @@ struct SlaveServer::Impl {
     if (alive) alive(now, now <= report.good_until);
     say_halts(now);
     say_connection();
-    take_scene();
+    take_scene(now);
     SlaveState told = report.state;
     const auto in_words = [](Reason reason) {
       std::string out = describe(reason);
@@ -80,18 +79,18 @@ struct SlaveServer::Impl {
     if (!differs(master) || first_difference(master, tried) != Reason::kNone) scene_missing = false;
     if (reading) return;
     if (wanted.empty() || !idle || !known || !differs(master) || now < next_look) return;
-    next_look = now + kScenePause;
     tried = master;
     reading = wanted;
-    take_scene();
+    take_scene(now);
   }
 
   // What the disk has given of the scene that was looked for. The robot loop takes it over when it
   // may.
-  void take_scene() {
+  void take_scene(Nanos now) {
     if (!reading) return;
     const auto loaded = options.load_scene(*reading);
     if (!loaded) return;
+    next_look = now + kScenePause;  // the robot loop says by then that it has it
     const std::string name = *std::exchange(reading, std::nullopt);
     // The master has gone on to another.
     if (first_difference(link.newest(), tried) != Reason::kNone) return;

@@ -19,7 +19,7 @@ struct SlaveServerOptions {
   std::string robot = "the robot";    // in what is said
   // Lines of the log that were lost so far; empty: nobody counts.
   std::function<std::uint64_t()> log_lost = {};
-  // Our scene of that name; the error says why there is none. Called in the IO thread, while
+  // Our scene of that name; the error says why there is none. Called in the IO thread, first while
   // nothing moves, when the master's scene differs from the one in the robot loop. Must not wait:
   // asked again every tick while it gives nothing, as the disk takes its time.
   std::function<std::optional<Result<FollowSettings>>(const std::string& scene)> load_scene;

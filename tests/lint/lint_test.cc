@@ -104,7 +104,10 @@ TEST(Lint, StepsHaveNoClockThreadLockStreamOrLog) {
 TEST(Lint, LogsAreWrittenBySourcesOfDaemonsClientAndDevices) {
   expect_caught(logging, "server/master/a.h", "#include <spdlog/spdlog.h>\n");
   expect_caught(logging, "server/scene/a.cc", "#include <spdlog/fmt/fmt.h>\n");
+  expect_caught(logging, "server/master/haptic_loop.cc", "#include <spdlog/spdlog.h>\n");
+  expect_caught(logging, "devices/melfa/melfa_robot.cc", "#include <spdlog/spdlog.h>\n");
   expect_passes(logging, "server/master/a.cc", "#include <spdlog/spdlog.h>\n");
+  expect_passes(logging, "server/slave/robot_loop.cc", "#include <spdlog/fmt/fmt.h>\n");
   expect_holds(production(), logging);
 }
 

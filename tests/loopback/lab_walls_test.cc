@@ -81,9 +81,9 @@ TEST_F(LabWalls, TheGearshiftPrintsWhatItVisitedAndItsEvents) {
   const Run lab = run({"gearshift", "--json"});
   ASSERT_EQ(lab.code, 0) << lab.output;
   EXPECT_THAT(list(lab.output, "visited"), ElementsAre("N", "1", "2", "3", "4", "5", "R", "N"));
-  for (const char* key : {"\"max_force_n\"", "\"max_penetration_mm\"", "\"event\": \"lock\"",
-                          "\"event\": \"unlock\"", "\"event\": \"return\"", "\"gear\": \"R\"",
-                          "\"junction_ratio\""}) {
+  for (const char* key :
+       {"\"max_force_n\"", "\"max_penetration_mm\"", "\"event\": \"lock\"", "\"event\": \"unlock\"",
+        "\"event\": \"return\"", "\"gear\": \"R\"", "\"junction_ratio\""}) {
     EXPECT_THAT(lab.output, HasSubstr(key));
   }
 }

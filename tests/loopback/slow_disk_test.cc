@@ -41,13 +41,7 @@ TEST_F(SlowDisk, ASceneIsWaitedForByNobodyElse) {
   if (!file.works()) GTEST_SKIP() << "no file can be held here";
   Program loads = load("slow");
   ASSERT_EQ(file.holds(kPatience), master->pid());
-  all_goes_on();
   EXPECT_THAT(refusal("scene_load: 'slow'"), HasSubstr("scene 'slow' is still being read"));
-  order("engage: true");
-  ASSERT_TRUE(slave_reaches("engaged"));
-  order("disengage: true");
-  ASSERT_TRUE(slave_reaches("off"));
-  ASSERT_TRUE(reaches("off"));
   file.let_go();
   ASSERT_EQ(file.holds(kPatience), slave->pid());
   all_goes_on();
@@ -55,6 +49,25 @@ TEST_F(SlowDisk, ASceneIsWaitedForByNobodyElse) {
   EXPECT_EQ(loads.finish(), 0) << loads.output();
   EXPECT_EQ(status().scene(), "slow");
   order("engage: true");
+}
+
+TEST_F(SlowDisk, WhoWaitsTooLongIsToldSoAndTheSceneIsNotLoadedLater) {
+  HeldFile file(folder.write("slow.scene", "name: 'slow'\n"));
+  if (!file.works()) GTEST_SKIP() << "no file can be held here";
+  Program loads = load("slow");
+  ASSERT_EQ(file.holds(kPatience), master->pid());
+  all_goes_on();
+  EXPECT_EQ(loads.finish(), 1);
+  EXPECT_THAT(loads.output(), HasSubstr("scene 'slow' is not loaded: the disk has not given it"));
+  order("engage: true");
+  ASSERT_TRUE(slave_reaches("engaged"));
+  order("disengage: true");
+  ASSERT_TRUE(slave_reaches("off"));
+  ASSERT_TRUE(reaches("off"));
+  file.let_go();
+  all_goes_on();
+  EXPECT_EQ(status().scene(), "linear-movement");
+  EXPECT_EQ(handrail({"scene", "load", "slow"}).first, 0) << "the disk is quick again";
 }
 
 TEST_F(SlowDisk, NorDoProgramsWaitForItWhenTheyEnd) {

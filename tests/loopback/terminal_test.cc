@@ -161,6 +161,7 @@ TEST_F(OwnTerminals, ARigWhoseTerminalIsClosedEndsAndTheSlaveGoesOn) {
 class Nohup : public OwnTerminals {
  protected:
   void SetUp() override {
+    streams.ignores_hang_up = true;
     const auto before = ::signal(SIGHUP, SIG_IGN);
     OwnTerminals::SetUp();
     ::signal(SIGHUP, before);

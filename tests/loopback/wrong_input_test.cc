@@ -11,6 +11,7 @@
 namespace handrail {
 namespace {
 
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 
 struct Case {
@@ -31,6 +32,8 @@ class WrongInput : public ::testing::Test {
     EXPECT_EQ(program.finish(), c.code);
     const std::string said = program.output();
     EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
+    EXPECT_THAT(said.substr(0, said.find(": ")),
+                EndsWith(std::filesystem::path(c.program).filename().string()));
     for (const std::string& part : c.parts) EXPECT_THAT(said, HasSubstr(part));
   }
   void expect_all(const std::vector<Case>& cases) {

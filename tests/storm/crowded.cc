@@ -26,28 +26,16 @@
 namespace handrail::storm {
 namespace {
 
-constexpr int kPairs = 10;               // windows without the crowd, and with it
-constexpr Nanos kWindow = 10 * kSecond;  // 10 000 ticks, 1400 cycles: p99.9 is among them
-constexpr Nanos kSettle = 2 * kSecond;   // until all of the crowd has come
-constexpr int kClients = 1000;
+constexpr int kPairs = 10;                     // windows without the crowd, and with it
+constexpr Nanos kWindow = 10 * kSecond;        // 10 000 ticks, 1400 cycles: p99.9 is among them
+constexpr Nanos kSettle = 2 * kSecond;         // until all of the crowd has come
 constexpr Nanos kPeriod = 200 * kMillisecond;  // of each client: 5000 acts a second
 constexpr Nanos kPatience = 20 * kSecond;
 constexpr char kSlowScene[] = "slow";
-// What is to be shown.
-constexpr double kStopIn = 10.0;   // [ms]
-constexpr double kGrowsBy = 50.0;  // [us]
 // Above the daemons' IO threads, with 70, so that what is on the wire is not kept; and below them.
 constexpr int kWirePriority = 75, kOperatorPriority = 60;
 
 double ms(Nanos t) { return static_cast<double>(t) / kMillisecond; }
-
-// The smallest value that so large a share is not above.
-double at_share(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  const double rank = std::ceil(share * static_cast<double>(values.size()));
-  return values[static_cast<std::size_t>(std::max(rank, 1.0)) - 1];
-}
 
 // When master and slave first spoke of their newest stop, as seen on the wire between them.
 class StopWatch {
@@ -96,11 +84,14 @@ class Window {
 
   // The error says what went wrong; nothing of it counts then.
   Status run(int stops) {
+    for (const auto& log : logs_) {
+      if (log->fd() < 0) return Status::error("a log that nobody takes cannot be had here");
+    }
     if (Status s = start(); !s) return s;
     std::unique_ptr<Crowd> crowd;
     if (out_.crowded) {
       if (Status s = hold_disk(); !s) return s;
-      crowd = std::make_unique<Crowd>(cell_.socket(), kClients, kPeriod, random_.bits());
+      crowd = std::make_unique<Crowd>(cell_.socket(), kCrowd, kPeriod, random_.bits());
     }
     if (Status s = engage(); !s) return s;
     if (!pause(kSettle)) return Status::ok();
@@ -116,7 +107,11 @@ class Window {
     if (!status) return status.status();
     out_.haptic_us = status->status().loop_lateness_us().p999();
     if (Status s = read_robot(begin); !s) return s;
-    if (crowd) out_.acts = crowd->counts().acts;
+    if (crowd) {
+      out_.acts = crowd->counts().acts;
+      out_.answers = crowd->counts().answers;
+      if (out_.answers < kCrowd) return Status::error("the crowd was not let in");
+    }
     crowd.reset();
     if (disk_) disk_->let_go();
     return end();
@@ -247,51 +242,6 @@ class Window {
   double way_ = 10.0;  // of the hand, there and back [mm]
 };
 
-CrowdedFigures::Times times_of(const std::vector<double>& values) {
-  return {values.size(), at_share(values, 0.5), at_share(values, 0.99), at_share(values, 0.999),
-          at_share(values, 1.0)};
-}
-
-std::string in_words(const CrowdedFigures::Times& t) {
-  return fmt::format("median {:.2f}, p99 {:.2f}, p99.9 {:.2f}, worst {:.2f} ms", t.median, t.p99,
-                     t.p999, t.worst);
-}
-
-std::string in_json(const CrowdedFigures::Times& t) {
-  return fmt::format(
-      "{{\"count\": {}, \"median\": {:.3f}, \"p99\": {:.3f}, \"p999\": {:.3f}, \"worst\": {:.3f}}}",
-      t.count, t.median, t.p99, t.p999, t.worst);
-}
-
-// One figure of the windows with the crowd, or without.
-std::vector<double> of(const std::vector<CrowdedWindow>& windows, bool crowded,
-                       double CrowdedWindow::*figure) {
-  std::vector<double> out;
-  for (const CrowdedWindow& w : windows) {
-    if (w.crowded == crowded) out.push_back(w.*figure);
-  }
-  return out;
-}
-
-bool disk_held(const CrowdedOutcome& outcome) {
-  const auto with = [](const CrowdedWindow& w) { return w.crowded; };
-  const auto held = [](const CrowdedWindow& w) { return !w.crowded || w.disk_held; };
-  return std::any_of(outcome.windows.begin(), outcome.windows.end(), with) &&
-         std::all_of(outcome.windows.begin(), outcome.windows.end(), held);
-}
-
-double median_growth(const std::vector<CrowdedWindow>& windows, double CrowdedWindow::*figure) {
-  const auto without = of(windows, false, figure), with = of(windows, true, figure);
-  std::vector<double> grows;
-  for (std::size_t i = 0; i < std::min(with.size(), without.size()); ++i) {
-    grows.push_back(with[i] - without[i]);
-  }
-  if (grows.empty()) return 0.0;
-  std::sort(grows.begin(), grows.end());
-  const std::size_t n = grows.size();
-  return 0.5 * (grows[(n - 1) / 2] + grows[n / 2]);
-}
-
 }  // namespace
 
 CrowdedOutcome run_crowded(const CrowdedOptions& options, bool (*interrupted)(),
@@ -317,88 +267,6 @@ CrowdedOutcome run_crowded(const CrowdedOptions& options, bool (*interrupted)(),
   }
   out.complete = true;
   return out;
-}
-
-CrowdedFigures figures_of(const std::vector<CrowdedWindow>& windows) {
-  std::vector<double> sent, taken, answered, calm;
-  for (const CrowdedWindow& w : windows) {
-    const auto add = [](std::vector<double>& to, const std::vector<double>& from) {
-      to.insert(to.end(), from.begin(), from.end());
-    };
-    if (!w.crowded) {
-      add(calm, w.taken_ms);
-      continue;
-    }
-    add(sent, w.sent_ms);
-    add(taken, w.taken_ms);
-    add(answered, w.answered_ms);
-  }
-  CrowdedFigures out;
-  out.sent = times_of(sent);
-  out.taken = times_of(taken);
-  out.answered = times_of(answered);
-  out.calm_taken = times_of(calm);
-  out.haptic_grows_us = median_growth(windows, &CrowdedWindow::haptic_us);
-  out.robot_grows_us = median_growth(windows, &CrowdedWindow::robot_us);
-  return out;
-}
-
-bool CrowdedFigures::reached() const {
-  return taken.count > 0 && taken.p999 <= kStopIn && haptic_grows_us <= kGrowsBy &&
-         robot_grows_us <= kGrowsBy;
-}
-
-std::string for_people(const CrowdedOutcome& outcome) {
-  const CrowdedFigures f = figures_of(outcome.windows);
-  const bool held = disk_held(outcome);
-  std::string out = fmt::format(
-      "{} stops, {} clients, logs into a stopped terminal, a full pipe and a full disk{}; from "
-      "before the operator connects\n"
-      "  until the stop is on the wire to the slave:   {}\n"
-      "  until the slave says on it that it stops:     {}\n"
-      "  until the operator is answered:               {}\n"
-      "  the same without all that, slave says so:     {}\n",
-      f.taken.count, kClients, held ? ", a scene from a disk that does not answer" : "",
-      in_words(f.sent), in_words(f.taken), in_words(f.answered), in_words(f.calm_taken));
-  const auto loop = [&](const char* what, double CrowdedWindow::*figure, double grows) {
-    return fmt::format(
-        "  {}: p99.9 without {:.0f} us, with {:.0f} us\n    median difference of {} "
-        "pairs of windows: {:+.0f} us\n",
-        what, fmt::join(of(outcome.windows, false, figure), " "),
-        fmt::join(of(outcome.windows, true, figure), " "), outcome.windows.size() / 2, grows);
-  };
-  out += loop("haptic ticks late", &CrowdedWindow::haptic_us, f.haptic_grows_us);
-  out += loop("robot commands after their cycle began", &CrowdedWindow::robot_us, f.robot_grows_us);
-  if (!held) {
-    out += "  no disk was slow: only root can hold the scene that the master reads\n";
-  }
-  if (!outcome.realtime) {
-    out += "  this program was granted no real time: what kept it waiting is in these times\n";
-  }
-  out += fmt::format(
-      "{}: p99.9 of the stop at the slave at most {:g} ms, of the loops at most "
-      "{:g} us more\n",
-      f.reached() ? "reached" : "NOT REACHED", kStopIn, kGrowsBy);
-  return out;
-}
-
-std::string to_json(const CrowdedOptions& options, const CrowdedOutcome& outcome) {
-  const CrowdedFigures f = figures_of(outcome.windows);
-  const auto list = [&](bool crowded, double CrowdedWindow::*figure) {
-    return fmt::format("[{:.1f}]", fmt::join(of(outcome.windows, crowded, figure), ", "));
-  };
-  return fmt::format(
-      "{{\"seed\": {}, \"clients\": {}, \"slow_disk\": {}, \"realtime\": {}, "
-      "\"on_the_wire_ms\": {}, "
-      "\"slave_says_ms\": {}, \"answered_ms\": {}, \"slave_says_without_ms\": {}, "
-      "\"haptic_p999_us\": {{\"without\": {}, \"with\": {}, \"median_difference\": {:.1f}}}, "
-      "\"robot_p999_us\": {{\"without\": {}, \"with\": {}, \"median_difference\": {:.1f}}}, "
-      "\"reached\": {}}}\n",
-      options.seed, kClients, disk_held(outcome), outcome.realtime, in_json(f.sent),
-      in_json(f.taken), in_json(f.answered), in_json(f.calm_taken),
-      list(false, &CrowdedWindow::haptic_us), list(true, &CrowdedWindow::haptic_us),
-      f.haptic_grows_us, list(false, &CrowdedWindow::robot_us),
-      list(true, &CrowdedWindow::robot_us), f.robot_grows_us, f.reached());
 }
 
 }  // namespace handrail::storm

@@ -23,8 +23,8 @@ struct CrowdedWindow {
   // From before the operator connects. On its wire to the slave, in what the slave says of itself,
   // and in the operator's hands [ms].
   std::vector<double> sent_ms, taken_ms, answered_ms;
-  std::uint64_t acts = 0;    // of the crowd
-  std::uint64_t cycles = 0;  // of the controller, with a command
+  std::uint64_t acts = 0, answers = 0;  // of the crowd, and to it
+  std::uint64_t cycles = 0;             // of the controller, with a command
 };
 
 struct CrowdedOutcome {
@@ -47,9 +47,14 @@ struct CrowdedFigures {
   };
   Times sent, taken, answered, calm_taken;             // [ms]
   double haptic_grows_us = 0.0, robot_grows_us = 0.0;  // median of the differences, pair by pair
+  bool disk_held = false;                              // in every window with the crowd
+  std::uint64_t acts = 0, answers = 0;
 
   bool reached() const;
 };
+constexpr int kCrowd = 1000;  // clients
+// The smallest value that so large a share is not above; 0 of none.
+double at_share(std::vector<double> values, double share);
 CrowdedFigures figures_of(const std::vector<CrowdedWindow>& windows);
 std::string for_people(const CrowdedOutcome& outcome);
 std::string to_json(const CrowdedOptions& options, const CrowdedOutcome& outcome);

@@ -15,7 +15,7 @@ std::vector<CrowdedWindow> windows() {
     without.haptic_us = 100.0;
     without.robot_us = 900.0;
     without.taken_ms = {3.0};
-    with.crowded = true;
+    with.crowded = with.disk_held = true;
     with.haptic_us = 100.0 + 10.0 * pair;  // 0, 10, 20 and 30 more
     with.robot_us = pair == 0 ? 9000.0 : 880.0;
     for (int i = 1; i <= 250; ++i) with.taken_ms.push_back(0.01 * (i + 250 * pair));
@@ -47,6 +47,9 @@ TEST(Crowded, EachFigureCanMissItsBound) {
   for (auto& w : late) w.haptic_us += w.crowded ? 40.0 : 0.0;
   EXPECT_FALSE(figures_of(late).reached());
   EXPECT_FALSE(figures_of({}).reached());
+  auto quick_disk = windows();
+  quick_disk[3].disk_held = false;
+  EXPECT_FALSE(figures_of(quick_disk).reached());
   CrowdedOutcome outcome;
   outcome.windows = late;
   EXPECT_THAT(for_people(outcome), HasSubstr("NOT REACHED"));

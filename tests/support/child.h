@@ -21,6 +21,7 @@ struct Streams {
   // Of a pseudo-terminal. The child leads a session that it controls, reads it, and writes its
   // error output there.
   std::string terminal = {};
+  bool ignores_hang_up = false;  // as the children of nohup do, where this process does
 };
 
 // Standard output and error go to one file, so that a program never waits for its reader. Ends the
@@ -45,8 +46,18 @@ class Child {
     if (streams.output >= 0) posix_spawn_file_actions_adddup2(&actions, streams.output, 1);
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
-    if (own_group) posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-    if (!streams.terminal.empty()) posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);
+    short flags = 0;
+    if (own_group) flags |= POSIX_SPAWN_SETPGROUP;
+    if (!streams.terminal.empty()) flags |= POSIX_SPAWN_SETSID;
+    // Who started the tests by nohup has it ignored; a child would take that over.
+    if (!streams.ignores_hang_up) {
+      flags |= POSIX_SPAWN_SETSIGDEF;
+      sigset_t hang_up;
+      sigemptyset(&hang_up);
+      sigaddset(&hang_up, SIGHUP);
+      posix_spawnattr_setsigdefault(&attributes, &hang_up);
+    }
+    posix_spawnattr_setflags(&attributes, flags);
     std::vector<char*> argv{path_.data()};
     for (std::string& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);

@@ -94,7 +94,7 @@ void Auditor::commanded(const JointVector& q, Nanos at) noexcept {
   check_led(at);
   if (!led_ && !stopping_) begin_stop(at);
   if (led_ && stopping_) end_stop();
-  stop_needs_operator_ = stop_needs_operator_ || latched_ || must_stop_ || newest_.stops;
+  stop_needs_operator_ = stop_needs_operator_ || latched_ || stop_is_due(at) || newest_.stops;
   reach_of_tool();
   if (!joints_.commanded(q, report_.breaches)) return;
   report_.speed = joints_.speed();
@@ -126,7 +126,8 @@ void Auditor::check_led(Nanos at) noexcept {
     latched_ = true;
     ++report_.latched;
   }
-  led_ = heard_ && !latched_ && !must_stop_ && age <= kWatchdog && newest_.drives && !newest_.stops;
+  led_ = heard_ && !latched_ && !stop_is_due(at) && age <= kWatchdog && newest_.drives &&
+         !newest_.stops;
 }
 
 void Auditor::begin_stop(Nanos at) noexcept {
@@ -136,7 +137,7 @@ void Auditor::begin_stop(Nanos at) noexcept {
   const Nanos age = heard_ ? at - heard_at_ : 0;
   stop_from_ = at;
   stop_allowed_ = limits_.period + kOverhead;
-  if (must_stop_) {
+  if (stop_is_due(at)) {
     stop_from_ = must_stop_at_;
   } else if (heard_ && age > kWatchdog) {
     stop_from_ = heard_at_;
@@ -253,9 +254,9 @@ void Auditor::take_tool(const Sent& entry) noexcept {
   tool_new_ = true;
 }
 
-// How far the tip goes [m] that loses speed v and acceleration a together, evenly, in the time T that
-// the joints may need: the cubic through both ends, v T / 2 + a T^2 / 12. The bend of its path may
-// turn all of it outward.
+// How far the tip goes [m] that loses speed v and acceleration a together, evenly, in the time T
+// that the joints may need: the cubic through both ends, v T / 2 + a T^2 / 12. The bend of its path
+// may turn all of it outward.
 double Auditor::even_way() const noexcept {
   const Vec3 step = tips_[0] - tips_[1], last = tips_[1] - tips_[2];
   const double cycles = stop_time_ / dt_;

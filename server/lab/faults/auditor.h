@@ -62,7 +62,8 @@ class Auditor {
             bool repeated = false) noexcept;
   // The slave takes a datagram.
   void delivered(const Delivery& delivery) noexcept;
-  // From now on the arm must stop, whatever is sent, until an operator engages again.
+  // From `at` on, which may be yet to come, the arm must stop, whatever is sent, until an operator
+  // engages again. The first call counts.
   void must_stop(Nanos at) noexcept;
   // A surface pushes on the arm along `n_S`, out of it, unit: over what is commanded the next
   // command may hold the tip out that way, and no other.
@@ -111,6 +112,7 @@ class Auditor {
   };
 
   void breach(Breach kind) noexcept { ++report_.breaches[static_cast<std::size_t>(kind)]; }
+  bool stop_is_due(Nanos at) const noexcept { return must_stop_ && at >= must_stop_at_; }
   void check_led(Nanos at) noexcept;
   void begin_stop(Nanos at) noexcept;
   void end_stop() noexcept;
@@ -134,8 +136,8 @@ class Auditor {
   Sent newest_;  // newest fresh
   bool heard_ = false;
   Nanos heard_at_ = -kForever;
-  Nanos told_at_ = 0;  // when a fresh one first said no longer to move
-  bool must_stop_ = false;
+  Nanos told_at_ = 0;       // when a fresh one first said no longer to move
+  bool must_stop_ = false;  // from must_stop_at_ on
   Nanos must_stop_at_ = 0;
   bool latched_ = false;
 

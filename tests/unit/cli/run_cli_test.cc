@@ -47,7 +47,11 @@ TEST(Cli, AnUnknownCommandIsNamedWithTheNearest) {
       {{"--json", "--socket", "stop", "enggage"},
        "handrail: no command 'enggage'; did you mean 'engage'?\n"},
       {{"tool", "lin"}, "handrail: no command 'tool lin'; did you mean 'tool line'?\n"},
-      {{"hand", "xyzzy"}, "handrail: no command 'hand xyzzy'; there are to, home\n"}};
+      {{"hand", "xyzzy"}, "handrail: no command 'hand xyzzy'; there are to, home\n"},
+      {{"hand"},
+       "handrail: expected a command after 'handrail hand': to, home (see handrail --help)\n"},
+      {{"--sokcet", "x", "status"},
+       "handrail: The following arguments were not expected: x --sokcet (see handrail --help)\n"}};
   for (const auto& [args, text] : cases) {
     const CliRun run(args);
     EXPECT_EQ(run.code, kExitUsage) << text;

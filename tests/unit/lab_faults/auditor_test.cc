@@ -192,6 +192,20 @@ TEST(AuditorTest, AStopIsDueWhenTheMasterSaysSoOrTheRowDoes) {
   }
 }
 
+// A row knows that the arm has so long to find something out: until then it is led.
+TEST(AuditorTest, AStopThatIsDueLaterLeavesAnArmAtRestFreeUntilThen) {
+  Stream s;
+  s.coast(3);
+  s.auditor.must_stop(s.now + 100 * kMillisecond);
+  s.change_speed(kFast);
+  s.change_speed(0.0);
+  s.coast(3);
+  EXPECT_EQ(s.report().total(), 0u);
+  s.coast(20);
+  s.change_speed(kFast);
+  EXPECT_GT(s.report().of(Breach::kUnled), 0u);
+}
+
 TEST(AuditorTest, ATipOutsideTheWorkspaceIsFound) {
   AuditLimits limited = limits();
   Stream inside(limited);

@@ -45,7 +45,19 @@ TEST(StallWatch, AStallIsToldWithItsTrueLength) {
   EXPECT_FALSE(loop.watch.stalled());
   ASSERT_EQ(loop.lines.size(), 1u);
   EXPECT_EQ(loop.lines[0],
-            "the haptic loop runs again: it stood still for 60 ms; the machine is overloaded, or "
+            "the haptic loop runs again: it stood still for 61 ms; the machine is overloaded, or "
+            "was paused");
+}
+
+// The whole program is paused, and its loop is the first to run again.
+TEST(StallWatch, AStallThatEndedBeforeAnybodyLookedIsToldToo) {
+  Loop loop;
+  loop.runs_until(ms(2000));
+  loop.now += ms(300);
+  loop.runs_until(ms(5000));
+  ASSERT_EQ(loop.lines.size(), 1u);
+  EXPECT_EQ(loop.lines[0],
+            "the haptic loop runs again: it stood still for 301 ms; the machine is overloaded, or "
             "was paused");
 }
 
@@ -73,7 +85,7 @@ TEST(StallWatch, ALoopThatStandsForASecondIsToldMeanwhileOnce) {
   EXPECT_LT(loop.when[0], ms(3010));
   loop.runs_until(ms(9500));
   ASSERT_EQ(loop.lines.size(), 2u);
-  EXPECT_NE(loop.lines[1].find("for 7000 ms"), std::string::npos) << loop.lines[1];
+  EXPECT_NE(loop.lines[1].find("for 7001 ms"), std::string::npos) << loop.lines[1];
 }
 
 TEST(StallWatch, NeitherDoesALineAboutTheEndFollowWithinTheSecond) {
@@ -83,7 +95,7 @@ TEST(StallWatch, NeitherDoesALineAboutTheEndFollowWithinTheSecond) {
   loop.runs_until(ms(6000));
   ASSERT_EQ(loop.lines.size(), 2u);
   EXPECT_GE(loop.when[1] - loop.when[0], kSecond);
-  EXPECT_NE(loop.lines[1].find("for 1100 ms"), std::string::npos) << loop.lines[1];
+  EXPECT_NE(loop.lines[1].find("for 1101 ms"), std::string::npos) << loop.lines[1];
 }
 
 }  // namespace

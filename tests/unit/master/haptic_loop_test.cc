@@ -145,7 +145,8 @@ TEST_F(HapticLoopTest, AfterAStallInWhichTheDeviceHasLetGoTheForceBeginsAnew) {
     tick(stall);
     const double after = device.written.force.norm();
     if (stall < kForceStands) {
-      // What the slave said is as old as the stall: a hold of one tick, in which force begins to go.
+      // What the slave said is as old as the stall: a hold of one tick, in which force begins to
+      // go.
       EXPECT_GT(after, 0.5 * before);
       EXPECT_LT(after, before);
     } else {

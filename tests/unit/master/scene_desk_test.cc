@@ -69,7 +69,7 @@ TEST_F(SceneDeskTest, WaitsForTheDiskAndServesAllElseMeanwhile) {
   tick();
   disk_waits = true;
   const Answer answer = ask("scene_load: 'second'");
-  for (int i = 0; i < 10'000; ++i) tick();
+  for (int i = 0; i < 1000; ++i) tick();
   EXPECT_EQ(text(answer), "(no answer)");
   EXPECT_EQ(text(ask("scene_load: 'first'")), "refused: scene 'second' is still being read");
   const Answer stopped = ask("stop: true");
@@ -81,6 +81,45 @@ TEST_F(SceneDeskTest, WaitsForTheDiskAndServesAllElseMeanwhile) {
   slave_follows();
   tick();
   EXPECT_EQ(text(answer), "done: ");
+}
+
+// Who ordered it has gone on by then.
+TEST_F(SceneDeskTest, ASceneThatComesAfterItsOrderWasRefusedIsNotTaken) {
+  tick();
+  disk_waits = true;
+  const Answer answer = ask("scene_load: 'second'");
+  tick(OrderDesk::kReadPatience + kMillisecond);
+  EXPECT_EQ(text(answer),
+            "refused: scene 'second' is not loaded: the disk has not given it for 2 s");
+  EXPECT_EQ(text(ask("scene_load: 'first'")), "refused: scene 'second' is still being read");
+  disk_waits = false;
+  tick();
+  EXPECT_EQ(take_scene(), "");
+  EXPECT_EQ(text(ask("scene_load: 'second'")), "(no answer)") << "it can be asked for again";
+  EXPECT_EQ(take_scene(), "second");
+}
+
+TEST_F(SceneDeskTest, ASceneThatComesWhenSomebodyElseDrivesIsRefused) {
+  tick();
+  disk_waits = true;
+  const Answer answer = ask("as: 'anna' scene_load: 'second'");
+  ask("as: 'ben' lease { act: TAKE }");
+  disk_waits = false;
+  tick();
+  EXPECT_EQ(text(answer), "refused: somebody else drives by now: scene 'second' is not loaded");
+  EXPECT_EQ(take_scene(), "");
+}
+
+TEST_F(SceneDeskTest, ASceneThatComesWhileAnEngageIsUnderWayIsRefused) {
+  tick();
+  disk_waits = true;
+  const Answer answer = ask("scene_load: 'second'");
+  const Answer engage = ask("engage: true");
+  disk_waits = false;
+  tick();
+  EXPECT_EQ(text(answer), "refused: only possible when disengaged");
+  EXPECT_EQ(take_scene(), "");
+  EXPECT_EQ(text(ask("scene_load: 'second'")), "refused: only possible when disengaged");
 }
 
 TEST_F(SceneDeskTest, ASceneThatComesWhenTheSessionIsOnIsRefused) {

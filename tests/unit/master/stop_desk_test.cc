@@ -51,6 +51,25 @@ TEST_F(StopDeskTest, AStopThatWaitsIsJoinedAndDropsWhatCameAfterIt) {
   EXPECT_EQ(last_order(), OrderKind::kStop);
 }
 
+// The lease ends, and with it the engagement, while the loop has more than enough to do.
+TEST_F(StopDeskTest, AStopTakesThePlaceOfADisengageThatWaits) {
+  tick();
+  const Answer engage = ask("as: 'anna' engage: true");
+  loop();
+  stand(SessionState::kEngaged, Desired::kEngaged);
+  tick();
+  taken.clear();
+  for (int i = 0; i < OrderDesk::kOrdersInLoop; ++i) ask("as: 'anna' clutch: true");
+  ask("as: 'anna' lease { act: RELEASE }");
+  ask("as: 'ben' stop: true");
+  for (int i = 0; i < 4; ++i) {
+    loop();
+    tick();
+  }
+  ASSERT_EQ(taken.size(), OrderDesk::kOrdersInLoop + 1u);
+  EXPECT_EQ(last_order(), OrderKind::kStop) << "nothing has the last word but the stop";
+}
+
 TEST_F(StopDeskTest, AStopIsAnsweredOnceTheSlaveHasIt) {
   tick();
   const Answer answer = ask("stop: true");
