@@ -1,6 +1,7 @@
 // A disk that takes its time, for ever if need be, while the arm is to be stopped.
 #include <gmock/gmock.h>
 
+#include <optional>
 #include <string>
 
 #include "tests/loopback/whole_cell.h"
@@ -52,10 +53,10 @@ TEST_F(SlowDisk, ASceneIsWaitedForByNobodyElse) {
 }
 
 TEST_F(SlowDisk, WhoWaitsTooLongIsToldSoAndTheSceneIsNotLoadedLater) {
-  HeldFile file(folder.write("slow.scene", "name: 'slow'\n"));
-  if (!file.works()) GTEST_SKIP() << "no file can be held here";
+  std::optional<HeldFile> file(std::in_place, folder.write("slow.scene", "name: 'slow'\n"));
+  if (!file->works()) GTEST_SKIP() << "no file can be held here";
   Program loads = load("slow");
-  ASSERT_EQ(file.holds(kPatience), master->pid());
+  ASSERT_EQ(file->holds(kPatience), master->pid());
   all_goes_on();
   EXPECT_EQ(loads.finish(), 1);
   EXPECT_THAT(loads.output(), HasSubstr("scene 'slow' is not loaded: the disk has not given it"));
@@ -64,7 +65,7 @@ TEST_F(SlowDisk, WhoWaitsTooLongIsToldSoAndTheSceneIsNotLoadedLater) {
   order("disengage: true");
   ASSERT_TRUE(slave_reaches("off"));
   ASSERT_TRUE(reaches("off"));
-  file.let_go();
+  file.reset();
   all_goes_on();
   EXPECT_EQ(status().scene(), "linear-movement");
   EXPECT_EQ(handrail({"scene", "load", "slow"}).first, 0) << "the disk is quick again";
