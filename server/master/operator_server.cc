@@ -1,5 +1,7 @@
 #include "server/master/operator_server.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -9,6 +11,7 @@
 #include <boost/asio/write.hpp>
 #include <chrono>
 #include <new>
+#include <utility>
 
 #include "server/base/clock.h"
 #include "server/base/length_prefix.h"
@@ -291,6 +294,10 @@ void OperatorServer::dismiss_one() {
     return std::pair(a->rank(), a->heard()) < std::pair(b->rank(), b->heard());
   };
   const auto least = std::min_element(clients_.begin(), clients_.end(), needed_less);
+  if (!std::exchange(said_full_, true)) {
+    spdlog::warn("operators: no room for more than {} clients; who is needed least makes room",
+                 clients_.size());
+  }
   (*least)->dismiss("another client took your place: there is room for " +
                     std::to_string(clients_.size()));
   clients_.erase(least);

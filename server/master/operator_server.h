@@ -71,6 +71,7 @@ class OperatorServer {
 
   OperatorHandler& handler_;
   const std::size_t max_clients_;
+  bool said_full_ = false;
   OperatorSocket file_;
   boost::asio::local::stream_protocol::acceptor acceptor_;
   boost::asio::steady_timer pause_;

@@ -244,6 +244,12 @@ TEST_F(GarbageTest, FromRobotAndSensorItChangesNothing) {
       packet.type[0] = MxtType::kPose;  // not what it says it sends
       const auto two_types = encode_mxt(packet, size, buffer);
       say(*robot, to_robot, Bytes(two_types.begin(), two_types.end()));
+      packet.type[0] = MxtType{99};  // not any
+      const auto no_type = encode_mxt(packet, size, buffer);
+      say(*robot, to_robot, Bytes(no_type.begin(), no_type.end()));
+      packet.send_type = packet.type[0] = MxtType{99};
+      const auto no_kind = encode_mxt(packet, size, buffer);
+      say(*robot, to_robot, Bytes(no_kind.begin(), no_kind.end()));
     }
     say(*robot, to_robot, noise());
     say(*sensor, to_sensor, noise());

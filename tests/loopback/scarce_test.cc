@@ -169,6 +169,7 @@ TEST_F(ScarceCell, WithoutDescriptorsWhoIsThereAndAStopAreServed) {
   EXPECT_EQ(handrail({"stop"}).first, 0);
   EXPECT_EQ(handrail({"reset"}).first, 0);
   stop_acts();
+  EXPECT_EQ(lines_with(*master, "operators: no room for more than"), 1);
 }
 
 class WithoutRealTime : public ScarceCell {
