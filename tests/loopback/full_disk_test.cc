@@ -116,7 +116,6 @@ TEST_F(FullDisk, UnderEveryCommandOfTheLab) {
       "gearshift",
       "gearshift --json",
       "price-check gearshift",
-      "bumper --arm rigid --form default",
       "bumper --arm rigid --form default --json",
       "faults --row X9b --quick",
       "faults --row X9b --quick --json"};

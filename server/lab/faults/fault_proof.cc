@@ -53,7 +53,7 @@ constexpr std::array kProofs = {
     FaultProof{Check::kPrompt, "prompt", "R1b", 20, "beyond the limits at the controller"},
     FaultProof{Check::kInTime, "in-time", "R3b", 20, "beyond the limits at the controller"},
     FaultProof{Check::kBegun, "begun", "R3c", 20, "beyond the limits at the controller"},
-    FaultProof{Check::kHeardEnd, "heard-end", "R2", 15, "moved after it had stood"},
+    FaultProof{Check::kHeardEnd, "heard-end", "R2", 15, "moved without being led"},
     FaultProof{Check::kUnseen, "unseen", "R4", 7, "engaged after a long pause"},
     FaultProof{Check::kMasterHold, "master-hold", "N10b", 2, "stopped late"},
     FaultProof{Check::kArmRange, "arm-range", "R5", 4, "engaged with a blind arm",
