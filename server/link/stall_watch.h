@@ -30,10 +30,13 @@ class StallWatch {
   // made. A line when a loop has stood still, with how long it was, and when it still does after
   // kPause. Allocates then.
   std::optional<std::string> step(Nanos now, Nanos good_until, const std::string& loop) {
-    // One that ended before anybody looked: the newest state came too long after the one before.
-    const Nanos between = good_until - std::exchange(last_good_, good_until);
-    if (stood_ == 0 && between > kStateStands) ++count_;
-    if (between > kStateStands) longest_ = std::max(longest_, between);
+    // One that ended before anybody looked: what was good is over, and the next came too late.
+    const Nanos last = std::exchange(last_good_, good_until);
+    const Nanos between = std::min(good_until, now + kStateStands) - last;
+    if (now > last && between > kStateStands) {
+      if (stood_ == 0) ++count_;
+      longest_ = std::max(longest_, between);
+    }
     stalled_ = now > good_until;
     if (stalled_) {
       const Nanos stood = now - good_until + kStateStands;

@@ -49,6 +49,18 @@ TEST(StallWatch, AStallIsToldWithItsTrueLength) {
             "was paused");
 }
 
+// A loop that is about to wait says for how long that is good.
+TEST(StallWatch, ALoopThatSaysThatItWaitsDoesNotStandStill) {
+  Loop loop;
+  loop.runs_until(ms(2000));
+  for (int k = 0; k < 20; ++k) {
+    const Nanos from = loop.now;
+    for (; loop.now < from + ms(107); loop.now += ms(1)) loop.look(from + ms(107));
+    loop.runs_until(from + ms(1000));
+  }
+  EXPECT_TRUE(loop.lines.empty());
+}
+
 // The whole program is paused, and its loop is the first to run again.
 TEST(StallWatch, AStallThatEndedBeforeAnybodyLookedIsToldToo) {
   Loop loop;
