@@ -157,7 +157,10 @@ bool DemoDriver::engage() {
       return false;
     }
     // Each of these may be refused for now: the next round sees what has come of it.
-    if (now.state() == "fault") (void)call(with([](pb::Request& r) { r.set_reset(true); }));
+    // A slave that was paused may come to its fault after the master's has been reset.
+    if (now.state() == "fault" || now.slave_state() == "fault") {
+      (void)call(with([](pb::Request& r) { r.set_reset(true); }));
+    }
     const Result<pb::Reply> home =
         call(with([](pb::Request& r) { r.mutable_hand()->set_home(true); }));
     if (home && !home->done()) fail("refused: " + home->reason());

@@ -63,7 +63,9 @@ DemoOutcome run_demo(std::uint64_t seed, bool (*interrupted)()) {
   for (const Who who : kPrograms) {
     if (!cell.running(who)) out.problem += std::string("; ") + name(who) + " does not run any more";
   }
-  if (!out.problem.empty()) out.problem += "; it printed:\n" + demo.output();
+  if (out.problem.empty()) return out;
+  out.problem += "; it printed:\n" + demo.output();
+  for (const Who who : kPrograms) out.problem += std::string(name(who)) + ":\n" + cell.output(who);
   return out;
 }
 
