@@ -11,6 +11,7 @@
 #include <boost/asio.hpp>
 
 #include "server/base/clock.h"
+#include "server/base/doorbell.h"
 #include "server/base/endings.h"
 #include "server/link/leader_watch.h"
 #include "server/link/pump.h"
@@ -26,19 +27,29 @@ class LinkServer {
  public:
   struct Hooks {
     std::function<void(Nanos now)> on_news;  // the peer has said something new
-    std::function<void(Nanos now)> on_tick;  // a thousand times a second; send() from here
-    std::function<void()> on_signal;         // of ending_signals()
-    std::function<bool()> finished;          // asked after every tick
+    // A thousand times a second and when the control loop rings; send() from here.
+    std::function<void(Nanos now)> on_tick;
+    std::function<void()> on_signal;  // of ending_signals()
+    std::function<bool()> finished;   // asked after every tick
     // A line for the log; `bad`: somebody should look.
     std::function<void(bool bad, const std::string& line)> say;
   };
 
-  // In what is said: "haptic" of our control loop, "slave" of the other side.
-  LinkServer(const char* own_loop, const char* peer_name)
-      : own_loop_(own_loop), peer_name_(peer_name) {}
+  // In what is said: "haptic" of our control loop, "slave" of the other side. `doorbell`: the
+  // control loop's, for what must not wait for the next tick. Must outlive the server.
+  LinkServer(const char* own_loop, const char* peer_name, const Doorbell& doorbell)
+      : own_loop_(own_loop), peer_name_(peer_name), doorbell_(doorbell) {}
+  ~LinkServer() {
+    if (bell_.is_open()) bell_.release();
+  }
 
   // Binds the port. The error names address or port and what was expected.
-  Status open(const UdpTransportOptions& options) { return transport_.open(options); }
+  Status open(const UdpTransportOptions& options) {
+    boost::system::error_code error = boost::asio::error::no_descriptors;
+    if (doorbell_.fd() >= 0) bell_.assign(doorbell_.fd(), error);
+    if (!error) return transport_.open(options);
+    return Status::error("the " + own_loop_ + " loop cannot wake the link: " + error.message());
+  }
   std::uint16_t port() const { return transport_.port(); }
   boost::asio::io_context& io() { return io_; }
   const Remote& newest() const { return peer_.newest(); }
@@ -73,6 +84,7 @@ class LinkServer {
     });
     take_endings();
     transport_.on_readable([this] { in_memory([this] { receive(monotonic_now()); }); });
+    wait_for_ring();
     wait_for_tick(monotonic_now());
     io_.run();
     const LinkSnapshot& link = snapshot();
@@ -94,13 +106,26 @@ class LinkServer {
     timer_.async_wait([this](const boost::system::error_code& error) {
       if (error) return;
       const Nanos woke = monotonic_now();
-      in_memory([this, woke] {
-        receive(woke);
-        log_leader(woke);
-        hooks_.on_tick(woke);
-      });
+      tick(woke);
       if (hooks_.finished()) return io_.stop();
       wait_for_tick(woke);
+    });
+  }
+
+  void wait_for_ring() {
+    bell_.async_wait(boost::asio::posix::descriptor_base::wait_read,
+                     [this](const boost::system::error_code& error) {
+                       if (error) return;
+                       if (doorbell_.answer()) tick(monotonic_now());
+                       wait_for_ring();
+                     });
+  }
+
+  void tick(Nanos now) {
+    in_memory([this, now] {
+      receive(now);
+      log_leader(now);
+      hooks_.on_tick(now);
     });
   }
 
@@ -138,9 +163,11 @@ class LinkServer {
   }
 
   const std::string own_loop_, peer_name_;
+  const Doorbell& doorbell_;
   boost::asio::io_context io_{1};
   boost::asio::steady_timer timer_{io_};
   boost::asio::signal_set signals_{io_};  // needs descriptors: had before anybody is told READY
+  boost::asio::posix::stream_descriptor bell_{io_};  // the doorbell's, not ours to close
   UdpTransport transport_{io_};
   LinkPeer<Local, Remote> peer_{random_session_id()};
   LinkPump<Local, Remote> pump_{transport_, peer_};

@@ -81,10 +81,12 @@ class PeerCore {
   Reject take(const Refusal& refusal, Nanos now) noexcept;
   void count(Reject cause) noexcept;
 
-  bool due(Nanos now) const noexcept { return now >= next_due_ && sequence_ != UINT64_MAX; }
+  bool can_send() const noexcept { return sequence_ != UINT64_MAX; }
+  bool due(Nanos now) const noexcept { return now >= next_due_ && can_send(); }
   // The header of the datagram to send now. Real-time safe.
   DatagramHeader next_header(Nanos now) const noexcept;
-  // Moves the schedule on, along its own grid, without making up for what was missed.
+  // Moves the schedule on, along its own grid, without making up for what was missed. What was sent
+  // before its time takes the place of what would have been next.
   void after_send(Nanos now, bool sent) noexcept;
   void withhold(Nanos now) noexcept;
   Nanos wait_time(Nanos now) const noexcept;
@@ -162,9 +164,11 @@ class LinkPeer {
   void count_dropped(Reject cause) noexcept { core_.count(cause); }
 
   // Writes the datagram that is due, once a kSendPeriod, and returns its size; 0 = not due, or the
-  // state cannot be sent (snapshot().unsendable, last_unsendable()). `out` holds kMaxDatagram.
+  // state cannot be sent (snapshot().unsendable, last_unsendable()). A stop that was not spoken of
+  // before is due at once, in place of the next datagram. `out` holds kMaxDatagram.
   std::size_t poll(Nanos now, const Local& state, std::span<std::uint8_t> out) noexcept {
-    if (!core_.due(now)) return 0;
+    if (!core_.due(now) && !(state.stop_epoch != stop_spoken_ && core_.can_send())) return 0;
+    stop_spoken_ = state.stop_epoch;
     Reject cause = Reject::kNone;
     const std::size_t size = codec_.encode(core_.next_header(now), state, out, cause);
     if (size == 0) last_unsendable_ = cause;
@@ -200,6 +204,7 @@ class LinkPeer {
   Remote scratch_;
   Remote newest_;
   Reject last_unsendable_ = Reject::kNone;
+  std::uint64_t stop_spoken_ = 0;
 };
 
 using MasterPeer = LinkPeer<MasterState, SlaveState>;

@@ -68,6 +68,7 @@ void HapticLoop::tick(Nanos now) noexcept {
   if (ticket.id == 0) return;
   const HapticOutput& out = report_.out;
   (void)boxes_.answers.push({ticket.id, out.order_result, out.tool_distance, out.hand_latched});
+  boxes_.doorbell.ring();
 }
 
 void HapticLoop::let_go() noexcept {

@@ -4,6 +4,7 @@
 #include <atomic>
 
 #include "devices/haptic_device.h"
+#include "server/base/doorbell.h"
 #include "server/base/mailbox.h"
 #include "server/base/ring.h"
 #include "server/constraint/wall_proxy.h"
@@ -69,6 +70,7 @@ struct MasterMailboxes {
   Ring<OrderAnswer, 64> answers;             // haptic to IO
   std::atomic<Nanos> hold_heard{-kForever};  // IO to haptic: newest sign of `engage --hold`
   Mailbox<HapticReport> report;              // haptic to IO
+  Doorbell doorbell;                         // haptic to IO: an order was answered
 };
 
 }  // namespace handrail

@@ -35,7 +35,7 @@ struct MasterServer::Impl {
   MasterMailboxes& boxes;
   OrderDesk& desk;
   MasterServerOptions options;
-  LinkServer<MasterState, SlaveState> link{"haptic", "slave"};
+  LinkServer<MasterState, SlaveState> link{"haptic", "slave", boxes.doorbell};
   OperatorServer operators{link.io(), desk};
   SessionWatch session;
   std::function<void(Nanos, bool)> alive;

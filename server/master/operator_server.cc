@@ -7,7 +7,6 @@
 #include <atomic>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/post.hpp>
-#include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
 #include <chrono>
 #include <new>
@@ -26,7 +25,7 @@ using Acceptor = asio::local::stream_protocol::acceptor;
 namespace {
 
 // Let in at once, before those who are in are heard again.
-constexpr int kAdmitted = 16;
+constexpr int kMostAdmitted = 16;
 constexpr auto kAcceptPause = std::chrono::milliseconds(1);
 
 pb::Reply refusal(const std::string& reason) {
@@ -66,17 +65,17 @@ bool is_order(const pb::Request& r) {
 
 }  // namespace
 
-// One connection: wait for a frame, read it, have it handled, answer, again.
+// One connection: gather a frame, have it handled, answer, again.
 class OperatorServer::Client : public std::enable_shared_from_this<Client> {
  public:
   Client(Socket socket, OperatorServer& server)
       : socket_(std::move(socket)), timer_(socket_.get_executor()), server_(server) {}
 
-  void await_frame() {
+  // Who has just come has mostly said already what he wants.
+  void begin() {
     heard_ = monotonic_now();
-    socket_.async_wait(Socket::wait_read, [self = shared_from_this()](Error error) {
-      if (!error) self->in_memory([&] { self->read_header(); });
-    });
+    socket_.non_blocking(true);
+    read();
   }
   // Answers and, with `last`, closes afterwards.
   void answer(const pb::Reply& reply, bool last) {
@@ -87,7 +86,8 @@ class OperatorServer::Client : public std::enable_shared_from_this<Client> {
                       [self = shared_from_this(), last](Error error, std::size_t) {
                         self->timer_.cancel();
                         if (error || last) return self->close();
-                        self->in_memory([&] { self->await_frame(); });
+                        self->heard_ = monotonic_now();
+                        self->in_memory([&] { self->take_frame(); });
                       });
   }
   void close() {
@@ -98,7 +98,6 @@ class OperatorServer::Client : public std::enable_shared_from_this<Client> {
   // Says why and closes, whether anybody reads it or not.
   void dismiss(const std::string& why) {
     Error ignored;
-    socket_.non_blocking(true, ignored);
     socket_.send(asio::buffer(framed(refusal(why).SerializeAsString())), MSG_NOSIGNAL, ignored);
     close();
   }
@@ -134,29 +133,38 @@ class OperatorServer::Client : public std::enable_shared_from_this<Client> {
       if (!error && self) self->close();
     });
   }
-  void read_header() {
-    limit_time();
-    asio::async_read(socket_, asio::buffer(header_),
-                     [self = shared_from_this()](Error error, std::size_t) {
-                       if (error) return self->close();
-                       self->in_memory([&] { self->read_body(); });
-                     });
+  void await_bytes() {
+    socket_.async_wait(Socket::wait_read, [self = shared_from_this()](Error error) {
+      if (!error) self->in_memory([&] { self->read(); });
+    });
   }
-  void read_body() {
-    const std::uint32_t size = frame_size(header_.data());
+  void read() {
+    std::array<char, 4096> part;
+    Error error;
+    const std::size_t count = socket_.read_some(asio::buffer(part), error);
+    if (error == asio::error::would_block) return await_bytes();
+    if (error) return close();
+    in_.append(part.data(), count);
+    take_frame();
+  }
+  // The first frame of what has come, if it is whole.
+  void take_frame() {
+    const std::size_t size = in_.size() < kFrameHeader ? 0 : frame_size(in_.data());
     if (size > kMaxFrame) {
       const std::string text = std::to_string(size);
       return answer(refusal("a request of " + text + " bytes, expected at most 65536"), true);
     }
-    body_.resize(size);
-    asio::async_read(socket_, asio::buffer(body_),
-                     [self = shared_from_this()](Error error, std::size_t) {
-                       if (error) return self->close();
-                       self->timer_.cancel();
-                       self->in_memory([&] { self->parse(); });
-                     });
+    if (in_.size() < kFrameHeader + size) {
+      if (!in_.empty() && !std::exchange(rest_is_timed_, true)) limit_time();
+      return await_bytes();
+    }
+    rest_is_timed_ = false;
+    timer_.cancel();
+    const std::string body = in_.substr(kFrameHeader, size);
+    in_.erase(0, kFrameHeader + size);
+    parse(body);
   }
-  void parse();
+  void parse(const std::string& body);
 
   Socket socket_;
   asio::steady_timer timer_;
@@ -165,8 +173,8 @@ class OperatorServer::Client : public std::enable_shared_from_this<Client> {
   bool gives_orders_ = false;      // has done, at least once
   std::optional<std::string> as_;  // in whose name, in the newest
   bool stop_waits_ = false;        // for its answer
-  std::array<char, kFrameHeader> header_{};
-  std::string body_;
+  std::string in_;                 // what has come and was not taken: a frame and 4 KiB at most
+  bool rest_is_timed_ = false;
   pb::Request request_;
   std::string out_;
 };
@@ -206,10 +214,10 @@ class OperatorServer::Client::Ticket {
   std::atomic<bool> used_{false};
 };
 
-void OperatorServer::Client::parse() {
+void OperatorServer::Client::parse(const std::string& body) {
   if (!is_open()) return;
   heard_ = monotonic_now();
-  if (!request_.ParseFromString(body_)) return answer(refusal("the request is garbled"), true);
+  if (!request_.ParseFromString(body)) return answer(refusal("the request is garbled"), true);
   if (!has_order(request_)) return answer(refusal("the request holds no order"), true);
   if (is_order(request_)) {
     gives_orders_ = true;
@@ -259,14 +267,15 @@ std::size_t OperatorServer::clients() const {
 void OperatorServer::accept() {
   acceptor_.async_wait(Acceptor::wait_read, [this, running = std::weak_ptr(running_)](Error error) {
     if (running.expired()) return;
-    bool more = !error;
+    Admitted last = error ? Admitted::kNoMeans : Admitted::kOne;
+    std::erase_if(clients_, [](const auto& client) { return !client->is_open(); });
     try {
-      for (int i = 0; i < kAdmitted && more; ++i) more = admit_one();
+      for (int i = 0; i < kMostAdmitted && last == Admitted::kOne; ++i) last = admit_one();
     } catch (const std::bad_alloc&) {
-      more = false;
+      last = Admitted::kNoMeans;
     }
-    if (more) return accept();
-    // Nobody is left, or no descriptor or memory for him: asking again at once would only spin.
+    if (last != Admitted::kNoMeans) return accept();
+    // No descriptor or memory for who waits: asking again at once would only spin.
     pause_.expires_after(kAcceptPause);
     pause_.async_wait([this, running](Error) {
       if (!running.expired()) accept();
@@ -274,19 +283,20 @@ void OperatorServer::accept() {
   });
 }
 
-bool OperatorServer::admit_one() {
-  std::erase_if(clients_, [](const auto& client) { return !client->is_open(); });
+OperatorServer::Admitted OperatorServer::admit_one() {
   Error error;
   Socket socket = acceptor_.accept(error);
   if (error == Error(asio::error::no_descriptors) && !clients_.empty()) {
     dismiss_one();
     socket = acceptor_.accept(error);
   }
-  if (error) return false;
+  if (error == asio::error::would_block) return Admitted::kNobodyWaits;
+  if (error) return Admitted::kNoMeans;
   if (clients_.size() >= max_clients_) dismiss_one();
   clients_.push_back(std::make_shared<Client>(std::move(socket), *this));
-  clients_.back()->await_frame();
-  return true;
+  const auto client = clients_.back();
+  client->in_memory([&] { client->begin(); });
+  return Admitted::kOne;
 }
 
 void OperatorServer::dismiss_one() {

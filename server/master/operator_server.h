@@ -61,8 +61,9 @@ class OperatorServer {
  private:
   class Client;
   void accept();
-  // False: nobody waits to be let in, or there is no descriptor for him.
-  bool admit_one();
+  // kNoMeans: no descriptor for who waits.
+  enum class Admitted { kOne, kNobodyWaits, kNoMeans };
+  Admitted admit_one();
   // Lets the client go that is needed least.
   void dismiss_one();
   // A whole request has come.

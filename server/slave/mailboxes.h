@@ -1,6 +1,7 @@
 // Where the slave's two threads meet: newest values, nobody waits.
 #pragma once
 
+#include "server/base/doorbell.h"
 #include "server/base/fixed_text.h"
 #include "server/base/link_state.h"
 #include "server/base/mailbox.h"
@@ -37,6 +38,7 @@ struct SlaveMailboxes {
   Mailbox<ForceReading> force;       // IO to robot
   Mailbox<FollowSettings> settings;  // IO to robot: another scene
   Mailbox<SlaveReport> report;       // robot to IO
+  Doorbell doorbell;                 // robot to IO: the report tells of another stop
 };
 
 }  // namespace handrail

@@ -185,12 +185,14 @@ void RobotLoop::publish(Nanos busy_for) {
   }
   output_.link.cycles = cycles_;
   output_.link.silences = silences_;
+  const bool another_stop = report_.state.stop_epoch != output_.link.stop_epoch;
   report_.state = output_.link;
   report_.halts = state_.halts;
   report_.connected = connected_;
   report_.lost = lost_;
   report_.good_until = clock_() + kStateStands + busy_for;
   boxes_.report.publish(report_);
+  if (another_stop) boxes_.doorbell.ring();
 }
 
 void RobotLoop::finish_when_standing(Nanos now) {

@@ -120,7 +120,7 @@ struct SlaveServer::Impl {
   SlaveMailboxes& boxes;
   FtSensor* sensor;
   SlaveServerOptions options;
-  LinkServer<SlaveState, MasterState> link{"robot", "master"};
+  LinkServer<SlaveState, MasterState> link{"robot", "master", boxes.doorbell};
   SlaveReport report;
   bool known = false;  // the robot loop has spoken
   SessionWatch session;

@@ -1,5 +1,8 @@
 // A payload found with the real programs, and taken out by them.
 #include <gmock/gmock.h>
+#include <pty.h>
+
+#include <array>
 
 #include "server/scene/config_io.h"
 #include "server/scene/payload_io.h"
@@ -64,6 +67,36 @@ TEST_F(CalibrateTest, SixTiltsOfTheTipGiveThePayloadAndItsBlockTakesItOut) {
   const auto refused = handrail({"calibrate", "payload"});
   EXPECT_EQ(refused.first, 1);
   EXPECT_THAT(refused.second, HasSubstr("already takes a payload out of its readings"));
+}
+
+// On a terminal, live.
+TEST_F(CalibrateTest, SaysWhyAPoseDoesNotCount) {
+  order("engage: true");
+  ASSERT_TRUE(eventually([](const pb::Status& s) { return force(s) > 4.0; })) << "in free air";
+  int user = -1, program = -1;
+  ASSERT_EQ(::openpty(&user, &program, nullptr, nullptr, nullptr), 0);
+  Streams streams;
+  streams.error = program;
+  Program calibrate(folder, "handrail", {"calibrate", "payload", "--socket", socket()}, streams);
+  const auto shows = [user, shown = std::string()](const std::string& part) mutable {
+    std::array<char, 4096> text;
+    const Nanos give_up = monotonic_now() + kPatience;
+    while (shown.find(part) == shown.npos && monotonic_now() < give_up) {
+      const ssize_t n = ::read(user, text.data(), text.size());
+      if (n > 0) shown.append(text.data(), static_cast<std::size_t>(n));
+    }
+    const bool found = shown.find(part) != shown.npos;
+    shown.erase(0, found ? shown.find(part) : 0);
+    return found;
+  };
+  EXPECT_TRUE(shows("1 of 6: the sensor reads "));
+  EXPECT_TRUE(shows(" deg from the nearest sample, expected 20; tilt on"));
+  order("hand { displacement_mm: [0, 30, 0] duration_s: 2 }");
+  EXPECT_TRUE(shows("does not count: moved by "));
+  calibrate.send(SIGINT);
+  EXPECT_EQ(calibrate.finish(), 130);
+  ::close(user);
+  ::close(program);
 }
 
 TEST_F(CalibrateTest, CtrlCEndsItAndWhatWasGatheredIsKept) {

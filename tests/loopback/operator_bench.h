@@ -1,4 +1,4 @@
-// A real operator server on a socket of its own, with a scripted master behind it.
+// A real operator server on a socket of its own, with what a test puts in the master's place.
 #pragma once
 
 #include <atomic>
@@ -64,17 +64,17 @@ class ScriptedMaster : public OperatorHandler {
   std::vector<std::function<void(pb::Reply)>> kept_;
 };
 
-class OperatorBench {
+// `Handler`: what stands for the master.
+template <typename Handler>
+class BenchOf {
  public:
-  explicit OperatorBench(const std::string& path,
-                         std::size_t max_clients = OperatorServer::kMaxClients)
+  explicit BenchOf(const std::string& path, std::size_t max_clients = OperatorServer::kMaxClients)
       : path_(path), server_(io_, master, max_clients) {
     status_ = server_.start(path);
     thread_ = std::thread([this] { io_.run(); });
   }
-  ~OperatorBench() {
+  ~BenchOf() {
     run([this] { server_.stop(); });
-    master.take_kept();
     work_.reset();
     thread_.join();
   }
@@ -96,7 +96,7 @@ class OperatorBench {
   const Status& status() const { return status_; }
   const std::string& path() const { return path_; }
 
-  ScriptedMaster master;
+  Handler master;
 
  private:
   std::string path_;
@@ -107,5 +107,7 @@ class OperatorBench {
   Status status_ = Status::ok();
   std::thread thread_;
 };
+
+using OperatorBench = BenchOf<ScriptedMaster>;
 
 }  // namespace handrail

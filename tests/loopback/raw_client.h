@@ -31,6 +31,11 @@ class RawClient {
     return ::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL) ==
            static_cast<ssize_t>(bytes.size());
   }
+  // The other side has ended the connection, and nothing waits to be read.
+  bool is_over() const {
+    char next = 0;
+    return ::recv(fd_, &next, 1, MSG_PEEK | MSG_DONTWAIT) == 0;
+  }
   // Nothing more is said.
   void end() { ::shutdown(fd_, SHUT_WR); }
   // One reply; done false with reason "(closed)" at the end of the connection.

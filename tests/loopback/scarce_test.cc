@@ -3,14 +3,20 @@
 // on.
 #include <gmock/gmock.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <filesystem>
+#include <fstream>
 #include <list>
+#include <set>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "tests/loopback/raw_client.h"
 #include "tests/loopback/whole_cell.h"
 
 namespace handrail {
@@ -172,12 +178,35 @@ TEST_F(ScarceCell, WithoutDescriptorsWhoIsThereAndAStopAreServed) {
   EXPECT_EQ(lines_with(*master, "operators: no room for more than"), 1);
 }
 
-class WithoutRealTime : public ScarceCell {
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+// Half-sent requests of the largest size, with what the master has left to hold them in.
+TEST_F(ScarceCell, WithoutMemoryWhileItRunsAStopActs) {
+  order("engage: true");
+  ASSERT_TRUE(slave_reaches("engaged"));
+  std::ifstream statm("/proc/" + std::to_string(master->pid()) + "/statm");
+  rlim_t pages = 0;
+  statm >> pages;
+  limit_master(RLIMIT_AS, pages * static_cast<rlim_t>(::sysconf(_SC_PAGESIZE)));
+  const std::string half = std::string("\0\0\1\0", 4) + std::string(60'000, 'x');
+  std::list<RawClient> greedy;
+  for (int i = 0; i < 400; ++i) (void)greedy.emplace_back(socket()).send(half);
+  ASSERT_TRUE(eventually([&](const pb::Status&) {
+    return lines_with(*master, "no memory left") > 0 ||
+           std::any_of(greedy.begin(), greedy.end(),
+                       [](const RawClient& c) { return c.is_over(); });
+  })) << "there was enough";
+  stop_acts();
+  limit_master(RLIMIT_AS, RLIM_INFINITY);
+  EXPECT_LE(lines_with(*master, "no memory left"), 1);
+  order("engage: true");
+  EXPECT_TRUE(slave_reaches("engaged"));
+}
+#endif
+
+// All three programs under one command.
+class CellUnder : public ScarceCell {
  protected:
-  void SetUp() override {
-    const std::vector<std::string> command = {kPrlimit, "--rtprio=0:0", "--memlock=65536:65536",
-                                              "/usr/bin/setpriv",
-                                              "--bounding-set=-sys_nice,-ipc_lock,-sys_resource"};
+  void start_under(const std::vector<std::string>& command) {
     rig =
         under(folder, command, "handrail-rig", "robot_port: 0 sensor_port: 0 repeatability_mm: 0");
     robot_port = rig->number_after("READY robot_port=");
@@ -190,14 +219,25 @@ class WithoutRealTime : public ScarceCell {
     master_port = master->number_after("READY link_port=");
     ASSERT_TRUE(eventually([](const pb::Status& s) { return s.has_tip(); }));
   }
+  void expect_to_follow() {
+    order("engage: true");
+    ASSERT_TRUE(slave_reaches("engaged"));
+    const Vec3 start = mm(status().slave_command());
+    const pb::Status last = move_hand("0, 20, 0");
+    EXPECT_GT((mm(last.slave_command()) - start).norm(), 5.0);
+  }
+};
+
+class WithoutRealTime : public CellUnder {
+ protected:
+  void SetUp() override {
+    start_under({kPrlimit, "--rtprio=0:0", "--memlock=65536:65536", "/usr/bin/setpriv",
+                 "--bounding-set=-sys_nice,-ipc_lock,-sys_resource"});
+  }
 };
 
 TEST_F(WithoutRealTime, TheArmFollowsAndItIsSaidOnce) {
-  order("engage: true");
-  ASSERT_TRUE(slave_reaches("engaged"));
-  const Vec3 start = mm(status().slave_command());
-  const pb::Status last = move_hand("0, 20, 0");
-  EXPECT_GT((mm(last.slave_command()) - start).norm(), 5.0);
+  expect_to_follow();
   for (Program* program : {master.get(), slave.get()}) {
     EXPECT_EQ(lines_with(*program, "not in real time"), 1);
     EXPECT_EQ(lines_with(*program, "ordinary scheduling"), 2) << "of two threads";
@@ -249,6 +289,34 @@ TEST_F(ScarceCell, ASlaveWithAnotherClockFollows) {
   const pb::Status last = move_hand("0, 20, 0");
   EXPECT_GT((mm(last.slave_command()) - start).norm(), 5.0);
 }
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+class LeapingCalendar : public CellUnder {
+ protected:
+  void SetUp() override { start_under({"/usr/bin/env", "LD_PRELOAD=" LEAPING_CALENDAR}); }
+  // Those of the lines that a program has logged: "[2026-11-24 15:04:05.678] ...".
+  static std::set<std::string> hours(const Program& program) {
+    std::set<std::string> out;
+    std::istringstream said(program.output());
+    for (std::string line; std::getline(said, line);) {
+      if (line.starts_with('[') && line.size() > 13) out.insert(line.substr(12, 2));
+    }
+    return out;
+  }
+};
+
+TEST_F(LeapingCalendar, OnlyTheLogsTimesLeap) {
+  for (int i = 0; i < 10; ++i) {
+    expect_to_follow();
+    stop_acts();
+  }
+  const pb::Status last = status();
+  EXPECT_EQ(last.overruns(), 0u) << "of " << last.ticks();
+  for (const Program* program : {master.get(), slave.get()}) {
+    EXPECT_GT(hours(*program).size(), 1u) << program->output();
+  }
+}
+#endif
 
 }  // namespace
 }  // namespace handrail

@@ -39,6 +39,36 @@ class StartTest : public WholeCell {
     }
     return false;
   }
+  // All of them anew, on the ports that they had, where nobody reads their READY; then they serve.
+  void serve_with_output(int output) {
+    WholeCell::SetUp();
+    for (Program* program : {slave.get(), master.get(), rig.get()}) {
+      program->send(SIGTERM);
+      ASSERT_EQ(program->finish(), 0);
+    }
+    client.close();
+    streams.output = output;
+    rig = launch("handrail-rig", "robot_port: " + std::to_string(robot_port) +
+                                     " sensor_port: " + std::to_string(sensor_port));
+    launch_slave();
+    master = launch("handrail-master", master_config(master_port));
+    ASSERT_TRUE(within(kPatience, [&] {
+      pb::Request request;
+      request.set_status(true);
+      const Result<pb::Reply> reply = client.call(request, kSecond);
+      return reply && reply->done() && reply->status().has_tip();
+    }));
+    order("engage: true");
+    EXPECT_THAT(ask("stop: true").reason(), HasSubstr("the slave has it"));
+    slave->send(SIGTERM);
+    EXPECT_EQ(slave->finish(), 0);
+  }
+  void end_master_and_rig() {
+    for (Program* program : {master.get(), rig.get()}) {
+      program->send(SIGTERM);
+      EXPECT_EQ(program->finish(), 0);
+    }
+  }
 };
 
 TEST_F(StartTest, ASignalBeforeTheSlaveServesEndsItInOrder) {
@@ -70,30 +100,10 @@ TEST_F(StartTest, ASignalBeforeTheMasterServesEndsItInOrder) {
 }
 
 TEST_F(StartTest, AFullStandardOutputKeepsNobodyWaiting) {
-  WholeCell::SetUp();
-  for (Program* program : {slave.get(), master.get(), rig.get()}) {
-    program->send(SIGTERM);
-    ASSERT_EQ(program->finish(), 0);
-  }
-  client.close();
   int ends[2];
   ASSERT_EQ(::pipe2(ends, O_CLOEXEC), 0);
   test::fill(ends[1]);
-  streams.output = ends[1];
-  rig = launch("handrail-rig", "robot_port: " + std::to_string(robot_port) +
-                                   " sensor_port: " + std::to_string(sensor_port));
-  launch_slave();
-  master = launch("handrail-master", master_config(master_port));
-  ASSERT_TRUE(within(kPatience, [&] {
-    pb::Request request;
-    request.set_status(true);
-    const Result<pb::Reply> reply = client.call(request, kSecond);
-    return reply && reply->done() && reply->status().has_tip();
-  }));
-  order("engage: true");
-  EXPECT_THAT(ask("stop: true").reason(), HasSubstr("the slave has it"));
-  slave->send(SIGTERM);
-  EXPECT_EQ(slave->finish(), 0);
+  ASSERT_NO_FATAL_FAILURE(serve_with_output(ends[1]));
   // Who reads at last finds the line.
   std::string text;
   ::fcntl(ends[0], F_SETFL, O_NONBLOCK);
@@ -104,11 +114,16 @@ TEST_F(StartTest, AFullStandardOutputKeepsNobodyWaiting) {
     }
     return text.find("READY link_port=" + std::to_string(master_port) + " ") != text.npos;
   }));
-  master->send(SIGTERM);
-  rig->send(SIGTERM);
-  EXPECT_EQ(master->finish(), 0);
-  EXPECT_EQ(rig->finish(), 0);
+  end_master_and_rig();
   for (const int end : ends) ::close(end);
+}
+
+TEST_F(StartTest, AReadyLineThatCannotBeWrittenKeepsNobodyFromServing) {
+  const int full = ::open("/dev/full", O_WRONLY | O_CLOEXEC);
+  if (full < 0) GTEST_SKIP() << "needs /dev/full";
+  ASSERT_NO_FATAL_FAILURE(serve_with_output(full));
+  end_master_and_rig();
+  ::close(full);
 }
 
 }  // namespace

@@ -4,9 +4,11 @@
 #include <pty.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -177,6 +179,48 @@ TEST_F(Nohup, TheArmMovesOnWithoutATerminal) {
   engage_and_stop();
   EXPECT_TRUE(eventually([](const pb::Status& s) { return s.log_lost() > 0; }));
   expect_all_to_end_at_once();
+}
+
+class WatchedTerminal : public TerminalTest {
+ protected:
+  // What the terminal is sent until there are `count` of `part` in it.
+  static std::string until(int user, const std::string& part, int count) {
+    std::string out;
+    std::array<char, 4096> text;
+    const Nanos give_up = monotonic_now() + kPatience;
+    for (int found = 0; found < count && monotonic_now() < give_up;) {
+      const ssize_t n = ::read(user, text.data(), text.size());
+      if (n <= 0) break;
+      out.append(text.data(), static_cast<std::size_t>(n));
+      found = 0;
+      for (std::size_t at = 0; (at = out.find(part, at)) != out.npos; ++at) ++found;
+    }
+    return out;
+  }
+};
+
+TEST_F(WatchedTerminal, StatusAndWhyArePaintedInPlaceOnOneScreen) {
+  const std::string repaint = "\033[H\033[J";
+  int ends[2];
+  ASSERT_EQ(::openpty(&ends[0], &ends[1], nullptr, nullptr, nullptr), 0);
+  Streams onto;
+  onto.output = ends[1];
+  for (const char* what : {"status", "why"}) {
+    Program watch(folder, "handrail", {what, "--watch", "--socket", socket()}, onto);
+    const std::string said = until(ends[0], repaint, 4);
+    watch.send(SIGINT);
+    EXPECT_EQ(watch.finish(), 0);
+    EXPECT_EQ(said.find(repaint), 0u) << said;
+    for (std::size_t at = 0, next = 0; next != said.npos; at = next) {
+      next = said.find(repaint, at + 1);
+      const auto lines = std::count(
+          said.begin() + static_cast<std::ptrdiff_t>(at),
+          next == said.npos ? said.end() : said.begin() + static_cast<std::ptrdiff_t>(next), '\n');
+      EXPECT_LT(lines, 24) << "the last line scrolls a terminal of 24";
+    }
+    ::tcflush(ends[0], TCIOFLUSH);
+  }
+  for (const int end : ends) ::close(end);
 }
 
 class SlaveIntoPipe : public TerminalTest {

@@ -74,6 +74,19 @@ TEST_F(PeerTest, ALatePollKeepsTheGridAndSendsNoBurst) {
   EXPECT_EQ(master.wait_time(kStart + 5'300'000), 700'000);
 }
 
+TEST_F(PeerTest, AnotherStopGoesAtOnceInPlaceOfTheNextDatagram) {
+  (void)from_master(kStart);
+  ++master_state.stop_epoch;
+  Packet p = from_master(kStart + 300'000);
+  EXPECT_EQ(slave.on_datagram(p.span(), kStart + 300'000), Reject::kNone);
+  EXPECT_EQ(slave.newest().stop_epoch, master_state.stop_epoch);
+  EXPECT_EQ(master.poll(kStart + 300'001, master_state, p.bytes), 0u);
+  EXPECT_EQ(master.wait_time(kStart + 300'000), 1'700'000);
+  EXPECT_EQ(master.poll(kStart + kMillisecond, master_state, p.bytes), 0u);
+  EXPECT_NE(master.poll(kStart + 2 * kMillisecond, master_state, p.bytes), 0u);
+  EXPECT_EQ(master.snapshot().sent, 3u);
+}
+
 TEST_F(PeerTest, AgeGrowsWithTheClockAndFreshDatagramsResetIt) {
   (void)slave.on_datagram(from_master(kStart).span(), kStart);
   EXPECT_EQ(slave.snapshot().age(kStart), 0);

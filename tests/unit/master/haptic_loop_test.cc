@@ -30,13 +30,18 @@ TEST_F(HapticLoopTest, AnswersEveryOrderByItsIdAndTakesOneATick) {
   push(7, OrderKind::kDisengage);
   push(9, OrderKind::kReset);
   push(8, OrderKind::kEngage);
+  EXPECT_FALSE(boxes.doorbell.answer());
   tick();
+  EXPECT_TRUE(boxes.doorbell.answer());
   EXPECT_EQ(answer(7), Reason::kNone);
   EXPECT_EQ(answer(9), std::nullopt);
   tick();
   EXPECT_EQ(answer(9), Reason::kNotStopped);
   tick();
   EXPECT_EQ(answer(8), Reason::kNone);
+  EXPECT_TRUE(boxes.doorbell.answer());
+  tick();
+  EXPECT_FALSE(boxes.doorbell.answer());
 }
 
 TEST_F(HapticLoopTest, AnAnswerToAToolCallSaysHowFarTheToolIs) {

@@ -185,6 +185,17 @@ TEST_F(RobotLoopTest, TwoStartsOfASlaveHaveNoFaultInCommon) {
   EXPECT_GT(first - report.state.fault_epoch, kLifetime);
 }
 
+TEST_F(RobotLoopTest, RingsOnceWhenItHasAnotherStop) {
+  engage();
+  EXPECT_FALSE(boxes.doorbell.answer());
+  news.state.stop_epoch = 1;
+  turn();
+  EXPECT_EQ(state.stop_epoch, 1u);
+  EXPECT_TRUE(boxes.doorbell.answer());
+  for (int i = 0; i < 10; ++i) turn();
+  EXPECT_FALSE(boxes.doorbell.answer());
+}
+
 TEST_F(RobotLoopTest, AStandingStopKeepsALostRobotAway) {
   engage();
   robot.script = {RobotEvent::kLost};
