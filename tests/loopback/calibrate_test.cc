@@ -1,12 +1,10 @@
 // A payload found with the real programs, and taken out by them.
 #include <gmock/gmock.h>
-#include <pty.h>
-
-#include <array>
 
 #include "server/scene/config_io.h"
 #include "server/scene/payload_io.h"
 #include "tests/loopback/whole_cell.h"
+#include "tests/support/pseudo_terminal.h"
 
 namespace handrail {
 namespace {
@@ -73,30 +71,18 @@ TEST_F(CalibrateTest, SixTiltsOfTheTipGiveThePayloadAndItsBlockTakesItOut) {
 TEST_F(CalibrateTest, SaysWhyAPoseDoesNotCount) {
   order("engage: true");
   ASSERT_TRUE(eventually([](const pb::Status& s) { return force(s) > 4.0; })) << "in free air";
-  int user = -1, program = -1;
-  ASSERT_EQ(::openpty(&user, &program, nullptr, nullptr, nullptr), 0);
-  Streams streams;
-  streams.error = program;
+  PseudoTerminal terminal;
+  ASSERT_TRUE(terminal.works());
+  streams.error = terminal.program();
   Program calibrate(folder, "handrail", {"calibrate", "payload", "--socket", socket()}, streams);
-  const auto shows = [user, shown = std::string()](const std::string& part) mutable {
-    std::array<char, 4096> text;
-    const Nanos give_up = monotonic_now() + kPatience;
-    while (shown.find(part) == shown.npos && monotonic_now() < give_up) {
-      const ssize_t n = ::read(user, text.data(), text.size());
-      if (n > 0) shown.append(text.data(), static_cast<std::size_t>(n));
-    }
-    const bool found = shown.find(part) != shown.npos;
-    shown.erase(0, found ? shown.find(part) : 0);
-    return found;
+  const auto shows = [&](const std::string& part) {
+    return !terminal.shown_until(part, 1, kPatience).empty();
   };
-  EXPECT_TRUE(shows("1 of 6: the sensor reads "));
   EXPECT_TRUE(shows(" deg from the nearest sample, expected 20; tilt on"));
   order("hand { displacement_mm: [0, 30, 0] duration_s: 2 }");
   EXPECT_TRUE(shows("does not count: moved by "));
   calibrate.send(SIGINT);
   EXPECT_EQ(calibrate.finish(), 130);
-  ::close(user);
-  ::close(program);
 }
 
 TEST_F(CalibrateTest, CtrlCEndsItAndWhatWasGatheredIsKept) {

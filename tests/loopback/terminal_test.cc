@@ -4,11 +4,9 @@
 #include <pty.h>
 #include <signal.h>
 #include <stdlib.h>
-#include <termios.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -18,6 +16,7 @@
 #include "tests/loopback/whole_cell.h"
 #include "tests/storm/judge.h"
 #include "tests/support/full_stream.h"
+#include "tests/support/pseudo_terminal.h"
 
 namespace handrail {
 namespace {
@@ -181,46 +180,25 @@ TEST_F(Nohup, TheArmMovesOnWithoutATerminal) {
   expect_all_to_end_at_once();
 }
 
-class WatchedTerminal : public TerminalTest {
- protected:
-  // What the terminal is sent until there are `count` of `part` in it.
-  static std::string until(int user, const std::string& part, int count) {
-    std::string out;
-    std::array<char, 4096> text;
-    const Nanos give_up = monotonic_now() + kPatience;
-    for (int found = 0; found < count && monotonic_now() < give_up;) {
-      const ssize_t n = ::read(user, text.data(), text.size());
-      if (n <= 0) break;
-      out.append(text.data(), static_cast<std::size_t>(n));
-      found = 0;
-      for (std::size_t at = 0; (at = out.find(part, at)) != out.npos; ++at) ++found;
-    }
-    return out;
-  }
-};
-
-TEST_F(WatchedTerminal, StatusAndWhyArePaintedInPlaceOnOneScreen) {
+TEST_F(TerminalTest, AWatchedStatusAndWhyArePaintedInPlaceOnOneScreen) {
   const std::string repaint = "\033[H\033[J";
-  int ends[2];
-  ASSERT_EQ(::openpty(&ends[0], &ends[1], nullptr, nullptr, nullptr), 0);
-  Streams onto;
-  onto.output = ends[1];
   for (const char* what : {"status", "why"}) {
+    PseudoTerminal terminal;
+    ASSERT_TRUE(terminal.works());
+    Streams onto;
+    onto.output = terminal.program();
     Program watch(folder, "handrail", {what, "--watch", "--socket", socket()}, onto);
-    const std::string said = until(ends[0], repaint, 4);
+    std::string said = terminal.shown_until(repaint, 4, kPatience);
     watch.send(SIGINT);
     EXPECT_EQ(watch.finish(), 0);
-    EXPECT_EQ(said.find(repaint), 0u) << said;
-    for (std::size_t at = 0, next = 0; next != said.npos; at = next) {
-      next = said.find(repaint, at + 1);
-      const auto lines = std::count(
-          said.begin() + static_cast<std::ptrdiff_t>(at),
-          next == said.npos ? said.end() : said.begin() + static_cast<std::ptrdiff_t>(next), '\n');
+    ASSERT_TRUE(said.starts_with(repaint)) << said;
+    while (!said.empty()) {
+      const std::size_t next = std::min(said.find(repaint, 1), said.size());
+      const auto lines = std::count(said.begin(), said.begin() + static_cast<long>(next), '\n');
       EXPECT_LT(lines, 24) << "the last line scrolls a terminal of 24";
+      said.erase(0, next);
     }
-    ::tcflush(ends[0], TCIOFLUSH);
   }
-  for (const int end : ends) ::close(end);
 }
 
 class SlaveIntoPipe : public TerminalTest {
