@@ -7,6 +7,8 @@
 #include <sstream>
 
 #include "client/cli/command.h"
+#include "server/base/clock.h"
+#include "server/base/pacer.h"
 #include "tests/loopback/operator_bench.h"
 
 namespace handrail {
@@ -50,6 +52,23 @@ TEST_F(OperatorClients, HalfAFrameDelaysNobodyAndIsCutOff) {
   ASSERT_TRUE(slow.send(status_frame().substr(0, 5)));
   EXPECT_TRUE(OperatorClient(path_).call(order(&pb::Request::set_status), kPatience).is_ok());
   EXPECT_EQ(slow.receive().reason(), "(closed)");
+}
+
+TEST_F(OperatorClients, RequestsThatComeTogetherAreAnsweredInOrderAndHalfAnotherIsCutOff) {
+  RawClient eager(path_);
+  ASSERT_TRUE(eager.send(status_frame() + status_frame() + status_frame().substr(0, 5)));
+  EXPECT_EQ(eager.receive().status().ticks(), 1u);
+  EXPECT_EQ(eager.receive().status().ticks(), 2u);
+  EXPECT_EQ(eager.receive().reason(), "(closed)");
+}
+
+TEST_F(OperatorClients, ARequestInPiecesIsOne) {
+  RawClient slow(path_);
+  for (const char byte : status_frame()) {
+    ASSERT_TRUE(slow.send(std::string(1, byte)));
+    sleep_until(monotonic_now() + kMillisecond);
+  }
+  EXPECT_EQ(slow.receive().status().ticks(), 1u);
 }
 
 // Four places: who gives orders keeps his, however many come who only ask.

@@ -9,6 +9,7 @@
 #include <csignal>
 #include <functional>
 #include <memory>
+#include <thread>
 
 #include "client/api/operator_client.h"
 #include "devices/rig/tap.h"
@@ -34,6 +35,7 @@ constexpr Nanos kPatience = 20 * kSecond;
 constexpr char kSlowScene[] = "slow";
 // Above the daemons' IO threads, with 70, so that what is on the wire is not kept; and below them.
 constexpr int kWirePriority = 75, kOperatorPriority = 60;
+constexpr int kHapticPriority = 85;  // the master's
 
 double ms(Nanos t) { return static_cast<double>(t) / kMillisecond; }
 
@@ -71,6 +73,38 @@ class StopWatch {
   Seen sent_, taken_;
 };
 
+// A thread that does nothing, as often and with as much right to run as the haptic loop.
+class BareLoop {
+ public:
+  BareLoop() : thread_([this] { run(); }) {}
+  ~BareLoop() { end(); }
+  BareLoop(const BareLoop&) = delete;
+  BareLoop& operator=(const BareLoop&) = delete;
+
+  // p99.9 of how late its ticks began, from the start to now [us]. Ends it.
+  double p999_us() {
+    end();
+    return to_us(pacer_.lateness().quantile(0.999));
+  }
+
+ private:
+  static double to_us(Nanos t) { return static_cast<double>(t) / kMicrosecond; }
+  void run() {
+    (void)enter_realtime(kHapticPriority);
+    while (!ends_) {
+      sleep_until(pacer_.due());
+      pacer_.woke(monotonic_now());
+    }
+  }
+  void end() {
+    ends_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
+  std::atomic<bool> ends_{false};
+  Pacer pacer_{kMillisecond, monotonic_now()};
+  std::thread thread_;  // last: it uses the others
+};
+
 class Window {
  public:
   Window(int pair, bool crowded, std::uint64_t seed, bool (*interrupted)())
@@ -88,6 +122,7 @@ class Window {
       if (log->fd() < 0) return Status::error("a log that nobody takes cannot be had here");
     }
     if (Status s = start(); !s) return s;
+    BareLoop bare;
     std::unique_ptr<Crowd> crowd;
     if (out_.crowded) {
       if (Status s = hold_disk(); !s) return s;
@@ -106,6 +141,7 @@ class Window {
     const auto status = order("status: true");
     if (!status) return status.status();
     out_.haptic_us = status->status().loop_lateness_us().p999();
+    out_.bare_us = bare.p999_us();
     if (Status s = read_robot(begin); !s) return s;
     if (crowd) {
       out_.acts = crowd->counts().acts;

@@ -18,6 +18,7 @@ struct CrowdedWindow {
   bool crowded = false;
   bool disk_held = false;  // the master waited all the time for a scene from a disk
   double haptic_us = 0.0;  // p99.9 of how late the haptic loop's ticks began
+  double bare_us = 0.0;    // the same of a loop beside it that does nothing: the machine's share
   double robot_us = 0.0;   // p99.9 of when the controller got the robot loop's command, after its
                            // cycle had begun
   // From before the operator connects. On its wire to the slave, in what the slave says of itself,
@@ -45,9 +46,10 @@ struct CrowdedFigures {
     std::size_t count = 0;
     double median = 0.0, p99 = 0.0, p999 = 0.0, worst = 0.0;
   };
-  Times sent, taken, answered, calm_taken;             // [ms]
-  double haptic_grows_us = 0.0, robot_grows_us = 0.0;  // median of the differences, pair by pair
-  bool disk_held = false;                              // in every window with the crowd
+  Times sent, taken, answered, calm_taken;  // [ms]
+  // Median of the differences, pair by pair.
+  double haptic_grows_us = 0.0, bare_grows_us = 0.0, robot_grows_us = 0.0;
+  bool disk_held = false;  // in every window with the crowd
   std::uint64_t acts = 0, answers = 0;
 
   bool reached() const;

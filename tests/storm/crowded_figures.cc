@@ -86,6 +86,7 @@ CrowdedFigures figures_of(const std::vector<CrowdedWindow>& windows) {
   out.answered = times_of(answered);
   out.calm_taken = times_of(calm);
   out.haptic_grows_us = median_growth(windows, &CrowdedWindow::haptic_us);
+  out.bare_grows_us = median_growth(windows, &CrowdedWindow::bare_us);
   out.robot_grows_us = median_growth(windows, &CrowdedWindow::robot_us);
   return out;
 }
@@ -116,6 +117,7 @@ std::string for_people(const CrowdedOutcome& outcome) {
         fmt::join(of(outcome.windows, true, figure), " "), outcome.windows.size() / 2, grows);
   };
   out += loop("haptic ticks late", &CrowdedWindow::haptic_us, f.haptic_grows_us);
+  out += loop("a loop beside it that does nothing", &CrowdedWindow::bare_us, f.bare_grows_us);
   out += loop("robot commands after their cycle began", &CrowdedWindow::robot_us, f.robot_grows_us);
   if (!f.disk_held) {
     out += "  no disk was slow: only root can hold the scene that the master reads\n";
@@ -141,13 +143,15 @@ std::string to_json(const CrowdedOptions& options, const CrowdedOutcome& outcome
       "\"on_the_wire_ms\": {}, "
       "\"slave_says_ms\": {}, \"answered_ms\": {}, \"slave_says_without_ms\": {}, "
       "\"haptic_p999_us\": {{\"without\": {}, \"with\": {}, \"median_difference\": {:.1f}}}, "
+      "\"bare_p999_us\": {{\"without\": {}, \"with\": {}, \"median_difference\": {:.1f}}}, "
       "\"robot_p999_us\": {{\"without\": {}, \"with\": {}, \"median_difference\": {:.1f}}}, "
       "\"reached\": {}}}\n",
       options.seed, kCrowd, f.disk_held, f.acts, f.answers, outcome.realtime, in_json(f.sent),
       in_json(f.taken), in_json(f.answered), in_json(f.calm_taken),
       list(false, &CrowdedWindow::haptic_us), list(true, &CrowdedWindow::haptic_us),
-      f.haptic_grows_us, list(false, &CrowdedWindow::robot_us),
-      list(true, &CrowdedWindow::robot_us), f.robot_grows_us, f.reached());
+      f.haptic_grows_us, list(false, &CrowdedWindow::bare_us), list(true, &CrowdedWindow::bare_us),
+      f.bare_grows_us, list(false, &CrowdedWindow::robot_us), list(true, &CrowdedWindow::robot_us),
+      f.robot_grows_us, f.reached());
 }
 
 }  // namespace handrail::storm

@@ -13,6 +13,8 @@ std::vector<CrowdedWindow> windows() {
   for (int pair = 0; pair < 4; ++pair) {
     CrowdedWindow without, with;
     without.haptic_us = 100.0;
+    without.bare_us = 50.0;
+    with.bare_us = 45.0 + 10.0 * pair;  // 5 less, then 5, 15 and 25 more
     without.robot_us = 900.0;
     without.taken_ms = {3.0};
     with.crowded = with.disk_held = true;
@@ -34,6 +36,7 @@ TEST(Crowded, FiguresAreRanksAndMediansOfDifferences) {
   EXPECT_NEAR(f.taken.worst, 10.00, 1e-9);
   EXPECT_EQ(f.calm_taken.count, 4u);
   EXPECT_NEAR(f.haptic_grows_us, 15.0, 1e-9);
+  EXPECT_NEAR(f.bare_grows_us, 10.0, 1e-9);
   EXPECT_NEAR(f.robot_grows_us, -20.0, 1e-9);
   EXPECT_TRUE(f.reached());
 }
