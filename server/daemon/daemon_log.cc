@@ -10,6 +10,7 @@
 #include <spdlog/spdlog.h>
 
 #include <utility>
+#include <vector>
 
 #include "server/base/clock.h"
 #include "server/base/signals_blocked.h"
@@ -76,7 +77,8 @@ DaemonLog::~DaemonLog() {
     impl_->thread.reset();
   } else {
     // Never freed, for its destructor waits: the thread ends with the process.
-    (void)new std::shared_ptr(std::move(impl_->thread));
+    static auto* const left_behind = new std::vector<decltype(impl_->thread)>;
+    left_behind->push_back(std::move(impl_->thread));
   }
 }
 
