@@ -79,6 +79,9 @@ TEST_F(CalibrateTest, SaysWhyAPoseDoesNotCount) {
     return !terminal.shown_until(part, 1, kPatience).empty();
   };
   EXPECT_TRUE(shows(" deg from the nearest sample, expected 20; tilt on"));
+  // Far enough tilted, and still on its way.
+  order("hand { rotation_deg: [45, 0, 0] duration_s: 2 }");
+  EXPECT_TRUE(shows("does not count: moved by "));
   calibrate.send(SIGINT);
   EXPECT_EQ(calibrate.finish(), 130);
 }

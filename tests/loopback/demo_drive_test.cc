@@ -36,12 +36,17 @@ class FaithlessMaster : public OperatorHandler {
   std::string state_ = "off";
 };
 
-TEST(DemoDrive, AMoveIsRepeatedTenTimesAndNoMore) {
-  catch_interrupts();  // as the command does: one that came before is none
-  const TempFolder folder;
+class DemoDrive : public ::testing::Test {
+ protected:
+  void SetUp() override { catch_interrupts(); }  // as the command does: one before is none
+
+  TempFolder folder;
   const std::string path = folder.path() + "/operator.sock";
-  const BenchOf<FaithlessMaster> bench(path);
-  DemoDriver driver(path, "");
+  const BenchOf<FaithlessMaster> bench{path};
+  DemoDriver driver{path, ""};
+};
+
+TEST_F(DemoDrive, AMoveIsRepeatedTenTimesAndNoMore) {
   ASSERT_TRUE(driver.engage());
   std::vector<std::string> said;
   driver.begin_move();
@@ -58,12 +63,7 @@ TEST(DemoDrive, AMoveIsRepeatedTenTimesAndNoMore) {
                                       "repeating this move"));
 }
 
-TEST(DemoDrive, TheNextMoveHasTenRepeatsOfItsOwn) {
-  catch_interrupts();  // as the command does: one that came before is none
-  const TempFolder folder;
-  const std::string path = folder.path() + "/operator.sock";
-  const BenchOf<FaithlessMaster> bench(path);
-  DemoDriver driver(path, "");
+TEST_F(DemoDrive, TheNextMoveHasTenRepeatsOfItsOwn) {
   for (int move = 0; move < 2; ++move) {
     driver.begin_move();
     for (int i = 0; i < 10; ++i) {
