@@ -95,11 +95,15 @@ class OperatorServer::Client : public std::enable_shared_from_this<Client> {
     Error ignored;
     timer_.cancel();
     socket_.close(ignored);
+    std::string().swap(in_);
   }
-  // Says why and closes, whether anybody reads it or not.
+  // Says why and closes, whether anybody reads it or not, or memory is left to say it.
   void dismiss(const std::string& why) {
-    Error ignored;
-    socket_.send(asio::buffer(framed(refusal(why).SerializeAsString())), MSG_NOSIGNAL, ignored);
+    try {
+      Error ignored;
+      socket_.send(asio::buffer(framed(refusal(why).SerializeAsString())), MSG_NOSIGNAL, ignored);
+    } catch (const std::bad_alloc&) {
+    }
     close();
   }
   bool is_open() const { return socket_.is_open(); }
@@ -112,6 +116,7 @@ class OperatorServer::Client : public std::enable_shared_from_this<Client> {
   // Has given an order, and speaks for who may.
   bool drives() const { return gives_orders_ && server_.handler_.may_drive(as_); }
   Nanos heard() const { return heard_; }  // newest whole frame, or when it came
+  std::size_t bytes_held() const { return in_.size(); }
   // Hands its request to the handler, which answers when it has the answer.
   void have_handled();
   // Whoever cannot be served for want of memory is cut off, and does not wait in vain.
@@ -122,6 +127,7 @@ class OperatorServer::Client : public std::enable_shared_from_this<Client> {
     } catch (const std::bad_alloc&) {
       close();
     }
+    server_.regain_memory();
   }
 
  private:
@@ -312,6 +318,21 @@ void OperatorServer::dismiss_one() {
   (*least)->dismiss("another client took your place: there is room for " +
                     std::to_string(clients_.size()));
   clients_.erase(least);
+}
+
+void OperatorServer::regain_memory() {
+  if (!reserve_.is_spent()) return;
+  if (!std::exchange(said_short_, true)) {
+    spdlog::warn("operators: memory is short; who holds most of it and does not drive makes room");
+  }
+  while (!reserve_.fill()) {
+    const auto needed_less = [](const auto& a, const auto& b) {
+      return std::pair(a->rank(), b->bytes_held()) < std::pair(b->rank(), a->bytes_held());
+    };
+    const auto least = std::min_element(clients_.begin(), clients_.end(), needed_less);
+    if (least == clients_.end() || (*least)->rank() > 0 || (*least)->bytes_held() == 0) return;
+    (*least)->dismiss("the master has too little memory for a request this long");
+  }
 }
 
 void OperatorServer::take(const std::shared_ptr<Client>& client) {

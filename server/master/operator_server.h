@@ -15,6 +15,8 @@
 #include <vector>
 
 #include "proto/operator.pb.h"
+#include "server/base/length_prefix.h"
+#include "server/base/memory_reserve.h"
 #include "server/base/status.h"
 #include "server/base/time.h"
 #include "server/master/operator_socket.h"
@@ -39,6 +41,7 @@ class OperatorHandler {
 // and may. A stop is served before all else; of the rest those first who give orders and may, and
 // no more in a millisecond than leave time for the link. A client that sends garbage is told so and
 // cut off, one that stops in the middle of a frame is cut off after 2 s; neither delays the others.
+// When memory runs out, those go first who hold most of it and neither drive nor wait for a stop.
 // All methods in the IO thread or while it does not run.
 class OperatorServer {
  public:
@@ -66,13 +69,17 @@ class OperatorServer {
   Admitted admit_one();
   // Lets the client go that is needed least.
   void dismiss_one();
+  // After memory ran out: lets go of as many as it takes to have some in reserve again.
+  void regain_memory();
   // A whole request has come.
   void take(const std::shared_ptr<Client>& client);
   void serve_waiting();
 
   OperatorHandler& handler_;
   const std::size_t max_clients_;
-  bool said_full_ = false;
+  bool said_full_ = false, said_short_ = false;
+  // As much as one client may hold.
+  MemoryReserve reserve_{kMaxFrame};
   OperatorSocket file_;
   boost::asio::local::stream_protocol::acceptor acceptor_;
   boost::asio::steady_timer pause_;
