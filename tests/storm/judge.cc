@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kStandingStep = 1e-6;  // float32 tells no smaller one [rad]
 constexpr Nanos kOneCause = 200 * kMillisecond;
+constexpr Nanos kStands = 200 * kMillisecond;  // longer than any gap that a motion outlives
 constexpr Nanos kLatest = 200 * kMillisecond;  // that a rig on a busy machine is behind
 
 JointVector vector(const std::array<double, kJoints>& q) {
@@ -57,6 +58,18 @@ Missed missed(const TapFile& tap, std::size_t i) {
   if (!one) return Missed::kNo;
   const bool early = 8 * now.came * kMicrosecond < 7 * tap.period;
   return now.lost == 0 && early ? Missed::kLate : Missed::kLeftOut;
+}
+
+// Of a ring whose beginning was overwritten, nobody knows what moved before: it is judged from the
+// first standstill on.
+std::size_t first_judged(const TapFile& tap) {
+  if (tap.records.empty() || tap.records.front().number == 1) return 0;
+  std::size_t stands_since = 0;
+  for (std::size_t i = 1; i < tap.records.size(); ++i) {
+    if (tap.records[i].target != tap.records[stands_since].target) stands_since = i;
+    if (tap.records[i].at - tap.records[stands_since].at >= kStands) return i;
+  }
+  return tap.records.size();
 }
 
 // The audit of one arm. A command that was missed may be read as one in time, or as lost, if that
@@ -139,10 +152,11 @@ Figures judge_tap(const TapFile& tap, const std::vector<Forbidden>& forbidden,
   JointVector held = JointVector::Zero();
   Nanos last_target = 0;
   Nanos first_lost = 0;  // since the last step; 0: none
-  for (std::size_t i = 0; i < tap.records.size(); ++i) {
+  const std::size_t first = first_judged(tap);
+  for (std::size_t i = first; i < tap.records.size(); ++i) {
     const TapRecord& r = tap.records[i];
     const JointVector q = vector(r.target);
-    if (i == 0) {
+    if (i == first) {
       judge.place(q);
       held = q;
       last_target = r.at;

@@ -35,7 +35,8 @@ struct Violation {
 };
 
 // Judges one tap: every accepted target by the joint limits, and every motion by what was
-// forbidden. One violation a cause: what follows within 0.2 s belongs to it.
+// forbidden. One violation a cause: what follows within 0.2 s belongs to it. A tap that has written
+// over its beginning is judged from the first standstill on.
 Figures judge_tap(const TapFile& tap, const std::vector<Forbidden>& forbidden,
                   std::vector<Violation>& violations);
 

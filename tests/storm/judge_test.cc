@@ -198,6 +198,19 @@ TEST(StormJudge, AnAlarmIsTheControllersOwnOnlyWhenItTimesOut) {
   EXPECT_THAT(d.found, SizeIs(1));
 }
 
+// Without its first records a sound drive begins in full motion.
+TEST(StormJudge, ARingIsJudgedFromItsFirstStandstillOn) {
+  Drive d;
+  d.sound();
+  d.tap.records.erase(d.tap.records.begin(), d.tap.records.begin() + 10);
+  EXPECT_EQ(d.judge().targets, 0u);
+  EXPECT_THAT(d.found, IsEmpty());
+  for (int i = 0; i < 40; ++i) d.add(0.0, kTapSession);
+  d.target(5.0 * kJolt);
+  EXPECT_EQ(d.judge().breaches, 1u);
+  EXPECT_THAT(d.found, SizeIs(1));
+}
+
 TEST(StormJudge, KnowsWhereTheArmWas) {
   Drive d;
   d.sound();

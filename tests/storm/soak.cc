@@ -153,12 +153,16 @@ class Watch {
 
 }  // namespace
 
-SoakOutcome run_soak(std::uint64_t seed, double minutes, bool (*interrupted)(),
-                     const std::function<void(const std::string&)>& say) {
+SoakOutcome run_soak(
+    std::uint64_t seed, double minutes, bool (*interrupted)(),
+    const std::function<void(const std::string&)>& say,
+    const std::function<void(const Sequence&, const Outcome&, const Run&)>& violated) {
   until = {monotonic_now() + seconds(60.0 * minutes), interrupted};
   Watch watch(seed, minutes, say);
-  Run run(soak_sequence(seed, minutes), over, [&watch](const Cell& cell) { watch.look(cell); });
+  const Sequence sequence = soak_sequence(seed, minutes);
+  Run run(sequence, over, [&watch](const Cell& cell) { watch.look(cell); });
   const Outcome outcome = run.go();
+  if (!outcome.violations.empty()) violated(sequence, outcome, run);
   SoakOutcome out;
   out.complete = !interrupted();
   watch.result(out);

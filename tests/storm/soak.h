@@ -7,6 +7,7 @@
 #include <string>
 
 #include "tests/storm/results.h"
+#include "tests/storm/run.h"
 #include "tests/storm/slope.h"
 
 namespace handrail::storm {
@@ -30,9 +31,12 @@ struct SoakOutcome {
 // Rig, slave and master at full rate for `minutes`, while one of them is paused, the rig cut off or
 // the arm stopped every few seconds, packets are lost, and clients come that ask, garble or fall
 // silent; the operator finds the way out each time and drives on. The taps of the last eight
-// minutes are judged. `say`: a line of progress every half minute.
-SoakOutcome run_soak(std::uint64_t seed, double minutes, bool (*interrupted)(),
-                     const std::function<void(const std::string&)>& say);
+// minutes are judged. `say`: a line of progress every half minute. `violated`: called before the
+// taps of a run with violations go.
+SoakOutcome run_soak(
+    std::uint64_t seed, double minutes, bool (*interrupted)(),
+    const std::function<void(const std::string&)>& say,
+    const std::function<void(const Sequence&, const Outcome&, const Run&)>& violated);
 
 // A table for people, with the verdict.
 std::string for_people(const SoakOutcome& outcome);

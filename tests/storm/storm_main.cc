@@ -31,7 +31,7 @@ const char kUsage[] =
     "usage: handrail-storm [--sequences N] [--seed S] [--results FILE] [--keep FOLDER] [--json]\n"
     "       handrail-storm --demos N [--seed S]\n"
     "       handrail-storm --crowded STOPS [--seed S] [--json]\n"
-    "       handrail-storm --soak MINUTES [--seed S]\n"
+    "       handrail-storm --soak MINUTES [--seed S] [--keep FOLDER]\n"
     "\n"
     "Starts rig, slave and master, drives at speed, pauses, cuts off, ends and restarts them at\n"
     "random, follows `handrail why` out of it and drives again. In every sequence the arm keeps "
@@ -210,8 +210,13 @@ int run_soak(const Arguments& arguments) {
     std::fflush(stdout);
   };
   say(fmt::format("soak: {} min from seed {}", arguments.soak, arguments.seed));
-  const auto out = handrail::storm::run_soak(arguments.seed, static_cast<double>(arguments.soak),
-                                             handrail::interrupted, say);
+  const auto kept = arguments.keep / ("soak-" + std::to_string(arguments.seed));
+  const auto out = handrail::storm::run_soak(
+      arguments.seed, static_cast<double>(arguments.soak), handrail::interrupted, say,
+      [&](const Sequence& sequence, const Outcome& outcome, const Run& run) {
+        keep(kept, sequence, outcome, run);
+        say("kept: " + kept.string());
+      });
   std::fputs(for_people(out).c_str(), stdout);
   if (!out.complete) return handrail::kCancelled;
   return out.violations.empty() && !grows(out) ? handrail::kDone : handrail::kFailed;
