@@ -37,6 +37,8 @@ std::unique_ptr<Program> under(const TempFolder& folder, std::vector<std::string
   return std::make_unique<Program>(folder, first, command);
 }
 
+// The sanitizers themselves need descriptors and memory.
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 std::string on_any_port(const TempFolder& folder, const std::string& name) {
   if (name == "handrail-slave") return "link_port: 0";
   if (name == "handrail-rig") return "robot_port: 0 sensor_port: 0";
@@ -69,8 +71,6 @@ bool starts_whole(const TempFolder& folder, std::vector<std::string> command,
   return ready;
 }
 
-// The sanitizers themselves need descriptors and memory.
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 TEST(ScarceStart, WithFewDescriptorsAProgramStartsWholeOrSaysSo) {
   TempFolder folder;
   for (const char* name : kPrograms) {
