@@ -166,6 +166,7 @@ TEST_F(ScarceCell, APortInUseIsNamedByTheRig) {
   }
 }
 
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 TEST_F(ScarceCell, WithoutDescriptorsWhoIsThereAndAStopAreServed) {
   const auto open =
       std::filesystem::directory_iterator("/proc/" + std::to_string(master->pid()) + "/fd");
@@ -179,7 +180,6 @@ TEST_F(ScarceCell, WithoutDescriptorsWhoIsThereAndAStopAreServed) {
   EXPECT_EQ(lines_with(*master, "operators: no room for more than"), 1);
 }
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 // Half-sent requests of the largest size, with what the master has left to hold them in.
 TEST_F(ScarceCell, WithoutMemoryWhileItRunsAStopActs) {
   order("engage: true");
