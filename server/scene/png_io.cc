@@ -113,8 +113,9 @@ std::unique_ptr<Encoding> encoding_of(double power) {
 }
 
 // Indices of the palette, one a byte at the beginning of each row, become the row's pixels. What is
-// no colour of the palette is an error: libpng would make it black, which may be a wall.
-void expand_palette(Decoder& d) {
+// no colour of the palette is an error: libpng would make it black, which may be a wall. A frame of
+// its own: libpng jumps past it.
+[[gnu::noinline]] void expand_palette(Decoder& d) {
   png_colorp colours = nullptr;
   png_bytep alphas = nullptr;
   int count = 0, alpha_count = 0;
