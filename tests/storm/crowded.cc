@@ -27,7 +27,6 @@
 namespace handrail::storm {
 namespace {
 
-constexpr int kPairs = 10;                     // windows without the crowd, and with it
 constexpr Nanos kWindow = 10 * kSecond;        // 10 000 ticks, 1400 cycles: p99.9 is among them
 constexpr Nanos kSettle = 2 * kSecond;         // until all of the crowd has come
 constexpr Nanos kPeriod = 200 * kMillisecond;  // of each client: 5000 acts a second
@@ -285,10 +284,11 @@ CrowdedOutcome run_crowded(const CrowdedOptions& options, bool (*interrupted)(),
   CrowdedOutcome out;
   out.realtime = enter_realtime(kOperatorPriority).fifo;
   Random seeds(options.seed);
-  for (int pair = 0; pair < kPairs; ++pair) {
-    const int stops = options.stops * (pair + 1) / kPairs - options.stops * pair / kPairs;
+  for (int pair = 0; pair < options.pairs; ++pair) {
+    const int stops =
+        options.stops * (pair + 1) / options.pairs - options.stops * pair / options.pairs;
     for (const bool crowded : {false, true}) {
-      progress(2 * pair + (crowded ? 2 : 1), 2 * kPairs);
+      progress(2 * pair + (crowded ? 2 : 1), 2 * options.pairs);
       Window window(pair, crowded, seeds.bits(), interrupted);
       const Status ran = window.run(stops);
       if (interrupted()) return out;

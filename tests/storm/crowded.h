@@ -8,8 +8,13 @@
 
 namespace handrail::storm {
 
+constexpr int kPairs = 10;
+constexpr int kFewestPairs = 6;   // that have an interval
+constexpr int kMostPairs = 1000;  // six hours
+
 struct CrowdedOptions {
-  int stops = 1000;  // under the crowd, and as many without; of all windows together
+  int stops = 1000;    // under the crowd, and as many without; of all windows together
+  int pairs = kPairs;  // of windows, [kFewestPairs, kMostPairs]
   std::uint64_t seed = 1;
 };
 
@@ -35,7 +40,7 @@ struct CrowdedOutcome {
   std::vector<CrowdedWindow> windows;
 };
 
-// 20 windows of at least 10 s, without the crowd and with it in turn. `interrupted` is asked every
+// Windows of at least 10 s, without the crowd and with it in turn. `interrupted` is asked every
 // few milliseconds; `progress` is told before each window.
 CrowdedOutcome run_crowded(const CrowdedOptions& options, bool (*interrupted)(),
                            void (*progress)(int window, int of));
@@ -46,9 +51,14 @@ struct CrowdedFigures {
     std::size_t count = 0;
     double median = 0.0, p99 = 0.0, p999 = 0.0, worst = 0.0;
   };
+  // With the crowd less without it, pair by pair: the median, and the exact interval that has it
+  // with at least 95 % (that of the sign test, between two of the differences); endless when there
+  // are too few pairs [us].
+  struct Growth {
+    double median = 0.0, low = 0.0, high = 0.0;
+  };
   Times sent, taken, answered, calm_taken;  // [ms]
-  // Median of the differences, pair by pair.
-  double haptic_grows_us = 0.0, bare_grows_us = 0.0, robot_grows_us = 0.0;
+  Growth haptic, bare, robot;
   bool disk_held = false;  // in every window with the crowd
   std::uint64_t acts = 0, answers = 0;
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "tests/storm/crowded.h"
 
@@ -48,16 +49,33 @@ std::vector<double> of(const std::vector<CrowdedWindow>& windows, bool crowded,
   return out;
 }
 
-double median_growth(const std::vector<CrowdedWindow>& windows, double CrowdedWindow::*figure) {
+// How many of the smallest, and of the largest, of n values the median is beyond in at most 2.5 %
+// of all samples.
+std::size_t beyond_median(std::size_t n) {
+  double chance = std::pow(0.5, static_cast<double>(n));  // that none is below the median
+  double sum = chance;
+  std::size_t count = 0;
+  while (sum <= 0.025 && count < n) {
+    ++count;
+    chance *= static_cast<double>(n - count + 1) / static_cast<double>(count);
+    sum += chance;
+  }
+  return count;
+}
+
+CrowdedFigures::Growth growth(const std::vector<CrowdedWindow>& windows,
+                              double CrowdedWindow::*figure) {
   const auto without = of(windows, false, figure), with = of(windows, true, figure);
   std::vector<double> grows;
   for (std::size_t i = 0; i < std::min(with.size(), without.size()); ++i) {
     grows.push_back(with[i] - without[i]);
   }
-  if (grows.empty()) return 0.0;
+  if (grows.empty()) return {};
   std::sort(grows.begin(), grows.end());
-  const std::size_t n = grows.size();
-  return 0.5 * (grows[(n - 1) / 2] + grows[n / 2]);
+  const std::size_t n = grows.size(), beyond = beyond_median(n);
+  constexpr double kEndless = std::numeric_limits<double>::infinity();
+  return {0.5 * (grows[(n - 1) / 2] + grows[n / 2]), beyond == 0 ? -kEndless : grows[beyond - 1],
+          beyond == 0 ? kEndless : grows[n - beyond]};
 }
 
 }  // namespace
@@ -85,15 +103,15 @@ CrowdedFigures figures_of(const std::vector<CrowdedWindow>& windows) {
   out.taken = times_of(taken);
   out.answered = times_of(answered);
   out.calm_taken = times_of(calm);
-  out.haptic_grows_us = median_growth(windows, &CrowdedWindow::haptic_us);
-  out.bare_grows_us = median_growth(windows, &CrowdedWindow::bare_us);
-  out.robot_grows_us = median_growth(windows, &CrowdedWindow::robot_us);
+  out.haptic = growth(windows, &CrowdedWindow::haptic_us);
+  out.bare = growth(windows, &CrowdedWindow::bare_us);
+  out.robot = growth(windows, &CrowdedWindow::robot_us);
   return out;
 }
 
 bool CrowdedFigures::reached() const {
-  return disk_held && taken.count > 0 && taken.p999 <= kStopIn && haptic_grows_us <= kGrowsBy &&
-         robot_grows_us <= kGrowsBy;
+  return disk_held && taken.count > 0 && taken.p999 <= kStopIn && haptic.median <= kGrowsBy &&
+         robot.median <= kGrowsBy;
 }
 
 std::string for_people(const CrowdedOutcome& outcome) {
@@ -109,16 +127,18 @@ std::string for_people(const CrowdedOutcome& outcome) {
       f.taken.count, kCrowd, f.acts, f.answers,
       f.disk_held ? ", a scene from a disk that does not answer" : "", in_words(f.sent),
       in_words(f.taken), in_words(f.answered), in_words(f.calm_taken));
-  const auto loop = [&](const char* what, double CrowdedWindow::*figure, double grows) {
+  const auto loop = [&](const char* what, double CrowdedWindow::*figure,
+                        const CrowdedFigures::Growth& g) {
     return fmt::format(
         "  {}: p99.9 without {:.0f} us, with {:.0f} us\n    median difference of {} "
-        "pairs of windows: {:+.0f} us\n",
+        "pairs of windows: {:+.0f} us, 95 % of it {:+.0f} to {:+.0f}\n",
         what, fmt::join(of(outcome.windows, false, figure), " "),
-        fmt::join(of(outcome.windows, true, figure), " "), outcome.windows.size() / 2, grows);
+        fmt::join(of(outcome.windows, true, figure), " "), outcome.windows.size() / 2, g.median,
+        g.low, g.high);
   };
-  out += loop("haptic ticks late", &CrowdedWindow::haptic_us, f.haptic_grows_us);
-  out += loop("a loop beside it that does nothing", &CrowdedWindow::bare_us, f.bare_grows_us);
-  out += loop("robot commands after their cycle began", &CrowdedWindow::robot_us, f.robot_grows_us);
+  out += loop("haptic ticks late", &CrowdedWindow::haptic_us, f.haptic);
+  out += loop("a loop beside it that does nothing", &CrowdedWindow::bare_us, f.bare);
+  out += loop("robot commands after their cycle began", &CrowdedWindow::robot_us, f.robot);
   if (!f.disk_held) {
     out += "  no disk was slow: only root can hold the scene that the master reads\n";
   }
@@ -134,24 +154,25 @@ std::string for_people(const CrowdedOutcome& outcome) {
 
 std::string to_json(const CrowdedOptions& options, const CrowdedOutcome& outcome) {
   const CrowdedFigures f = figures_of(outcome.windows);
-  const auto list = [&](bool crowded, double CrowdedWindow::*figure) {
-    return fmt::format("[{:.1f}]", fmt::join(of(outcome.windows, crowded, figure), ", "));
+  const auto loop = [&](double CrowdedWindow::*figure, const CrowdedFigures::Growth& g) {
+    return fmt::format(
+        "{{\"without\": [{:.1f}], \"with\": [{:.1f}], \"median_difference\": {:.1f}, "
+        "\"interval\": {}}}",
+        fmt::join(of(outcome.windows, false, figure), ", "),
+        fmt::join(of(outcome.windows, true, figure), ", "), g.median,
+        std::isfinite(g.low) ? fmt::format("[{:.1f}, {:.1f}]", g.low, g.high) : "null");
   };
   return fmt::format(
       "{{\"seed\": {}, \"clients\": {}, \"slow_disk\": {}, \"acts\": {}, \"answers\": {}, "
       "\"realtime\": {}, "
       "\"on_the_wire_ms\": {}, "
       "\"slave_says_ms\": {}, \"answered_ms\": {}, \"slave_says_without_ms\": {}, "
-      "\"haptic_p999_us\": {{\"without\": {}, \"with\": {}, \"median_difference\": {:.1f}}}, "
-      "\"bare_p999_us\": {{\"without\": {}, \"with\": {}, \"median_difference\": {:.1f}}}, "
-      "\"robot_p999_us\": {{\"without\": {}, \"with\": {}, \"median_difference\": {:.1f}}}, "
+      "\"haptic_p999_us\": {}, \"bare_p999_us\": {}, \"robot_p999_us\": {}, "
       "\"reached\": {}}}\n",
       options.seed, kCrowd, f.disk_held, f.acts, f.answers, outcome.realtime, in_json(f.sent),
       in_json(f.taken), in_json(f.answered), in_json(f.calm_taken),
-      list(false, &CrowdedWindow::haptic_us), list(true, &CrowdedWindow::haptic_us),
-      f.haptic_grows_us, list(false, &CrowdedWindow::bare_us), list(true, &CrowdedWindow::bare_us),
-      f.bare_grows_us, list(false, &CrowdedWindow::robot_us), list(true, &CrowdedWindow::robot_us),
-      f.robot_grows_us, f.reached());
+      loop(&CrowdedWindow::haptic_us, f.haptic), loop(&CrowdedWindow::bare_us, f.bare),
+      loop(&CrowdedWindow::robot_us, f.robot), f.reached());
 }
 
 }  // namespace handrail::storm

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
+
 namespace handrail::storm {
 namespace {
 
@@ -35,10 +37,30 @@ TEST(Crowded, FiguresAreRanksAndMediansOfDifferences) {
   EXPECT_NEAR(f.taken.p999, 9.99, 1e-9);
   EXPECT_NEAR(f.taken.worst, 10.00, 1e-9);
   EXPECT_EQ(f.calm_taken.count, 4u);
-  EXPECT_NEAR(f.haptic_grows_us, 15.0, 1e-9);
-  EXPECT_NEAR(f.bare_grows_us, 10.0, 1e-9);
-  EXPECT_NEAR(f.robot_grows_us, -20.0, 1e-9);
+  EXPECT_NEAR(f.haptic.median, 15.0, 1e-9);
+  EXPECT_NEAR(f.bare.median, 10.0, 1e-9);
+  EXPECT_NEAR(f.robot.median, -20.0, 1e-9);
   EXPECT_TRUE(f.reached());
+}
+
+// Of ten values the second smallest and the second largest enclose the median in 97.9 % of all
+// samples, the third in 89.1 % (binomial with one half); of five the ends do in 93.8 %.
+TEST(Crowded, TheIntervalIsThatOfTheSignTest) {
+  std::vector<CrowdedWindow> out;
+  for (int pair = 0; pair < 10; ++pair) {
+    CrowdedWindow without, with;
+    with.crowded = true;
+    with.haptic_us = 10.0 * pair;
+    out.insert(out.end(), {without, with});
+  }
+  EXPECT_EQ(figures_of(out).haptic.low, 10.0);
+  EXPECT_EQ(figures_of(out).haptic.median, 45.0);
+  EXPECT_EQ(figures_of(out).haptic.high, 80.0);
+  out.resize(2 * 6);
+  EXPECT_EQ(figures_of(out).haptic.low, 0.0);
+  EXPECT_EQ(figures_of(out).haptic.high, 50.0);
+  out.resize(2 * 5);
+  EXPECT_TRUE(std::isinf(figures_of(out).haptic.high));
 }
 
 TEST(Crowded, EachFigureCanMissItsBound) {

@@ -30,7 +30,7 @@ using handrail::storm::Summary;
 const char kUsage[] =
     "usage: handrail-storm [--sequences N] [--seed S] [--results FILE] [--keep FOLDER] [--json]\n"
     "       handrail-storm --demos N [--seed S]\n"
-    "       handrail-storm --crowded STOPS [--seed S] [--json]\n"
+    "       handrail-storm --crowded STOPS [--pairs N] [--seed S] [--json]\n"
     "       handrail-storm --soak MINUTES [--seed S] [--keep FOLDER]\n"
     "\n"
     "Starts rig, slave and master, drives at speed, pauses, cuts off, ends and restarts them at\n"
@@ -49,7 +49,8 @@ const char kUsage[] =
     "clients\n"
     "                   crowd in, in windows with and without: how long a stop takes to the slave "
     "and how\n"
-    "                   late the loops are; takes four minutes and 0.5 s a stop\n"
+    "                   late the loops are; takes 25 s a pair of windows and 0.5 s a stop\n"
+    "  --pairs N        so many windows with and without, for --crowded (10)\n"
     "  --soak MINUTES   faults and clients without a restart; no program may grow by more than 1 "
     "MiB "
     "an\n"
@@ -67,6 +68,7 @@ constexpr std::uint64_t kMostMinutes = 1440;   // a day
 
 struct Arguments {
   std::uint64_t sequences = 50, seed = 0, demos = 0, crowded = 0, soak = 0;
+  std::uint64_t pairs = handrail::storm::kPairs;
   std::string results;
   // Named here, before the taps go elsewhere.
   std::filesystem::path keep =
@@ -108,6 +110,12 @@ int read_arguments(int argc, char** argv, Arguments& out) {
         return complain("--crowded '" + value + "': expected a number from 1 to " +
                         std::to_string(kMostStops));
       }
+    } else if (name == "--pairs") {
+      using namespace handrail::storm;
+      if (!read_number(value, kFewestPairs, out.pairs) || out.pairs > kMostPairs) {
+        return complain("--pairs '" + value + "': expected a number from " +
+                        std::to_string(kFewestPairs) + " to " + std::to_string(kMostPairs));
+      }
     } else if (name == "--soak") {
       if (!read_number(value, 1, out.soak) || out.soak > kMostMinutes) {
         return complain("--soak '" + value + "': expected whole minutes from 1 to " +
@@ -121,9 +129,10 @@ int read_arguments(int argc, char** argv, Arguments& out) {
     } else if (name == "--keep") {
       out.keep = value;
     } else {
-      return complain("'" + name +
-                      "': unknown; expected --sequences, --demos, --crowded, --soak, --seed, "
-                      "--results, --keep or --json");
+      return complain(
+          "'" + name +
+          "': unknown; expected --sequences, --demos, --crowded, --pairs, --soak, --seed, "
+          "--results, --keep or --json");
     }
   }
   // Small enough to be typed.
@@ -187,6 +196,7 @@ int run_demos(const Arguments& arguments) {
 int run_crowded(const Arguments& arguments) {
   handrail::storm::CrowdedOptions options;
   options.stops = static_cast<int>(arguments.crowded);
+  options.pairs = static_cast<int>(arguments.pairs);
   options.seed = arguments.seed;
   const auto out =
       handrail::storm::run_crowded(options, handrail::interrupted, [](int window, int of) {
