@@ -198,6 +198,8 @@ int run_crowded(const Arguments& arguments) {
   options.stops = static_cast<int>(arguments.crowded);
   options.pairs = static_cast<int>(arguments.pairs);
   options.seed = arguments.seed;
+  std::fprintf(stderr, "handrail-storm: %d stops in %d pairs of windows from seed %llu\n",
+               options.stops, options.pairs, static_cast<unsigned long long>(options.seed));
   const auto out =
       handrail::storm::run_crowded(options, handrail::interrupted, [](int window, int of) {
         std::fprintf(stderr, "handrail-storm: window %d of %d\n", window, of);
