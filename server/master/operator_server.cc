@@ -10,6 +10,7 @@
 #include <boost/asio/write.hpp>
 #include <chrono>
 #include <new>
+#include <string_view>
 #include <utility>
 
 #include "server/base/clock.h"
@@ -98,10 +99,11 @@ class OperatorServer::Client : public std::enable_shared_from_this<Client> {
     std::string().swap(in_);
   }
   // Says why and closes, whether anybody reads it or not, or memory is left to say it.
-  void dismiss(const std::string& why) {
+  void dismiss(std::string_view why) {
     try {
       Error ignored;
-      socket_.send(asio::buffer(framed(refusal(why).SerializeAsString())), MSG_NOSIGNAL, ignored);
+      socket_.send(asio::buffer(framed(refusal(std::string(why)).SerializeAsString())),
+                   MSG_NOSIGNAL, ignored);
     } catch (const std::bad_alloc&) {
     }
     close();
