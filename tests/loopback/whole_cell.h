@@ -4,6 +4,7 @@
 #include <google/protobuf/text_format.h>
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -91,6 +92,13 @@ class WholeCell : public ::testing::Test {
       sleep_until(monotonic_now() + 5 * kMillisecond);
     }
     ADD_FAILURE() << "waited in vain; the last status:\n" << last.DebugString();
+    return false;
+  }
+  bool within(Nanos patience, const std::function<bool()>& condition) {
+    for (const Nanos give_up = monotonic_now() + patience; monotonic_now() < give_up;) {
+      if (condition()) return true;
+      sleep_until(monotonic_now() + kMillisecond);
+    }
     return false;
   }
   bool reaches(const std::string& state) {
