@@ -12,8 +12,8 @@ namespace handrail {
 
 struct FtCapabilities {
   std::string name;
-  double range_force = 0.0;    // |reading| per axis that still counts as unsaturated [N]
-  double range_torque = 0.0;   // [N m]
+  double range_force = 0.0;   // |reading| per axis that still counts as unsaturated [N]
+  double range_torque = 0.0;  // [N m]
 };
 
 // One record. `wrench` is what the environment exerts on the sensor, in the sensor's frame, whose

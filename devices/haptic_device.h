@@ -7,7 +7,7 @@
 #include "server/base/spatial.h"
 #include "server/base/status.h"
 #include "server/base/time.h"
-#include "server/scene/effect_list.h"
+#include "server/model/effect_list.h"
 
 namespace handrail {
 
@@ -21,33 +21,34 @@ struct HapticCapabilities {
   bool simulated = false;
   bool senses_rotation = false;
   bool actuates_torque = false;
-  double max_force = 0.0;             // peak [N]
-  double continuous_force = 0.0;      // sustainable [N]
-  double max_torque = 0.0;            // peak [N m]; 0 without torque
-  double max_stiffness = 0.0;         // highest stiffness known to render stably at 1 kHz [N/m]
-  double position_resolution = 0.0;   // [m]
-  Vec3 workspace_half = Vec3::Zero(); // half extents of the nominal work space about M's origin [m]
+  double max_force = 0.0;            // peak [N]
+  double continuous_force = 0.0;     // sustainable [N]
+  double max_torque = 0.0;           // peak [N m]; 0 without torque
+  double max_stiffness = 0.0;        // highest stiffness known to render stably at 1 kHz [N/m]
+  double position_resolution = 0.0;  // [m]
+  Vec3 workspace_half =
+      Vec3::Zero();  // half extents of the nominal work space about M's origin [m]
   int buttons = 0;
-  double velocity_lag = 0.0;          // mean delay of the velocity it reports, >= 0 [s]
-  double least_mass = 0.05;           // that moves, of device and a light hand together [kg]
+  double velocity_lag = 0.0;  // mean delay of the velocity it reports, >= 0 [s]
+  double least_mass = 0.05;   // that moves, of device and a light hand together [kg]
 };
 
 // One reading. Frame M.
 struct HapticSample {
-  Pose X_MH;                          // stylus tip
-  Vec3 v_MH = Vec3::Zero();           // velocity of the tip [m/s]
-  std::uint32_t buttons = 0;          // bits 0 to 2 = buttons 1 (clutch), 2 (drop the tool), 3 (enable)
-  bool valid = false;                 // false: nothing else in the sample may be used
+  Pose X_MH;                  // stylus tip
+  Vec3 v_MH = Vec3::Zero();   // velocity of the tip [m/s]
+  std::uint32_t buttons = 0;  // bits 0 to 2 = buttons 1 (clutch), 2 (drop the tool), 3 (enable)
+  bool valid = false;         // false: nothing else in the sample may be used
 };
 
 // Where a simulated hand should go: a minimum-jerk move from where its intent stands now. Limits:
 // hand_move.h.
 struct HandIntent {
-  bool home = false;                  // to where the hand begins, whatever the next two say
-  Vec3 displacement_M = Vec3::Zero(); // [m]
-  Vec3 rotation_M = Vec3::Zero();     // rotation vector, frame M [rad]
-  double duration = 1.0;              // > 0 [s]
-  std::uint32_t buttons = 0;          // buttons held during the move
+  bool home = false;                   // to where the hand begins, whatever the next two say
+  Vec3 displacement_M = Vec3::Zero();  // [m]
+  Vec3 rotation_M = Vec3::Zero();      // rotation vector, frame M [rad]
+  double duration = 1.0;               // > 0 [s]
+  std::uint32_t buttons = 0;           // buttons held during the move
 };
 
 // The hand behind a simulated device, for those who have no hardware.

@@ -6,9 +6,9 @@
 #include <string>
 
 #include "server/base/joints.h"
-#include "server/base/reason.h"
 #include "server/base/status.h"
 #include "server/base/time.h"
+#include "server/model/reason.h"
 
 namespace handrail {
 

@@ -7,8 +7,8 @@
 
 #include "client/cli/status_view.h"
 #include "server/base/clock.h"
-#include "server/base/reason.h"
 #include "server/base/units.h"
+#include "server/model/reason.h"
 
 namespace handrail {
 namespace {

@@ -8,9 +8,9 @@
 #include "server/base/hand_move.h"
 #include "server/base/operator_name.h"
 #include "server/base/operator_path.h"
+#include "server/base/plain_text.h"
 #include "server/base/units.h"
 #include "server/scene/field_check.h"
-#include "server/scene/plain_text.h"
 
 namespace handrail {
 namespace {

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <string_view>
 
+#include "server/base/read_file.h"
 #include "server/scene/text_io.h"
 
 namespace handrail {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "proto/scene.pb.h"
-#include "server/scene/scene.h"
+#include "server/model/scene.h"
 
 namespace handrail {
 

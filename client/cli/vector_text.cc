@@ -6,6 +6,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "server/base/plain_text.h"
 #include "server/scene/field_check.h"
 
 namespace handrail {

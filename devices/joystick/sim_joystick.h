@@ -9,7 +9,7 @@
 #include "devices/haptic_device.h"
 #include "devices/joystick/joystick_data.h"
 #include "server/base/plane.h"
-#include "server/scene/effect_list.h"
+#include "server/model/effect_list.h"
 
 namespace handrail {
 

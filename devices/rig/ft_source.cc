@@ -80,7 +80,8 @@ void FtSource::tick() noexcept {
   const bool noisy = options_.noise_n > 0.0 || options_.noise_n_m > 0.0;
   for (int i = 0; i < 3; ++i) {
     const auto at = static_cast<std::size_t>(i);
-    double force = wrench_.force[i] + zero_[i], torque = wrench_.torque[i] + options_.zero.torque[i];
+    double force = wrench_.force[i] + zero_[i],
+           torque = wrench_.torque[i] + options_.zero.torque[i];
     if (noisy) {
       force += options_.noise_n * random_.normal();
       torque += options_.noise_n_m * random_.normal();

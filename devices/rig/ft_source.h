@@ -37,8 +37,8 @@ inline constexpr std::uint32_t kFtSaturated = 1u << 17;
 // Streams to whoever asked last, one record a period, from the period after the request. A bias
 // request takes the present wrench, without its noise, as zero from the next record on; the range
 // is the transducer's, before the bias. The zeros of the force axes wander from where they begin as
-// an Ornstein-Uhlenbeck process around 0, exact for any period. Time and bytes are arguments; all calls are
-// real-time safe.
+// an Ornstein-Uhlenbeck process around 0, exact for any period. Time and bytes are arguments; all
+// calls are real-time safe.
 class FtSource {
  public:
   struct Outgoing {

@@ -8,7 +8,7 @@
 #include "devices/rig/controller.h"
 #include "devices/rig/ft_source.h"
 #include "devices/rig/world/world.h"
-#include "server/scene/scene.h"
+#include "server/model/scene.h"
 
 namespace handrail {
 

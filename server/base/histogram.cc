@@ -7,7 +7,8 @@
 namespace handrail {
 namespace {
 
-// Values below 16 have a bucket each; above, the top four bits after the leading one choose among 16.
+// Values below 16 have a bucket each; above, the top four bits after the leading one choose
+// among 16.
 int bucket_of(std::uint64_t v) {
   if (v < 16) return static_cast<int>(v);
   const int octave = static_cast<int>(std::bit_width(v)) - 5;

@@ -12,11 +12,11 @@ using JointVector = Eigen::Matrix<double, kJoints, 1>;
 
 // What a controller lets each joint do; every element strictly positive but the range's low end.
 struct JointLimits {
-  JointVector lower = JointVector::Zero();            // [rad]
-  JointVector upper = JointVector::Zero();            // [rad]
-  JointVector max_speed = JointVector::Zero();        // [rad/s]
-  JointVector max_acceleration = JointVector::Zero(); // [rad/s^2]
-  JointVector max_jerk = JointVector::Zero();         // [rad/s^3]
+  JointVector lower = JointVector::Zero();             // [rad]
+  JointVector upper = JointVector::Zero();             // [rad]
+  JointVector max_speed = JointVector::Zero();         // [rad/s]
+  JointVector max_acceleration = JointVector::Zero();  // [rad/s^2]
+  JointVector max_jerk = JointVector::Zero();          // [rad/s^3]
 };
 
 }  // namespace handrail

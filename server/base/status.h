@@ -31,8 +31,9 @@ class [[nodiscard]] Status {
 template <typename T>
 class [[nodiscard]] Result {
  public:
-  Result(T value) : value_(std::move(value)), status_(Status::ok()) {}   // NOLINT: implicit by design
-  Result(Status error) : status_(std::move(error)) {}                    // NOLINT: implicit by design
+  Result(T value)
+      : value_(std::move(value)), status_(Status::ok()) {}  // NOLINT: implicit by design
+  Result(Status error) : status_(std::move(error)) {}       // NOLINT: implicit by design
 
   bool is_ok() const { return value_.has_value(); }
   explicit operator bool() const { return is_ok(); }

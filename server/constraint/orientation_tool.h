@@ -1,7 +1,7 @@
 // Orientation tools: N-rotation and F-rotation (dissertation 3.2.2, equations 3.5 to 3.9).
 #pragma once
 
-#include "server/base/tool.h"
+#include "server/model/tool.h"
 
 namespace handrail {
 

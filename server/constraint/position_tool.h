@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "server/base/tool.h"
+#include "server/model/tool.h"
 
 namespace handrail {
 

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "server/base/plane.h"
-#include "server/scene/walls.h"
+#include "server/model/walls.h"
 
 namespace handrail {
 
@@ -38,9 +38,5 @@ class WallProxy {
   // Memory held [bytes].
   virtual std::size_t memory() const noexcept = 0;
 };
-
-// The proxy of the scene's method. `walls` must outlive it and have passed the loader's checks.
-// May block and allocate.
-std::unique_ptr<WallProxy> make_wall_proxy(const Walls& walls);
 
 }  // namespace handrail

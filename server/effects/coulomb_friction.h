@@ -12,6 +12,9 @@ namespace handrail {
 // 2000). At rest it holds without creeping or chattering; it needs no velocity.
 class CoulombFriction {
  public:
+  static constexpr EffectKind kKind = EffectKind::kCoulomb;
+  CoulombFriction(const EffectSpec& e, const Plant&) noexcept
+      : CoulombFriction(e.peak, e.coupling) {}
   CoulombFriction(double force, double coupling) noexcept {
     law_ = {coupling, std::numeric_limits<double>::infinity(), force};
   }

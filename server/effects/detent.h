@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "server/effects/effect_input.h"
-#include "server/scene/effect_list.h"
 
 namespace handrail {
 
@@ -20,6 +19,13 @@ namespace handrail {
 // past its gear, into the wall at the aisle's end, is still in gear.
 class Detent {
  public:
+  static constexpr EffectKind kKind = EffectKind::kDetent;
+  Detent(const EffectSpec& e, const Plant&) noexcept {
+    const bool own = !e.radii.empty();
+    for (std::size_t i = 0; i < e.places.size(); ++i) {
+      add(e.places[i], own ? e.radii[i] : e.radius, own ? e.peaks[i] : e.peak);
+    }
+  }
   // Up to kMostDetents places, further apart than 2 r; r and peak > 0.
   Detent(const std::vector<Vec2>& places, double radius, double peak) noexcept {
     for (const Vec2& place : places) add(place, radius, peak);

@@ -5,7 +5,8 @@
 #include <cstdint>
 
 #include "server/base/plane.h"
-#include "server/scene/walls.h"
+#include "server/model/effect_list.h"
+#include "server/model/walls.h"
 
 namespace handrail {
 

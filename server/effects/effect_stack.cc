@@ -4,6 +4,17 @@
 #include <type_traits>
 
 namespace handrail {
+namespace {
+
+template <typename... Effects>
+std::variant<std::monostate, Effects...> make(const EffectSpec& spec, const Plant& plant,
+                                              EffectTypes<Effects...>) {
+  std::variant<std::monostate, Effects...> out;
+  (void)((Effects::kKind == spec.kind && (out = Effects(spec, plant), true)) || ...);
+  return out;
+}
+
+}  // namespace
 
 EffectStack::EffectStack(const std::vector<EffectSpec>& specs, const Plant& plant) {
   std::vector<EffectSpec> sorted = specs;
@@ -12,33 +23,7 @@ EffectStack::EffectStack(const std::vector<EffectSpec>& specs, const Plant& plan
                    [](const EffectSpec& a, const EffectSpec& b) { return a.kind < b.kind; });
   for (const EffectSpec& e : sorted) {
     if (count_ == kMostEffects || is_of_device(e.kind)) break;
-    Effect& effect = effects_[static_cast<std::size_t>(count_++)];
-    switch (e.kind) {
-      case EffectKind::kWall:
-        effect = WallSpring(plant);
-        break;
-      case EffectKind::kViscous:
-        effect = ViscousAisle(e.coupling, plant);
-        break;
-      case EffectKind::kProgressive:
-        effect = ProgressiveFriction(e.c, e.at, e.clockwise, e.coupling, plant);
-        break;
-      case EffectKind::kDetent:
-        effect = e.radii.empty() ? Detent(e.places, e.radius, e.peak)
-                                 : Detent(e.places, e.radii, e.peaks);
-        break;
-      case EffectKind::kReturn:
-        effect = ReturnSpring(e.at, e.stiffness, e.peak, e.radius);
-        break;
-      case EffectKind::kCoulomb:
-        effect = CoulombFriction(e.peak, e.coupling);
-        break;
-      case EffectKind::kOneWay:
-        effect = OneWayAisle(e.coupling, plant);
-        break;
-      default:
-        break;
-    }
+    effects_[static_cast<std::size_t>(count_++)] = make(e, plant, AllEffects());
   }
 }
 

@@ -13,9 +13,23 @@
 #include "server/effects/return_spring.h"
 #include "server/effects/viscous_aisle.h"
 #include "server/effects/wall_spring.h"
-#include "server/scene/effect_list.h"
+#include "server/model/effect_list.h"
 
 namespace handrail {
+
+template <typename... Effects>
+struct EffectTypes {};
+// Every effect of the master's step. Each says which kind of a scene's list it is, and is made of
+// that entry.
+using AllEffects = EffectTypes<WallSpring, ViscousAisle, ProgressiveFriction, Detent, ReturnSpring,
+                               CoulombFriction, OneWayAisle>;
+
+template <typename T>
+struct AnyOf;
+template <typename... Effects>
+struct AnyOf<EffectTypes<Effects...>> {
+  using type = std::variant<std::monostate, Effects...>;
+};
 
 // Holds what the scene lists and nothing else. Real-time safe but for construction; copying is a
 // plain copy.
@@ -48,9 +62,7 @@ class EffectStack {
   }
 
  private:
-  using Effect = std::variant<std::monostate, WallSpring, ViscousAisle, ProgressiveFriction, Detent,
-                              ReturnSpring, CoulombFriction, OneWayAisle>;
-  std::array<Effect, kMostEffects> effects_{};
+  std::array<AnyOf<AllEffects>::type, kMostEffects> effects_{};
   int count_ = 0;
 };
 

@@ -13,6 +13,8 @@ namespace handrail {
 // Leaving the region the force fades within 50 ms; coming back, the travel counts anew.
 class OneWayAisle {
  public:
+  static constexpr EffectKind kKind = EffectKind::kOneWay;
+  OneWayAisle(const EffectSpec& e, const Plant& plant) noexcept : OneWayAisle(e.stiffness, plant) {}
   OneWayAisle(double stiffness, const Plant& plant) noexcept
       : stiffness_(stiffness), most_force_(plant.most_force) {}
 

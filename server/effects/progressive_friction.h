@@ -16,6 +16,9 @@ namespace handrail {
 // steady speed and stable at any c; leaving the region it fades within 50 ms.
 class ProgressiveFriction {
  public:
+  static constexpr EffectKind kKind = EffectKind::kProgressive;
+  ProgressiveFriction(const EffectSpec& e, const Plant& plant) noexcept
+      : ProgressiveFriction(e.c, e.at, e.clockwise, e.coupling, plant) {}
   ProgressiveFriction(double c, const Vec2& centre, bool clockwise, double coupling,
                       const Plant& plant) noexcept
       : c_(c), centre_(centre), sign_(clockwise ? -1.0 : 1.0) {

@@ -10,6 +10,9 @@ namespace handrail {
 // far.
 class ReturnSpring {
  public:
+  static constexpr EffectKind kKind = EffectKind::kReturn;
+  ReturnSpring(const EffectSpec& e, const Plant&) noexcept
+      : ReturnSpring(e.at, e.stiffness, e.peak, e.radius) {}
   ReturnSpring(const Vec2& to, double stiffness, double peak, double home) noexcept
       : to_(to), stiffness_(stiffness), peak_(peak), home_(home) {}
 

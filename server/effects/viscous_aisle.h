@@ -12,6 +12,9 @@ namespace handrail {
 // that any B is stable. From region to region B changes within about 20 ms.
 class ViscousAisle {
  public:
+  static constexpr EffectKind kKind = EffectKind::kViscous;
+  ViscousAisle(const EffectSpec& e, const Plant& plant) noexcept
+      : ViscousAisle(e.coupling, plant) {}
   ViscousAisle(double coupling, const Plant& plant) noexcept {
     law_.coupling = coupling;
     law_.yield = plant.most_force;

@@ -17,6 +17,8 @@ namespace handrail {
 // over 20 ms.
 class WallSpring {
  public:
+  static constexpr EffectKind kKind = EffectKind::kWall;
+  WallSpring(const EffectSpec&, const Plant& plant) noexcept : WallSpring(plant) {}
   explicit WallSpring(const Plant& plant) noexcept : plant_(plant) {}
 
   void restart(const Vec2&) noexcept { stiffness_ = 0.0; }

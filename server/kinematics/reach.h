@@ -2,8 +2,8 @@
 #pragma once
 
 #include "server/base/joints.h"
-#include "server/base/tip_space.h"
 #include "server/kinematics/rv2a.h"
+#include "server/model/tip_space.h"
 
 namespace handrail {
 

@@ -7,32 +7,32 @@
 #include <cstdint>
 
 #include "server/base/joints.h"
-#include "server/base/rv2a_limits.h"
 #include "server/base/spatial.h"
+#include "server/model/rv2a_limits.h"
 
 namespace handrail {
 
 // Lengths of the chain [m].
 struct ArmGeometry {
-  double d1 = 0.350;    // base to shoulder height
-  double a1 = 0.100;    // shoulder offset forward
-  double a2 = 0.250;    // upper arm
-  double a3 = 0.130;    // elbow offset above the forearm axis
-  double d4 = 0.250;    // forearm, elbow to wrist centre
-  double d6 = 0.301;    // wrist centre to the tip: 0.085 flange, 0.301 hex-key point
+  double d1 = 0.350;  // base to shoulder height
+  double a1 = 0.100;  // shoulder offset forward
+  double a2 = 0.250;  // upper arm
+  double a3 = 0.130;  // elbow offset above the forearm axis
+  double d4 = 0.250;  // forearm, elbow to wrist centre
+  double d6 = 0.301;  // wrist centre to the tip: 0.085 flange, 0.301 hex-key point
 };
 
-inline constexpr double kFlangeLength = 0.085;     // wrist centre to flange [m]
-inline constexpr double kHexKeyLength = 0.301;     // wrist centre to the hex key's ball centre [m]
+inline constexpr double kFlangeLength = 0.085;  // wrist centre to flange [m]
+inline constexpr double kHexKeyLength = 0.301;  // wrist centre to the hex key's ball centre [m]
 
 // Tip pose X_ST. Real-time safe.
 Pose forward(const ArmGeometry& arm, const JointVector& q) noexcept;
 
 // Which of the arm's up to eight configurations a joint vector is in.
 struct Branch {
-  bool shoulder_back = false;   // wrist centre behind the J1 axis as J1 sees it
-  bool elbow_down = false;      // the other solution of the elbow triangle
-  bool wrist_flipped = false;   // J5 < 0
+  bool shoulder_back = false;  // wrist centre behind the J1 axis as J1 sees it
+  bool elbow_down = false;     // the other solution of the elbow triangle
+  bool wrist_flipped = false;  // J5 < 0
   friend bool operator==(const Branch&, const Branch&) = default;
 };
 Branch branch_of(const ArmGeometry& arm, const JointVector& q) noexcept;
@@ -44,32 +44,32 @@ struct InverseSolutions {
   std::array<Branch, 8> branch;
 };
 
-// Solves X_ST for every branch. count = 0: out of reach. Within 1e-9 rad of a singular pose the free
-// joint takes the seed's value and only the seed's side of that singularity is listed. Real-time
-// safe, bounded work.
+// Solves X_ST for every branch. count = 0: out of reach. Within 1e-9 rad of a singular pose the
+// free joint takes the seed's value and only the seed's side of that singularity is listed.
+// Real-time safe, bounded work.
 void inverse_all(const ArmGeometry& arm, const Pose& X_ST, const JointVector& seed,
                  InverseSolutions& out) noexcept;
 
 enum class InverseStatus : std::uint8_t {
   kOk,
-  kUnreachable,   // no solution on the seed's branch
+  kUnreachable,  // no solution on the seed's branch
 };
 
-// Solves X_ST on the branch of `seed`, each joint shifted by whole turns to lie nearest the seed, so
-// that small motions of X_ST give small motions of q; at an exact wrist singularity the seed's J4 is
-// kept, at a shoulder singularity the seed's J1. Where both wrist branches are near (|J5| < 0.1 rad
-// before and after) or both shoulders are (wrist centre within 20 mm of the J1 axis), the one that
-// turns J4 or J1 by at most a quarter turn is taken, so that a path straight through the singularity
-// goes through. `q` is written only when the result is kOk. Joint ranges are not applied: the caller
-// limits. Real-time safe.
+// Solves X_ST on the branch of `seed`, each joint shifted by whole turns to lie nearest the seed,
+// so that small motions of X_ST give small motions of q; at an exact wrist singularity the seed's
+// J4 is kept, at a shoulder singularity the seed's J1. Where both wrist branches are near (|J5| <
+// 0.1 rad before and after) or both shoulders are (wrist centre within 20 mm of the J1 axis), the
+// one that turns J4 or J1 by at most a quarter turn is taken, so that a path straight through the
+// singularity goes through. `q` is written only when the result is kOk. Joint ranges are not
+// applied: the caller limits. Real-time safe.
 InverseStatus inverse_near(const ArmGeometry& arm, const Pose& X_ST, const JointVector& seed,
                            JointVector& q) noexcept;
 
 // Distances from the arm's singular configurations, 0 at the singularity.
 struct SingularityMargin {
-  double wrist = 0.0;      // |sin J5|
-  double shoulder = 0.0;   // distance of the wrist centre from the J1 axis [m]
-  double elbow = 0.0;      // |sin| of the elbow angle, 0 when stretched or folded
+  double wrist = 0.0;     // |sin J5|
+  double shoulder = 0.0;  // distance of the wrist centre from the J1 axis [m]
+  double elbow = 0.0;     // |sin| of the elbow angle, 0 when stretched or folded
 };
 SingularityMargin singularity_margin(const ArmGeometry& arm, const JointVector& q) noexcept;
 

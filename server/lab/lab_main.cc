@@ -14,15 +14,15 @@
 
 #include "server/base/endings.h"
 #include "server/base/output.h"
+#include "server/base/plain_text.h"
 #include "server/lab/accuracy/command.h"
-#include "server/lab/bumper/bumper_command.h"
+#include "server/lab/contact/bumper_command.h"
 #include "server/lab/faults/fault_command.h"
-#include "server/lab/hand_command.h"
+#include "server/lab/hand/hand_command.h"
+#include "server/lab/scenes/price_command.h"
 #include "server/lab/study/linear_command.h"
 #include "server/lab/study/screw_command.h"
-#include "server/lab/walls/price_command.h"
 #include "server/lab/walls/wall_command.h"
-#include "server/scene/plain_text.h"
 
 namespace handrail {
 namespace {

@@ -2,8 +2,8 @@
 // is sent that the other side would refuse.
 #pragma once
 
-#include "server/base/link_state.h"
 #include "server/link/reject.h"
+#include "server/model/link_state.h"
 
 namespace handrail {
 

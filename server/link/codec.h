@@ -6,10 +6,10 @@
 #include <memory>
 #include <span>
 
-#include "server/base/link_state.h"
 #include "server/base/time.h"
 #include "server/link/refusal.h"
 #include "server/link/reject.h"
+#include "server/model/link_state.h"
 
 namespace handrail {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "proto/link.pb.h"
-#include "server/base/link_state.h"
+#include "server/model/link_state.h"
 
 namespace handrail {
 

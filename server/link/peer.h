@@ -8,12 +8,12 @@
 #include <span>
 #include <type_traits>
 
-#include "server/base/link_state.h"
 #include "server/base/time.h"
 #include "server/link/arrivals.h"
 #include "server/link/codec.h"
 #include "server/link/refusal_turns.h"
 #include "server/link/reject.h"
+#include "server/model/link_state.h"
 
 namespace handrail {
 

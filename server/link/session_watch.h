@@ -4,9 +4,9 @@
 #include <optional>
 #include <string>
 
-#include "server/base/link_state.h"
-#include "server/base/reason.h"
 #include "server/base/time.h"
+#include "server/model/link_state.h"
+#include "server/model/reason.h"
 
 namespace handrail {
 

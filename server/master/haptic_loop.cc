@@ -23,13 +23,9 @@ bool idle(SessionState state) {
 
 }  // namespace
 
-HapticLoop::HapticLoop(HapticDevice& device, const HapticSettings& settings, MasterMailboxes& boxes,
+HapticLoop::HapticLoop(HapticDevice& device, const LoopScene& scene, MasterMailboxes& boxes,
                        Nanos start)
-    : device_(device),
-      settings_(settings),
-      boxes_(boxes),
-      pacer_(kPeriod, start),
-      last_tick_(start) {
+    : device_(device), scene_(scene), boxes_(boxes), pacer_(kPeriod, start), last_tick_(start) {
   set_device();
   begin_epochs(random_session_id(), state_);
 }
@@ -41,7 +37,7 @@ void HapticLoop::tick(Nanos now) noexcept {
   if (now - last_tick_ >= kForceStands) let_go();
   input_.unseen = now - last_tick_;
   last_tick_ = now;
-  take_settings();
+  take_scene();
   take_slave(now);
   input_.hand = hand_reading(device_.read(now));
   OrderTicket ticket = next_order();
@@ -52,16 +48,15 @@ void HapticLoop::tick(Nanos now) noexcept {
     if (stop_since_ < 0) stop_since_ = now;
     if (now - stop_since_ > kFarewell) finished_.store(true, std::memory_order_release);
   }
-  if (input_.order.kind == OrderKind::kStage && settings_.walls != nullptr &&
+  if (input_.order.kind == OrderKind::kStage && scene_.walls != nullptr &&
       input_.order.stage >= 0 &&
-      static_cast<std::size_t>(input_.order.stage) <
-          settings_.walls->settings.walls->stages.size()) {
+      static_cast<std::size_t>(input_.order.stage) < scene_.walls->settings.walls->stages.size()) {
     wall_in_.stage = input_.order.stage;
     input_.order = HapticOrder();
   }
-  haptic_step(settings_, input_, dt, state_, report_.out);
+  haptic_step(scene_.haptic, input_, dt, state_, report_.out);
   report_.walls = WallReport();
-  if (settings_.walls != nullptr) feel_walls(dt);
+  if (scene_.walls != nullptr) feel_walls(dt);
   device_.write(report_.out.f_H_M);
   publish(now);
   // After the report: whoever has the answer finds a report that shows what the order did.
@@ -74,27 +69,27 @@ void HapticLoop::tick(Nanos now) noexcept {
 void HapticLoop::let_go() noexcept {
   state_.arbiter.cut();
   state_.torque.setZero();
-  if (settings_.walls != nullptr) settings_.walls->state.arbiter.cut();
+  if (scene_.walls != nullptr) scene_.walls->state.arbiter.cut();
 }
 
 // The hand begins where the scene's walls leave it free.
 void HapticLoop::set_device() noexcept {
-  if (settings_.walls == nullptr) return device_.simulate(DeviceEffects(), Vec3::Zero());
-  const WallSettings& walls = settings_.walls->settings;
+  if (scene_.walls == nullptr) return device_.simulate(DeviceEffects(), Vec3::Zero());
+  const WallSettings& walls = scene_.walls->settings;
   const Vec2 start = walls.walls->stages.front().pose.to_world(walls.walls->start);
   device_.simulate(walls.device, Vec3(start.x(), start.y(), 0.0));
 }
 
-void HapticLoop::take_settings() noexcept {
-  if (boxes_.settings.take(next_settings_)) report_.settings_pending = true;
-  if (!report_.settings_pending || !idle(state_.session)) return;
+void HapticLoop::take_scene() noexcept {
+  if (boxes_.scene.take(next_scene_)) report_.scene_pending = true;
+  if (!report_.scene_pending || !idle(state_.session)) return;
   // The force that is there goes on from one scene to the other, within their step limits.
-  if (settings_.walls != nullptr) state_.arbiter = settings_.walls->state.arbiter;
-  settings_ = next_settings_;
-  if (settings_.walls != nullptr) settings_.walls->state.arbiter = state_.arbiter;
+  if (scene_.walls != nullptr) state_.arbiter = scene_.walls->state.arbiter;
+  scene_ = next_scene_;
+  if (scene_.walls != nullptr) scene_.walls->state.arbiter = state_.arbiter;
   set_device();
   wall_in_.stage = 0;
-  report_.settings_pending = false;
+  report_.scene_pending = false;
   ++report_.scene_epoch;
 }
 
@@ -110,7 +105,7 @@ void HapticLoop::take_slave(Nanos now) noexcept {
 }
 
 void HapticLoop::feel_walls(double dt) noexcept {
-  WallRun& run = *settings_.walls;
+  WallRun& run = *scene_.walls;
   wall_in_.hand = input_.hand;
   wall_in_.release =
       state_.stop_epoch != state_.released_epoch || stop_requested_.load(std::memory_order_relaxed);

@@ -5,8 +5,7 @@
 
 #include "devices/haptic_device.h"
 #include "server/base/pacer.h"
-#include "server/control/haptic_step.h"
-#include "server/control/wall_step.h"
+#include "server/master/loop_scene.h"
 #include "server/master/mailboxes.h"
 
 namespace handrail {
@@ -17,8 +16,7 @@ class HapticLoop {
   static constexpr Nanos kPeriod = kMillisecond;
 
   // Device and mailboxes must outlive the loop; the device is open.
-  HapticLoop(HapticDevice& device, const HapticSettings& settings, MasterMailboxes& boxes,
-             Nanos start);
+  HapticLoop(HapticDevice& device, const LoopScene& scene, MasterMailboxes& boxes, Nanos start);
 
   // When the next tick should run.
   Nanos due() const noexcept { return pacer_.due(); }
@@ -32,7 +30,7 @@ class HapticLoop {
 
  private:
   void let_go() noexcept;
-  void take_settings() noexcept;
+  void take_scene() noexcept;
   void set_device() noexcept;
   void take_slave(Nanos now) noexcept;
   // The force of the scene's walls in place of an arm's.
@@ -42,7 +40,7 @@ class HapticLoop {
   void publish(Nanos now) noexcept;
 
   HapticDevice& device_;
-  HapticSettings settings_;
+  LoopScene scene_;
   MasterMailboxes& boxes_;
   Pacer pacer_;
   HapticInput input_;
@@ -51,7 +49,7 @@ class HapticLoop {
   WallInput wall_in_;
   WallOutput wall_out_;
   SlaveNews news_;
-  HapticSettings next_settings_;
+  LoopScene next_scene_;
   Nanos last_tick_;
   Nanos stop_since_ = -1;
   std::atomic<bool> stop_requested_{false};

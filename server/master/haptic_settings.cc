@@ -28,6 +28,7 @@ HapticSettings haptic_settings(const Scene& scene, const HapticCapabilities& dev
   out.has_torque = device.actuates_torque;
   out.max_torque = device.max_torque;
   out.hashes = section_hashes(scene);
+  out.has_arm = !scene.walls;
   out.scene = scene_name(scene.name);
   return out;
 }

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "devices/haptic_device.h"
-#include "server/control/haptic_step.h"
-#include "server/scene/scene.h"
+#include "server/haptic/haptic_step.h"
+#include "server/model/scene.h"
 
 namespace handrail {
 

@@ -8,8 +8,9 @@
 #include "server/base/mailbox.h"
 #include "server/base/ring.h"
 #include "server/constraint/wall_proxy.h"
-#include "server/control/haptic_step.h"
+#include "server/haptic/haptic_step.h"
 #include "server/link/peer.h"
+#include "server/master/loop_scene.h"
 
 namespace handrail {
 
@@ -50,7 +51,7 @@ struct HapticReport {
   Pose X_MH;
   WallReport walls;
   bool hand_moving = false;
-  bool settings_pending = false;  // a scene waits for the session to be off
+  bool scene_pending = false;     // a scene waits for the session to be off
   std::uint64_t scene_epoch = 0;  // scenes taken over so far
   std::uint64_t ticks = 0;
   std::uint64_t overruns = 0;
@@ -65,7 +66,7 @@ struct HapticReport {
 
 struct MasterMailboxes {
   Mailbox<SlaveNews> slave;                  // IO to haptic
-  Mailbox<HapticSettings> settings;          // IO to haptic: another scene
+  Mailbox<LoopScene> scene;                  // IO to haptic: another one
   Ring<OrderTicket, 64> orders;              // IO to haptic
   Ring<OrderAnswer, 64> answers;             // haptic to IO
   std::atomic<Nanos> hold_heard{-kForever};  // IO to haptic: newest sign of `engage --hold`

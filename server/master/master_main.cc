@@ -122,8 +122,8 @@ Nanos milliseconds(double value) { return static_cast<Nanos>(value * 1e6); }
 // The thread that ticks the loop until it has finished; then the device is closed.
 class HapticThread {
  public:
-  HapticThread(HapticDevice& device, const HapticSettings& settings, MasterMailboxes& boxes)
-      : loop_(std::make_unique<HapticLoop>(device, settings, boxes, monotonic_now() + kSetUp)) {
+  HapticThread(HapticDevice& device, const LoopScene& scene, MasterMailboxes& boxes)
+      : loop_(std::make_unique<HapticLoop>(device, scene, boxes, monotonic_now() + kSetUp)) {
     const SignalsBlocked blocked;
     thread_ = std::thread([this, &device] { run(device); });
   }
@@ -165,17 +165,16 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
   auto scene = library->load(config.scene());
   if (!scene) return fail(scene.message());
   WallRuns wall_runs;
-  const auto settings_of = [&](const Scene& s) {
-    HapticSettings out = haptic_settings(s, capabilities);
-    out.walls = wall_runs.make(s, capabilities);
-    out.presence = presence_of(config, capabilities);
-    out.ladder.fade_loop = milliseconds(config.loop_limit_ms());
-    out.ladder.good_for = milliseconds(config.good_link_ms());
+  const auto loop_scene = [&](const Scene& s) {
+    LoopScene out{haptic_settings(s, capabilities), wall_runs.make(s, capabilities)};
+    out.haptic.presence = presence_of(config, capabilities);
+    out.haptic.ladder.fade_loop = milliseconds(config.loop_limit_ms());
+    out.haptic.ladder.good_for = milliseconds(config.good_link_ms());
     for (const std::string& text : warnings_of(s)) spdlog::warn("{}", text);
     for (const std::string& text : wall_warnings(s, capabilities)) spdlog::warn("{}", text);
     return out;
   };
-  const HapticSettings settings = settings_of(*scene);
+  const LoopScene first = loop_scene(*scene);
   if (check_only) {
     std::puts("configuration ok");
     return end_output("handrail-master", 0);
@@ -196,7 +195,7 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
   desk_options.load_scene = [&scenes, library](const std::string& name) {
     return scenes.poll([library, name] { return library->load(name); });
   };
-  desk_options.settings_of = settings_of;
+  desk_options.loop_scene = loop_scene;
   OrderDesk desk(*boxes, *scene, desk_options);
   MasterServerOptions options;
   options.address = config.link_address();
@@ -209,7 +208,7 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
   if (const Status opened = server.open(); !opened) return fail(opened.message());
   if (const Status opened = (*device)->open(); !opened) return fail(opened.message());
 
-  HapticThread haptic(**device, settings, *boxes);
+  HapticThread haptic(**device, first, *boxes);
   const RealtimeGrant realtime = haptic.realtime();
   desk.set_realtime(realtime.report);
   spdlog::info("haptic thread: {}", realtime.report);

@@ -14,7 +14,7 @@
 #include "server/master/operator_server.h"
 #include "server/master/status_report.h"
 #include "server/master/why_report.h"
-#include "server/scene/scene.h"
+#include "server/model/scene.h"
 
 namespace handrail {
 
@@ -27,7 +27,7 @@ struct OrderDeskOptions {
   // it gives nothing, as the disk takes its time.
   std::function<std::optional<Result<Scene>>(const std::string& name)> load_scene;
   // What it means with this device.
-  std::function<HapticSettings(const Scene& scene)> settings_of;
+  std::function<LoopScene(const Scene& scene)> loop_scene;
 };
 
 // Turns the requests of who may drive into orders for the haptic loop and answers them once they

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "proto/operator.pb.h"
-#include "server/control/haptic_step.h"
+#include "server/haptic/haptic_step.h"
 
 namespace handrail {
 

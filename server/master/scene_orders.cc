@@ -41,9 +41,9 @@ void OrderDesk::take_scene() {
     return reply(refused("somebody else drives by now: scene '" + read.scene + "' is not loaded"));
   }
   if (!scene_may_change()) return reply(refused(describe(Reason::kBusy)));
-  const HapticSettings settings = options_.settings_of(**scene);  // the last that can fail
+  const LoopScene next = options_.loop_scene(**scene);  // the last that can fail
   previous_ = std::exchange(scene_, std::move(**scene));
-  boxes_.settings.publish(settings);
+  boxes_.scene.publish(next);
   loading_ = std::move(reply);
   load_epoch_ = report_->scene_epoch;
   load_shown_ = kForever;
@@ -88,7 +88,7 @@ void OrderDesk::name_stage(pb::Status& status) const {
 }
 
 void OrderDesk::watch_scene() {
-  if (!loading_ || reading_ || report_->settings_pending || report_->scene_epoch == load_epoch_)
+  if (!loading_ || reading_ || report_->scene_pending || report_->scene_epoch == load_epoch_)
     return;
   if (text_of(report_->out.link.scene) != scene_.name) return;
   load_shown_ = std::min(load_shown_, now_);
@@ -110,9 +110,9 @@ void OrderDesk::watch_scene() {
 
 void OrderDesk::end_scene_wait(const std::string& problem) {
   const std::string name = scene_.name;
-  const HapticSettings settings = options_.settings_of(*previous_);  // the last that can fail
+  const LoopScene next = options_.loop_scene(*previous_);  // the last that can fail
   scene_ = std::move(*previous_);
-  boxes_.settings.publish(settings);
+  boxes_.scene.publish(next);
   std::exchange(loading_, nullptr)(refused("the slave did not load '" + name + "': " + problem +
                                            "; '" + scene_.name + "' stays"));
 }

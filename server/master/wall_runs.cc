@@ -1,4 +1,5 @@
 #include "server/master/wall_runs.h"
+#include "server/haptic/wall_proxies.h"
 
 #include <spdlog/fmt/fmt.h>
 

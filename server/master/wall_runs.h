@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "devices/haptic_device.h"
-#include "server/control/wall_step.h"
-#include "server/scene/scene.h"
+#include "server/haptic/wall_step.h"
+#include "server/model/scene.h"
 
 namespace handrail {
 

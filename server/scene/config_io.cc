@@ -10,6 +10,7 @@
 
 #include "server/base/operator_path.h"
 #include "server/base/own_address.h"
+#include "server/base/plain_text.h"
 #include "server/scene/text_io.h"
 
 namespace handrail {
@@ -123,8 +124,8 @@ Problem check(const pb::SlaveConfig& c) {
   }
   return first({check_loopback("link_address", c.link_address()),
                 check_ipv4("robot.address", c.robot().address()),
-                check_peer_port("robot.port", c.robot().port()), bytes, sensor,
-                check_payload(c), check_scene_name(c.scene()), check_distinct(ends)});
+                check_peer_port("robot.port", c.robot().port()), bytes, sensor, check_payload(c),
+                check_scene_name(c.scene()), check_distinct(ends)});
 }
 
 Problem check(const pb::RigConfig& c) {

@@ -4,22 +4,19 @@
 #include <cmath>
 #include <string>
 
+#include "server/base/plain_text.h"
 #include "server/base/units.h"
 
 namespace handrail {
 namespace {
 
+using google::protobuf::FieldDescriptor;
+using google::protobuf::Message;
 using Numbers = google::protobuf::RepeatedField<double>;
 using Problem = std::optional<FieldProblem>;
 
 Vec2 point_of(const Numbers& v) {
   return v.size() == 2 ? Vec2(v[0] * kMm, v[1] * kMm) : Vec2(Vec2::Zero());
-}
-
-int given(const pb::Effect& e) {
-  return e.has_wall() + e.has_viscous() + e.has_progressive() + e.has_detent() +
-         e.has_return_spring() + e.has_coulomb() + e.has_one_way() + e.has_device_inertia() +
-         e.has_device_friction() + e.has_device_quantisation() + e.has_device_force_limits();
 }
 
 Problem detent_from(const pb::Effect::Detent& in, bool painted, EffectSpec& out) {
@@ -47,44 +44,69 @@ Problem detent_from(const pb::Effect::Detent& in, bool painted, EffectSpec& out)
   return std::nullopt;
 }
 
+// Where the value of a field goes, by its name.
+struct NumberField {
+  const char* name;
+  double EffectSpec::*to;
+  double unit;
+};
+constexpr NumberField kNumbers[] = {
+    {"coupling_n_mm", &EffectSpec::coupling, kNewtonPerMm},
+    {"stiffness_n_mm", &EffectSpec::stiffness, kNewtonPerMm},
+    {"c", &EffectSpec::c, 1.0},
+    {"peak_n", &EffectSpec::peak, 1.0},
+    {"force_n", &EffectSpec::peak, 1.0},
+    {"radius_mm", &EffectSpec::radius, kMm},
+    {"home_mm", &EffectSpec::radius, kMm},
+};
+
+// False for a field that no effect has.
+bool take(const Message& in, const FieldDescriptor& field, EffectSpec& out) {
+  const auto& r = *in.GetReflection();
+  const std::string& name = field.name();
+  for (const NumberField& number : kNumbers) {
+    if (name != number.name) continue;
+    out.*number.to = r.GetDouble(in, &field) * number.unit;
+    return true;
+  }
+  if (name == "centre_mm" || name == "to_mm") {
+    out.at = point_of(r.GetRepeatedField<double>(in, &field));
+    return true;
+  }
+  if (name == "clockwise") {
+    out.clockwise = r.GetBool(in, &field);
+    return true;
+  }
+  return false;
+}
+
+EffectKind kind_named(const std::string& name) {
+  for (int i = 0; i < static_cast<int>(EffectKind::kCount); ++i) {
+    if (name == name_of(static_cast<EffectKind>(i))) return static_cast<EffectKind>(i);
+  }
+  return EffectKind::kCount;
+}
+
 Problem effect_from(const pb::Effect& in, bool painted, EffectSpec& out) {
-  if (given(in) != 1) {
+  std::vector<const FieldDescriptor*> given;
+  in.GetReflection()->ListFields(in, &given);
+  if (given.size() != 1) {
     return FieldProblem{"",
-                        std::to_string(given(in)) + " effects in one entry, expected exactly 1"};
+                        std::to_string(given.size()) + " effects in one entry, expected exactly 1"};
   }
   if (in.has_detent()) return detent_from(in.detent(), painted, out);
-  if (in.has_wall()) out.kind = EffectKind::kWall;
-  if (in.has_viscous()) {
-    out.kind = EffectKind::kViscous;
-    out.coupling = in.viscous().coupling_n_mm() * kNewtonPerMm;
+  const FieldDescriptor& effect = *given.front();
+  out.kind = kind_named(effect.name());
+  if (out.kind == EffectKind::kCount) {
+    return FieldProblem{effect.name(), "this build has no such effect"};
   }
-  if (in.has_progressive()) {
-    out.kind = EffectKind::kProgressive;
-    out.c = in.progressive().c();
-    out.at = point_of(in.progressive().centre_mm());
-    out.clockwise = in.progressive().clockwise();
-    out.coupling = in.progressive().coupling_n_mm() * kNewtonPerMm;
+  const Message& parameters = in.GetReflection()->GetMessage(in, &effect);
+  for (int i = 0; i < effect.message_type()->field_count(); ++i) {
+    const FieldDescriptor& field = *effect.message_type()->field(i);
+    if (!take(parameters, field, out)) {
+      return FieldProblem{effect.name() + "." + field.name(), "no effect of this build has it"};
+    }
   }
-  if (in.has_return_spring()) {
-    out.kind = EffectKind::kReturn;
-    out.at = point_of(in.return_spring().to_mm());
-    out.stiffness = in.return_spring().stiffness_n_mm() * kNewtonPerMm;
-    out.peak = in.return_spring().peak_n();
-    out.radius = in.return_spring().home_mm() * kMm;
-  }
-  if (in.has_coulomb()) {
-    out.kind = EffectKind::kCoulomb;
-    out.peak = in.coulomb().force_n();
-    out.coupling = in.coulomb().coupling_n_mm() * kNewtonPerMm;
-  }
-  if (in.has_one_way()) {
-    out.kind = EffectKind::kOneWay;
-    out.coupling = in.one_way().stiffness_n_mm() * kNewtonPerMm;
-  }
-  if (in.has_device_inertia()) out.kind = EffectKind::kDeviceInertia;
-  if (in.has_device_friction()) out.kind = EffectKind::kDeviceFriction;
-  if (in.has_device_quantisation()) out.kind = EffectKind::kDeviceQuantisation;
-  if (in.has_device_force_limits()) out.kind = EffectKind::kDeviceForceLimits;
   return std::nullopt;
 }
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "proto/effect.pb.h"
-#include "server/scene/effect_list.h"
+#include "server/model/effect_list.h"
 #include "server/scene/field_check.h"
 
 namespace handrail {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "proto/field.pb.h"
-#include "server/scene/plain_text.h"
+#include "server/base/plain_text.h"
 
 namespace handrail {
 namespace {
@@ -92,16 +92,6 @@ std::optional<FieldProblem> check_field(const Message& m, const FieldDescriptor&
 }
 
 }  // namespace
-
-std::string number_text(double value) {
-  std::array<char, 32> buffer;
-  // Everyday sizes without an exponent.
-  const bool everyday = value == 0.0 || (std::abs(value) >= 1e-4 && std::abs(value) < 1e12);
-  char* const last = buffer.data() + buffer.size();
-  const auto end = everyday ? std::to_chars(buffer.data(), last, value, std::chars_format::fixed)
-                            : std::to_chars(buffer.data(), last, value);
-  return std::string(buffer.data(), end.ptr);
-}
 
 std::optional<FieldProblem> check_fields(const Message& message) {
   const google::protobuf::Descriptor& type = *message.GetDescriptor();

@@ -7,7 +7,7 @@
 
 #include <memory>
 
-#include "server/scene/plain_text.h"
+#include "server/base/plain_text.h"
 
 namespace handrail {
 namespace {

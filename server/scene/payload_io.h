@@ -4,7 +4,7 @@
 #include <string>
 
 #include "proto/config.pb.h"
-#include "server/base/payload.h"
+#include "server/model/payload.h"
 
 namespace handrail {
 

@@ -6,9 +6,11 @@
 #include <filesystem>
 #include <optional>
 
+#include "server/base/plain_text.h"
+#include "server/base/read_file.h"
 #include "server/base/units.h"
+#include "server/painting/map_detent.h"
 #include "server/scene/effect_io.h"
-#include "server/scene/map_detent.h"
 #include "server/scene/scene_limits_io.h"
 #include "server/scene/simulate_io.h"
 #include "server/scene/text_io.h"
@@ -102,9 +104,8 @@ Problem bumper_from(const pb::Bumper& in, BumperSettings& out) {
   }
   if (out.contact < 5.0 * out.noise) {
     return FieldProblem{in.has_contact_n() ? "bumper.contact_n" : "bumper.noise_n",
-                        "a contact is felt at " + newtons(out.contact) +
-                            ", which noise of " + newtons(out.noise) +
-                            " reaches: expected at least 5 times as much"};
+                        "a contact is felt at " + newtons(out.contact) + ", which noise of " +
+                            newtons(out.noise) + " reaches: expected at least 5 times as much"};
   }
   if (in.has_approach() && out.promise <= out.threshold) {
     return FieldProblem{"bumper.approach.force_n",

@@ -7,8 +7,8 @@
 
 #include "proto/scene.pb.h"
 #include "server/base/status.h"
+#include "server/model/scene.h"
 #include "server/scene/overrides.h"
-#include "server/scene/scene.h"
 
 namespace handrail {
 

@@ -9,7 +9,7 @@
 #include <system_error>
 #include <utility>
 
-#include "server/scene/plain_text.h"
+#include "server/base/plain_text.h"
 #include "server/scene/scene_io.h"
 #include "server/scene/shipped.h"
 

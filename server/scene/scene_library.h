@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "server/base/status.h"
+#include "server/model/scene.h"
 #include "server/scene/overrides.h"
-#include "server/scene/scene.h"
 
 namespace handrail {
 

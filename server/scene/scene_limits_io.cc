@@ -3,8 +3,9 @@
 #include <cmath>
 #include <string>
 
-#include "server/base/rv2a_limits.h"
+#include "server/base/plain_text.h"
 #include "server/base/units.h"
+#include "server/model/rv2a_limits.h"
 
 namespace handrail {
 namespace {

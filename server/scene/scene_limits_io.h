@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "proto/scene.pb.h"
+#include "server/model/scene.h"
 #include "server/scene/field_check.h"
-#include "server/scene/scene.h"
 
 namespace handrail {
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string>
 
+#include "server/base/plain_text.h"
+
 namespace handrail {
 namespace {
 
@@ -152,8 +154,8 @@ Problem effect_from(const pb::RigEffect& in, RigEffectSpec& out) {
   if (in.has_sensor_noise()) out = SensorNoiseSpec{in.sensor_noise().n(), in.sensor_noise().n_m()};
   if (in.has_sensor_drift()) {
     const auto& drift = in.sensor_drift();
-    out = SensorDriftSpec{drift.n_per_s(), drift.n(),
-                          {vector_of(drift.start_n()), vector_of(drift.start_n_m())}};
+    out = SensorDriftSpec{
+        drift.n_per_s(), drift.n(), {vector_of(drift.start_n()), vector_of(drift.start_n_m())}};
   }
   if (in.has_sensor_quantisation()) {
     out = SensorQuantisationSpec{in.sensor_quantisation().n(), in.sensor_quantisation().n_m()};

@@ -12,9 +12,6 @@
 
 namespace handrail {
 
-// The whole of a regular file of at most `max_bytes`. The error names path and cause.
-Result<std::string> read_file(const std::string& path, std::size_t max_bytes);
-
 // One text-format file: its message's values and where each of them stands.
 class TextSource {
  public:

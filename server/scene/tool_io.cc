@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "server/base/plain_text.h"
 #include "server/base/units.h"
 
 namespace handrail {

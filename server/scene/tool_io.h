@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "proto/scene.pb.h"
-#include "server/base/tool_call.h"
+#include "server/model/tool_call.h"
 #include "server/scene/field_check.h"
 
 namespace handrail {

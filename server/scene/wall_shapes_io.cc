@@ -4,8 +4,8 @@
 #include <numbers>
 #include <vector>
 
+#include "server/base/plain_text.h"
 #include "server/base/units.h"
-#include "server/scene/plain_text.h"
 #include "server/scene/shape_reach.h"
 
 namespace handrail {

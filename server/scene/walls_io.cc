@@ -6,12 +6,12 @@
 #include <set>
 #include <vector>
 
+#include "server/base/plain_text.h"
 #include "server/base/units.h"
-#include "server/scene/colour.h"
-#include "server/scene/coverage.h"
-#include "server/scene/coverage_check.h"
-#include "server/scene/plain_text.h"
-#include "server/scene/png_io.h"
+#include "server/painting/colour.h"
+#include "server/painting/coverage.h"
+#include "server/painting/coverage_check.h"
+#include "server/painting/png_io.h"
 #include "server/scene/wall_shapes_io.h"
 
 namespace handrail {

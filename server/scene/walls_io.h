@@ -5,8 +5,8 @@
 #include <string>
 
 #include "proto/scene.pb.h"
+#include "server/model/walls.h"
 #include "server/scene/field_check.h"
-#include "server/scene/walls.h"
 
 namespace handrail {
 

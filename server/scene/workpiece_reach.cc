@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "server/base/plain_text.h"
 #include "server/base/units.h"
 #include "server/kinematics/rv2a.h"
 

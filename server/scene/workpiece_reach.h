@@ -4,8 +4,8 @@
 #include <numbers>
 #include <optional>
 
+#include "server/model/scene.h"
 #include "server/scene/field_check.h"
-#include "server/scene/scene.h"
 
 namespace handrail {
 

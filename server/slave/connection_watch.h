@@ -8,7 +8,7 @@
 #include <string_view>
 #include <utility>
 
-#include "server/base/reason.h"
+#include "server/model/reason.h"
 
 namespace handrail {
 

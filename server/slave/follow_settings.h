@@ -2,8 +2,8 @@
 #pragma once
 
 #include "server/base/time.h"
-#include "server/control/follow_step.h"
-#include "server/scene/scene.h"
+#include "server/follow/follow_step.h"
+#include "server/model/scene.h"
 
 namespace handrail {
 

@@ -3,10 +3,10 @@
 
 #include "server/base/doorbell.h"
 #include "server/base/fixed_text.h"
-#include "server/base/link_state.h"
 #include "server/base/mailbox.h"
-#include "server/control/follow_step.h"
+#include "server/follow/follow_step.h"
 #include "server/link/peer.h"
+#include "server/model/link_state.h"
 
 namespace handrail {
 

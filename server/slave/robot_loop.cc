@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "server/base/units.h"
-#include "server/control/follow_gap.h"
+#include "server/follow/follow_gap.h"
 #include "server/link/stall_watch.h"
 
 namespace handrail {

@@ -6,7 +6,7 @@
 
 #include "devices/robot.h"
 #include "server/base/clock.h"
-#include "server/control/follow_step.h"
+#include "server/follow/follow_step.h"
 #include "server/slave/mailboxes.h"
 
 namespace handrail {

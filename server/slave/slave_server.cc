@@ -4,9 +4,9 @@
 
 #include <utility>
 
-#include "server/control/session.h"
 #include "server/link/link_server.h"
 #include "server/link/session_watch.h"
+#include "server/session/session.h"
 #include "server/slave/connection_watch.h"
 
 namespace handrail {

@@ -1,7 +1,7 @@
 // How a drive through the linear-movement task is judged, the same with tools and without.
 #pragma once
 
-#include "server/task/linear_task.h"
+#include "server/model/linear_task.h"
 
 namespace handrail {
 

@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <span>
 
-#include "server/base/payload.h"
 #include "server/base/status.h"
+#include "server/model/payload.h"
 
 namespace handrail {
 

@@ -1,8 +1,8 @@
 // How a drive through the screw-fastening task is judged, the same in all modes.
 #pragma once
 
+#include "server/model/screw_task.h"
 #include "server/task/linear_measure.h"
-#include "server/task/screw_task.h"
 
 namespace handrail {
 

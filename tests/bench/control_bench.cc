@@ -3,13 +3,13 @@
 #include <vector>
 
 #include "server/constraint/position_tool.h"
-#include "server/control/follow_ledger.h"
-#include "server/control/guard.h"
-#include "server/control/ledger.h"
+#include "server/follow/follow_ledger.h"
+#include "server/haptic/ledger.h"
+#include "server/motion/guard.h"
 #include "tests/bench/percentile.h"
 #include "tests/unit/constraint/tool_samples.h"
-#include "tests/unit/control/follow_rig.h"
-#include "tests/unit/control/haptic_rig.h"
+#include "tests/unit/follow/follow_rig.h"
+#include "tests/unit/haptic/haptic_rig.h"
 
 namespace handrail::bench {
 namespace {

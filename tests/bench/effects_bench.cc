@@ -5,7 +5,7 @@
 
 #include "devices/joystick/sim_joystick.h"
 #include "tests/bench/percentile.h"
-#include "tests/unit/control/wall_rig.h"
+#include "tests/unit/haptic/wall_rig.h"
 
 namespace handrail::bench {
 namespace {

@@ -4,7 +4,7 @@
 #include "devices/omni/omni_data.h"
 #include "devices/omni/sim_omni.h"
 #include "server/kinematics/rv2a.h"
-#include "server/lab/cell.h"
+#include "server/lab/cell/cell.h"
 #include "server/master/haptic_settings.h"
 #include "server/slave/follow_settings.h"
 #include "tests/bench/percentile.h"

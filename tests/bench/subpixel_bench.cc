@@ -3,7 +3,7 @@
 #include <map>
 #include <memory>
 
-#include "server/constraint/subpixel_wall.h"
+#include "server/constraint/painted/subpixel_wall.h"
 #include "tests/bench/percentile.h"
 #include "tests/support/wall_samples.h"
 

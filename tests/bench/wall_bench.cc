@@ -2,10 +2,10 @@
 #include <cmath>
 #include <memory>
 
-#include "server/constraint/wall_proxy.h"
+#include "server/haptic/wall_proxies.h"
 #include "tests/bench/percentile.h"
 #include "tests/support/wall_samples.h"
-#include "tests/unit/constraint/shape_samples.h"
+#include "tests/unit/constraint_drawn/shape_samples.h"
 
 namespace handrail::bench {
 namespace {

@@ -58,14 +58,18 @@ TEST(Lint, FindsTheTree) {
 }
 
 TEST(Lint, FoldersIncludeOnlyWhatTheTableAllows) {
-  expect_caught(include_direction, "server/base/a.h", "#include \"server/scene/scene.h\"\n");
-  expect_caught(include_direction, "server/control/a.cc", "#include <devices/robot.h>\n");
+  expect_caught(include_direction, "server/base/a.h", "#include \"server/model/scene.h\"\n");
+  expect_caught(include_direction, "server/motion/a.cc", "#include <devices/robot.h>\n");
   expect_caught(include_direction, "server/effects/a.cc", "  # include \"devices/robot.h\"\n");
-  expect_caught(include_direction, "server/scene/scene.cc", "#include \"proto/scene.pb.h\"\n");
+  expect_caught(include_direction, "server/model/scene.cc", "#include \"proto/scene.pb.h\"\n");
   expect_caught(include_direction, "devices/melfa/a.cc", "#include \"devices/rig/rig.h\"\n");
-  expect_caught(include_direction, "client/api/a.cc", "#include \"server/scene/scene.h\"\n");
+  expect_caught(include_direction, "client/api/a.cc", "#include \"server/model/scene.h\"\n");
   expect_caught(include_direction, "server/master/a.cc", "#include \"tests/support/a.h\"\n");
   expect_caught(include_direction, "server/nowhere/a.cc", "");
+  expect_caught(include_direction, "server/scene/deeper/a.cc", "");
+  expect_caught(include_direction, "server/haptic/a.cc", "#include \"server/follow/bumper.h\"\n");
+  expect_caught(include_direction, "server/constraint/a.cc",
+                "#include \"server/constraint/drawn/outline.h\"\n");
   expect_passes(include_direction, "server/scene/scene_io.cc", "#include \"proto/scene.pb.h\"\n");
   expect_passes(include_direction, "server/master/a.cc", "#include \"devices/registry.h\"\n");
   expect_passes(include_direction, "server/base/a.h", "#include <Eigen/Core>\n");
@@ -73,8 +77,8 @@ TEST(Lint, FoldersIncludeOnlyWhatTheTableAllows) {
 }
 
 TEST(Lint, TargetsLinkOnlyWhatTheirFolderMayInclude) {
-  expect_caught(link_direction, "server/control/CMakeLists.txt",
-                "handrail_library(handrail_control handrail_base\n handrail_scene)");
+  expect_caught(link_direction, "server/haptic/CMakeLists.txt",
+                "handrail_library(handrail_haptic handrail_base\n handrail_follow)");
   expect_caught(link_direction, "server/base/CMakeLists.txt",
                 "handrail_library(handrail_base handrail_rig)");
   expect_passes(link_direction, "devices/rig/CMakeLists.txt",
@@ -93,10 +97,11 @@ TEST(Lint, BaseDependsOnTheStandardLibraryAndEigenOnly) {
 }
 
 TEST(Lint, StepsHaveNoClockThreadLockStreamOrLog) {
-  expect_caught(pure_folders, "server/control/a.cc", "int x;\n#include <chrono>\n");
+  expect_caught(pure_folders, "server/follow/a.cc", "int x;\n#include <chrono>\n");
   expect_caught(pure_folders, "server/kinematics/a.h", "#include <mutex>\n");
   expect_caught(pure_folders, "server/effects/a.cc", "#include <spdlog/spdlog.h>\n");
   expect_caught(pure_folders, "server/constraint/a.cc", "#include \"server/base/clock.h\"\n");
+  expect_caught(pure_folders, "server/constraint/drawn/a.h", "#include <thread>\n");
   expect_passes(pure_folders, "server/master/a.cc", "#include <thread>\n");
   expect_holds(production(), pure_folders);
 }
@@ -164,7 +169,7 @@ TEST(SourceText, NamesTheFolderOfAPath) {
   EXPECT_EQ(folder_of("server/base/time.h"), "server/base");
   EXPECT_EQ(folder_of("devices/robot.h"), "devices");
   EXPECT_EQ(folder_of("proto/link.pb.h"), "proto");
-  EXPECT_EQ(folder_of("server/scene/library/a.h"), "server/scene");
+  EXPECT_EQ(folder_of("server/lab/cell/a.h"), "server/lab/cell");
 }
 
 }  // namespace

@@ -15,48 +15,97 @@ Folders operator+(Folders a, const Folders& b) {
   return a;
 }
 
-// A folder's own files are always allowed. "devices" is the interfaces and the registry.
+// A folder's own files are always allowed; a folder inside it is another one. "devices" is the
+// interfaces and the registry.
 const std::map<std::string, Folders>& table() {
   static const Folders base = {"server/base"};
-  static const Folders steps =
-      base + Folders{"server/scene", "server/kinematics", "server/constraint", "server/effects"};
-  static const Folders daemons = steps + Folders{"server/control", "server/daemon", "server/link",
-                                                 "server/record",  "proto",         "devices"};
-  static const Folders sim = steps + Folders{"devices", "devices/hand"};
-  static const Folders all_devices = {"devices/hand",  "devices/omni",   "devices/joystick",
-                                      "devices/melfa", "devices/net_ft", "devices/udp",
-                                      "devices/rig"};
+  static const Folders model = base + Folders{"server/model"};
+  static const Folders daemons =
+      model + Folders{"server/daemon",  "server/link", "server/record", "server/scene",
+                      "server/session", "proto",       "devices"};
+  static const Folders master =
+      daemons + Folders{"server/haptic", "server/constraint", "server/kinematics"};
+  static const Folders slave =
+      daemons + Folders{"server/follow", "devices/melfa", "devices/net_ft"};
+  static const Folders sides = {"server/master", "server/slave"};
+  static const Folders sim = model + Folders{"devices", "devices/hand"};
+  static const Folders hands = {"devices/hand", "devices/omni", "devices/joystick"};
+  static const Folders rigs = {"devices/rig", "devices/rig/world", "devices/melfa",
+                               "devices/net_ft"};
+  // What a command of the lab is made of.
+  static const Folders lab =
+      model + Folders{"devices",           "proto",          "server/scene", "server/lab/console",
+                      "server/lab/figure", "server/lab/cell"};
   static const std::map<std::string, Folders> rows = {
       {"proto", {}},
       {"server/base", {}},
+      {"server/model", base},
       {"server/daemon", base},
-      {"server/task", base},
-      {"server/scene", base + Folders{"server/kinematics", "server/task", "proto"}},
-      {"server/kinematics", base},
-      {"server/constraint", base + Folders{"server/scene"}},
-      {"server/effects", base + Folders{"server/scene"}},
-      {"server/control",
-       base + Folders{"server/constraint", "server/effects", "server/kinematics"}},
-      {"server/link", base + Folders{"proto"}},
-      {"server/record", base + Folders{"proto"}},
-      {"server/master", daemons},
-      {"server/slave", daemons + Folders{"devices/melfa", "devices/net_ft"}},
-      {"server/lab",
-       daemons + all_devices + Folders{"server/task", "server/master", "server/slave"}},
-      {"devices", steps + all_devices},
+      {"server/task", model},
+      {"server/kinematics", model},
+      {"server/constraint", model},
+      {"server/constraint/drawn", model + Folders{"server/constraint"}},
+      {"server/constraint/painted", model + Folders{"server/constraint"}},
+      {"server/effects", model},
+      {"server/session", model},
+      {"server/motion", model + Folders{"server/kinematics"}},
+      {"server/haptic",
+       model + Folders{"server/session", "server/constraint", "server/constraint/drawn",
+                       "server/constraint/painted", "server/effects"}},
+      {"server/follow", model + Folders{"server/session", "server/constraint", "server/kinematics",
+                                        "server/motion"}},
+      {"server/painting", model},
+      {"server/scene", model + Folders{"server/kinematics", "server/painting", "proto"}},
+      {"server/link", model + Folders{"proto"}},
+      {"server/record", model + Folders{"proto"}},
+      {"server/master", master},
+      {"server/slave", slave},
+      {"server/lab", base + Folders{"server/lab/accuracy", "server/lab/contact",
+                                    "server/lab/faults", "server/lab/hand", "server/lab/scenes",
+                                    "server/lab/study", "server/lab/walls"}},
+      {"server/lab/console", base},
+      {"server/lab/figure", base},
+      {"server/lab/cell", model + rigs + Folders{"server/haptic", "server/follow", "server/link"}},
+      {"server/lab/study", lab + hands + rigs + sides + Folders{"server/haptic", "server/task"}},
+      {"server/lab/hand", lab + hands + sides},
+      {"server/lab/scenes", lab + hands + rigs +
+                                Folders{"server/master", "server/haptic", "server/kinematics",
+                                        "server/constraint/drawn"}},
+      {"server/lab/accuracy", lab + hands +
+                                  Folders{"server/lab/scenes", "server/master", "server/haptic",
+                                          "server/constraint", "server/link"}},
+      {"server/lab/walls", lab + hands +
+                               Folders{"server/lab/study", "server/master", "server/haptic",
+                                       "server/constraint", "server/constraint/drawn"}},
+      {"server/lab/contact", lab + Folders{"server/lab/study", "server/follow"}},
+      {"server/lab/faults",
+       lab + hands + sides + Folders{"server/lab/study", "server/motion", "server/kinematics"}},
+      {"devices", model + hands},
       {"devices/udp", base},
       {"devices/melfa", base + Folders{"devices", "devices/udp"}},
       {"devices/net_ft", base + Folders{"devices", "devices/udp"}},
       {"devices/hand", sim},
       {"devices/omni", sim},
       {"devices/joystick", sim},
+      {"devices/rig/world", model + Folders{"server/kinematics"}},
       {"devices/rig",
-       sim + Folders{"proto", "server/daemon", "devices/melfa", "devices/net_ft", "devices/udp"}},
-      {"client/api", base + Folders{"proto", "server/link"}},
-      {"client/cli",
-       base + Folders{"proto", "server/link", "server/task", "server/scene", "client/api"}},
-      {"client/console", base + Folders{"proto", "server/link", "client/api"}}};
+       model + rigs +
+           Folders{"proto", "server/daemon", "server/kinematics", "server/scene", "devices/udp"}},
+      {"client/api", base + Folders{"proto"}},
+      {"client/cli", model + Folders{"proto", "server/task", "server/scene", "client/api"}},
+      {"client/console", base + Folders{"proto", "client/api"}}};
   return rows;
+}
+
+// What a folder's library is called in CMake.
+std::string target_of(const std::string& folder) {
+  if (folder == "devices") return "registry";
+  if (folder == "proto" || starts_with(folder, "client/cli")) {
+    return folder == "proto" ? "proto" : "cli";
+  }
+  std::string name = starts_with(folder, "client/") ? folder : folder.substr(folder.find('/') + 1);
+  std::replace(name.begin(), name.end(), '/', '_');
+  return name;
 }
 
 bool is_project_path(const std::string& path) {
@@ -80,6 +129,11 @@ bool reads_text(const std::string& stem) {
   return ends_with(stem, "_io") || ends_with(stem, "_main") || stem == "field_check";
 }
 
+// Plain data and steps; what is inside such a folder is as pure.
+constexpr const char* kPure[] = {"server/model",   "server/kinematics", "server/constraint",
+                                 "server/effects", "server/task",       "server/session",
+                                 "server/haptic",  "server/motion",     "server/follow"};
+
 Violations forbid(const File& source, const std::vector<std::string>& starts,
                   const std::string& why) {
   Violations found;
@@ -96,11 +150,8 @@ Violations forbid(const File& source, const std::vector<std::string>& starts,
 }  // namespace
 
 std::string folder_of(const std::string& path) {
-  const std::size_t first = path.find('/');
-  if (first == std::string::npos) return "";
-  const std::size_t second = path.find('/', first + 1);
-  if (second == std::string::npos || starts_with(path, "proto/")) return path.substr(0, first);
-  return path.substr(0, second);
+  const std::size_t slash = starts_with(path, "proto/") ? path.find('/') : path.rfind('/');
+  return slash == std::string::npos ? "" : path.substr(0, slash);
 }
 
 bool is_in_table(const std::string& folder) { return table().count(folder) != 0; }
@@ -119,7 +170,8 @@ Violations include_direction(const File& source) {
   for (const std::string& include : includes_of(source.text)) {
     if (!is_project_path(include)) continue;
     const std::string folder = folder_of(include);
-    const bool io_only = folder == "proto" && (own == "server/scene" || own == "devices/rig");
+    const bool io_only =
+        folder == "proto" && (own == "server/scene" || starts_with(own, "devices/rig"));
     if (!may_use(source.path, folder)) {
       found.push_back(source.path + ": " + own + " may not include " + include);
     } else if (io_only && !reads_text(stem_of(source.path))) {
@@ -140,13 +192,10 @@ Violations link_direction(const File& cmake) {
     for (auto dep = std::sregex_iterator(targets.begin(), targets.end(), target);
          dep != std::sregex_iterator(); ++dep) {
       const std::string name = (*dep)[1];
-      bool allowed = name == "options" || may_use(cmake.path, name);
-      for (const char* top : {"server/", "devices/", "client/"}) {
-        allowed |= may_use(cmake.path, top + name);
-      }
-      allowed |= starts_with(name, "lab_") && may_use(cmake.path, "server/lab");
-      allowed |= name == "client_api" && may_use(cmake.path, "client/api");
-      allowed |= name == "registry" && may_use(cmake.path, "devices");
+      const bool allowed = name == "options" || target_of(folder_of(cmake.path)) == name ||
+                           std::any_of(table().begin(), table().end(), [&](const auto& row) {
+                             return target_of(row.first) == name && may_use(cmake.path, row.first);
+                           });
       if (!allowed) found.push_back(cmake.path + ": may not link handrail_" + name);
     }
   }
@@ -160,9 +209,11 @@ Violations base_dependencies(const File& source) {
 }
 
 Violations pure_folders(const File& source) {
-  static const std::set<std::string> pure = {"server/kinematics", "server/constraint",
-                                             "server/effects", "server/task", "server/control"};
-  if (pure.count(folder_of(source.path)) == 0) return {};
+  const std::string folder = folder_of(source.path);
+  const bool pure = std::any_of(std::begin(kPure), std::end(kPure), [&](const char* room) {
+    return folder == room || starts_with(folder, room + std::string("/"));
+  });
+  if (!pure) return {};
   return forbid(
       source,
       {"chrono", "ctime", "time.h", "thread", "mutex", "shared_mutex", "condition_variable",
@@ -177,7 +228,7 @@ Violations logging(const File& source) {
   const bool speaks = starts_with(folder, "devices") || starts_with(folder, "client") ||
                       folder == "server/master" || folder == "server/slave" ||
                       folder == "server/daemon" || folder == "server/record" ||
-                      folder == "server/lab";
+                      starts_with(folder, "server/lab");
   // Turned by the haptic and the robot thread.
   const bool in_real_time = ends_with(source.path, "_loop.cc") ||
                             starts_with(folder, "devices/melfa") ||

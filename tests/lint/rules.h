@@ -10,7 +10,8 @@ namespace handrail::lint {
 
 using Violations = std::vector<std::string>;
 
-// Which folder a path belongs to: "server/base", "devices/rig", "devices" for files right there.
+// Which folder a path belongs to: "server/base", "server/lab/cell", "devices" for files right
+// there.
 std::string folder_of(const std::string& path);
 
 // Whether files of the folder of `path` may include (or link) `folder`. False also for a folder

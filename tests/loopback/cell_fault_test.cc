@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "server/base/reason.h"
+#include "server/model/reason.h"
 #include "tests/loopback/stopped_thread.h"
 #include "tests/loopback/whole_cell.h"
 #include "tests/support/notify_socket.h"

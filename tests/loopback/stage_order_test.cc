@@ -68,9 +68,9 @@ class StageOrder : public ::testing::Test {
     EXPECT_TRUE(scene.is_ok()) << scene.message();
     OrderDeskOptions options;
     options.load_scene = [](const std::string&) { return Status::error("none"); };
-    options.settings_of = [this](const Scene& s) { return settings_of(s); };
+    options.loop_scene = [this](const Scene& s) { return loop_scene(s); };
     desk_.emplace(boxes_, *scene, options);
-    loop_.emplace(device_, settings_of(*scene), boxes_, now_);
+    loop_.emplace(device_, loop_scene(*scene), boxes_, now_);
     device_.sample.X_MH.p = Vec3(-4e-3, 0.0, 0.0);
     server_.emplace(io_, *desk_);
     EXPECT_TRUE(server_->start(path_).is_ok());
@@ -120,10 +120,8 @@ class StageOrder : public ::testing::Test {
     folder_.write("door.png", test::png_of(door_map()));
     return load_scene_file(folder_.write("door.scene", kScene));
   }
-  HapticSettings settings_of(const Scene& scene) {
-    HapticSettings out = haptic_settings(scene, stick());
-    out.walls = runs_.make(scene, stick());
-    return out;
+  LoopScene loop_scene(const Scene& scene) {
+    return {haptic_settings(scene, stick()), runs_.make(scene, stick())};
   }
   void turn() {
     now_ += kMillisecond;

@@ -12,7 +12,7 @@
 #include <string>
 
 #include "devices/rig/tap.h"
-#include "server/base/reason.h"
+#include "server/model/reason.h"
 #include "tests/loopback/whole_cell.h"
 #include "tests/storm/judge.h"
 #include "tests/support/full_stream.h"

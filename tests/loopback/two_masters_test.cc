@@ -7,7 +7,7 @@
 #include <boost/asio/ip/udp.hpp>
 
 #include "server/base/own_address.h"
-#include "server/base/reason.h"
+#include "server/model/reason.h"
 #include "tests/loopback/whole_cell.h"
 
 namespace handrail {

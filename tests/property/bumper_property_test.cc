@@ -1,7 +1,7 @@
 // What the default bumper keeps for any surface, force and command.
 #include <gtest/gtest.h>
 
-#include "server/control/bumper.h"
+#include "server/follow/bumper.h"
 #include "tests/unit/constraint/tool_samples.h"
 
 namespace handrail {

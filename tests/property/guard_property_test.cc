@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "server/base/random.h"
-#include "server/control/guard.h"
-#include "tests/unit/control/follow_rig.h"
+#include "server/motion/guard.h"
+#include "tests/unit/follow/follow_rig.h"
 
 namespace handrail {
 namespace {

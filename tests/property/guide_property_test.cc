@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "server/control/guide.h"
+#include "server/haptic/guide.h"
 
 namespace handrail {
 namespace {

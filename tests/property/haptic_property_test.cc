@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "server/link/check.h"
-#include "tests/unit/control/haptic_rig.h"
+#include "tests/unit/haptic/haptic_rig.h"
 
 namespace handrail {
 namespace {

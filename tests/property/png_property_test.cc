@@ -7,7 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "server/scene/coverage.h"
+#include "server/base/read_file.h"
+#include "server/painting/coverage.h"
 #include "server/scene/text_io.h"
 #include "tests/support/png_sample.h"
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "devices/hand/recorded_hand.h"
-#include "server/constraint/subpixel_wall.h"
+#include "server/constraint/painted/subpixel_wall.h"
 #include "tests/support/wall_samples.h"
 
 namespace handrail {

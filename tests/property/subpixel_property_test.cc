@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "server/constraint/subpixel_wall.h"
+#include "server/constraint/painted/subpixel_wall.h"
 #include "tests/support/wall_samples.h"
 
 namespace handrail {

@@ -8,8 +8,8 @@
 #include <sstream>
 
 #include "devices/hand/recorded_hand_io.h"
-#include "server/constraint/wall_proxy.h"
-#include "tests/unit/constraint/shape_samples.h"
+#include "server/haptic/wall_proxies.h"
+#include "tests/unit/constraint_drawn/shape_samples.h"
 
 namespace handrail {
 namespace {

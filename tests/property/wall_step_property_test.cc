@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "server/base/random.h"
-#include "tests/unit/control/wall_rig.h"
+#include "tests/unit/haptic/wall_rig.h"
 
 namespace handrail {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "devices/rig/servo_arm.h"
 #include "server/base/units.h"
-#include "server/control/mapping.h"
+#include "server/haptic/mapping.h"
 #include "server/kinematics/rv2a.h"
 
 namespace handrail::storm {

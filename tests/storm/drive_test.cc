@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "devices/rig/servo_arm.h"
-#include "server/base/rv2a_limits.h"
 #include "server/base/units.h"
 #include "server/kinematics/rv2a.h"
+#include "server/model/rv2a_limits.h"
 
 namespace handrail::storm {
 namespace {

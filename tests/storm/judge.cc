@@ -6,9 +6,9 @@
 #include <array>
 #include <optional>
 
-#include "server/base/rv2a_limits.h"
 #include "server/base/units.h"
 #include "server/lab/faults/controller_audit.h"
+#include "server/model/rv2a_limits.h"
 
 namespace handrail::storm {
 namespace {

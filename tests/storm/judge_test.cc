@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "server/base/rv2a_limits.h"
+#include "server/model/rv2a_limits.h"
 
 namespace handrail::storm {
 namespace {

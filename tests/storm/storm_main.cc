@@ -13,7 +13,7 @@
 
 #include "client/cli/interrupt.h"
 #include "server/base/output.h"
-#include "server/lab/console.h"
+#include "server/lab/console/console.h"
 #include "tests/storm/crowded.h"
 #include "tests/storm/demos.h"
 #include "tests/storm/results.h"

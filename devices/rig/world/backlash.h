@@ -2,7 +2,7 @@
 #pragma once
 
 #include "server/base/joints.h"
-#include "server/scene/simulate.h"
+#include "server/model/simulate.h"
 
 namespace handrail {
 

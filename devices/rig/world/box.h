@@ -6,7 +6,7 @@
 #include "devices/rig/world/contact.h"
 #include "devices/rig/world/faces.h"
 #include "devices/rig/world/tip_step.h"
-#include "server/scene/simulate.h"
+#include "server/model/simulate.h"
 
 namespace handrail {
 

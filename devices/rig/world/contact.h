@@ -11,7 +11,7 @@
 #include <limits>
 
 #include "server/base/spatial.h"
-#include "server/scene/simulate.h"
+#include "server/model/simulate.h"
 
 namespace handrail {
 

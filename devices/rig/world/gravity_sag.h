@@ -5,7 +5,7 @@
 #include "server/base/spatial.h"
 #include "server/base/units.h"
 #include "server/kinematics/jacobian.h"
-#include "server/scene/simulate.h"
+#include "server/model/simulate.h"
 
 namespace handrail {
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "server/scene/simulate.h"
+#include "server/model/simulate.h"
 
 namespace handrail {
 

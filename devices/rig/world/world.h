@@ -17,7 +17,7 @@
 #include "devices/rig/world/screw.h"
 #include "server/base/joints.h"
 #include "server/kinematics/rv2a.h"
-#include "server/scene/simulate.h"
+#include "server/model/simulate.h"
 
 namespace handrail {
 

@@ -3,7 +3,7 @@
 
 #include <atomic>
 
-#include "server/lab/accuracy/row.h"
+#include "server/lab/scenes/row.h"
 
 namespace handrail {
 

@@ -4,14 +4,14 @@
 #include <cstdio>
 
 #include "server/lab/accuracy/choices.h"
-#include "server/lab/accuracy/drawing.h"
-#include "server/lab/accuracy/effects.h"
-#include "server/lab/accuracy/explain.h"
-#include "server/lab/accuracy/preview.h"
-#include "server/lab/accuracy/report_io.h"
 #include "server/lab/accuracy/resolve_io.h"
 #include "server/lab/accuracy/wall_choice.h"
-#include "server/lab/console.h"
+#include "server/lab/console/console.h"
+#include "server/lab/scenes/drawing.h"
+#include "server/lab/scenes/effects.h"
+#include "server/lab/scenes/explain.h"
+#include "server/lab/scenes/preview.h"
+#include "server/lab/scenes/report_io.h"
 #include "server/scene/scene_io.h"
 #include "server/scene/scene_library.h"
 

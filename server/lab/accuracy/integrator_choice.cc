@@ -10,7 +10,7 @@
 #include "server/base/units.h"
 #include "server/lab/accuracy/choices.h"
 #include "server/lab/accuracy/contact_model.h"
-#include "server/lab/accuracy/contest.h"
+#include "server/lab/scenes/contest.h"
 
 namespace handrail {
 namespace {

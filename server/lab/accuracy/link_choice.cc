@@ -7,8 +7,8 @@
 #include "devices/hand/min_jerk.h"
 #include "server/base/units.h"
 #include "server/lab/accuracy/choices.h"
-#include "server/lab/accuracy/contest.h"
-#include "server/lab/wire.h"
+#include "server/lab/cell/wire.h"
+#include "server/lab/scenes/contest.h"
 #include "server/link/codec.h"
 
 namespace handrail {

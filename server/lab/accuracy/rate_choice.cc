@@ -8,7 +8,7 @@
 #include "server/base/units.h"
 #include "server/lab/accuracy/choices.h"
 #include "server/lab/accuracy/contact_model.h"
-#include "server/lab/accuracy/contest.h"
+#include "server/lab/scenes/contest.h"
 #include "server/master/wall_runs.h"
 
 namespace handrail {

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "server/base/status.h"
-#include "server/lab/accuracy/row.h"
-#include "server/scene/scene.h"
+#include "server/lab/scenes/row.h"
+#include "server/model/scene.h"
 
 namespace handrail {
 

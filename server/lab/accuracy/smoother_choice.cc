@@ -8,7 +8,7 @@
 #include "devices/hand/hand_wander.h"
 #include "devices/hand/min_jerk.h"
 #include "server/base/units.h"
-#include "server/control/smoother.h"
+#include "server/haptic/smoother.h"
 #include "server/lab/accuracy/choices.h"
 
 namespace handrail {

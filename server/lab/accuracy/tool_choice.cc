@@ -8,7 +8,7 @@
 #include "server/base/units.h"
 #include "server/constraint/position_tool.h"
 #include "server/lab/accuracy/choices.h"
-#include "server/lab/accuracy/contest.h"
+#include "server/lab/scenes/contest.h"
 
 namespace handrail {
 namespace {

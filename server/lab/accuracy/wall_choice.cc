@@ -6,9 +6,9 @@
 #include <memory>
 
 #include "server/base/units.h"
-#include "server/constraint/wall_proxy.h"
-#include "server/lab/accuracy/contest.h"
+#include "server/haptic/wall_proxies.h"
 #include "server/lab/accuracy/wall_course.h"
+#include "server/lab/scenes/contest.h"
 
 namespace handrail {
 namespace {

@@ -4,8 +4,8 @@
 #include <atomic>
 #include <vector>
 
-#include "server/lab/accuracy/row.h"
-#include "server/scene/walls.h"
+#include "server/lab/scenes/row.h"
+#include "server/model/walls.h"
 
 namespace handrail {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "server/scene/walls.h"
+#include "server/model/walls.h"
 
 namespace handrail {
 

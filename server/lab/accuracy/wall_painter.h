@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/scene/walls.h"
+#include "server/model/walls.h"
 
 namespace handrail::paint {
 

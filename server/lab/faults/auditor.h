@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "server/base/link_state.h"
-#include "server/base/tip_space.h"
+#include "server/lab/cell/virtual_link.h"
 #include "server/lab/faults/joint_audit.h"
-#include "server/lab/virtual_link.h"
+#include "server/model/link_state.h"
+#include "server/model/tip_space.h"
 
 namespace handrail {
 

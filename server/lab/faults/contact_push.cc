@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "server/scene/scene.h"
+#include "server/model/scene.h"
 
 namespace handrail {
 namespace {

@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "server/base/output.h"
-#include "server/lab/console.h"
+#include "server/lab/console/console.h"
 #include "server/lab/faults/fault_proof.h"
 #include "server/lab/faults/fault_runner.h"
 #include "server/lab/faults/fault_seeds.h"

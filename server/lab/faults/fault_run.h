@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "server/lab/cell.h"
+#include "server/lab/cell/cell.h"
 #include "server/lab/faults/auditor.h"
 #include "server/lab/faults/controller_audit.h"
 

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <limits>
 
-#include "server/base/rv2a_limits.h"
-#include "server/control/guard.h"
 #include "server/lab/faults/fault_rows.h"
+#include "server/model/rv2a_limits.h"
+#include "server/motion/guard.h"
 
 namespace handrail::rows {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/control/jerk_law.h"
+#include "server/motion/jerk_law.h"
 
 namespace handrail {
 namespace {

@@ -57,8 +57,8 @@ class JointAudit {
   const JointVector& q() const noexcept { return q_; }
   const JointVector& step() const noexcept { return step_; }
   bool moving() const noexcept { return moving_; }
-  // Neither moves nor turns back: where an arm turns it stands for a moment, and what is left of its
-  // acceleration still takes it away.
+  // Neither moves nor turns back: where an arm turns it stands for a moment, and what is left of
+  // its acceleration still takes it away.
   bool at_rest() const noexcept { return at_rest_; }
   const Vec3& tip() const noexcept { return tip_; }
 

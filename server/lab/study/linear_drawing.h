@@ -5,7 +5,7 @@
 
 #include "server/base/status.h"
 #include "server/lab/study/linear_study.h"
-#include "server/task/linear_task.h"
+#include "server/model/linear_task.h"
 
 namespace handrail {
 

@@ -12,7 +12,8 @@
 #include <vector>
 
 #include "proto/operators.pb.h"
-#include "server/scene/plain_text.h"
+#include "server/base/plain_text.h"
+#include "server/base/read_file.h"
 #include "server/scene/shipped.h"
 #include "server/scene/text_io.h"
 

@@ -3,8 +3,8 @@
 
 #include <atomic>
 
-#include "server/base/bumper_settings.h"
 #include "server/lab/study/study_command.h"
+#include "server/model/bumper_settings.h"
 
 namespace handrail {
 

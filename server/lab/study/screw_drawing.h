@@ -5,7 +5,7 @@
 
 #include "server/base/status.h"
 #include "server/lab/study/screw_study.h"
-#include "server/scene/simulate.h"
+#include "server/model/simulate.h"
 
 namespace handrail {
 

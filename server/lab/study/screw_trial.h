@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "devices/hand/operator_parameters.h"
-#include "server/base/bumper_settings.h"
 #include "server/base/status.h"
 #include "server/lab/study/study_bench.h"
+#include "server/model/bumper_settings.h"
 #include "server/task/screw_measure.h"
 
 namespace handrail {

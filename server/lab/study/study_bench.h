@@ -7,8 +7,8 @@
 #include "devices/hand/operator_model.h"
 #include "devices/omni/sim_omni.h"
 #include "server/base/status.h"
-#include "server/lab/cell.h"
-#include "server/scene/scene.h"
+#include "server/lab/cell/cell.h"
+#include "server/model/scene.h"
 
 namespace handrail {
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/base/output.h"
+#include "server/base/read_file.h"
 #include "server/lab/study/population_io.h"
 #include "server/scene/text_io.h"
 

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/lab/console.h"
+#include "server/lab/console/console.h"
 #include "server/lab/study/pattern_search.h"
 #include "server/lab/study/study_drawing.h"
 #include "server/lab/study/study_run.h"

@@ -7,10 +7,10 @@
 #include <cmath>
 
 #include "devices/rig/rig_options_io.h"
+#include "server/base/plain_text.h"
 #include "server/base/units.h"
-#include "server/control/smoother.h"
+#include "server/haptic/smoother.h"
 #include "server/lab/study/population_io.h"
-#include "server/scene/plain_text.h"
 #include "server/scene/scene_library.h"
 
 namespace handrail {

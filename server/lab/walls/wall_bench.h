@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "devices/joystick/sim_joystick.h"
-#include "server/control/wall_step.h"
-#include "server/scene/scene.h"
+#include "server/haptic/wall_step.h"
+#include "server/model/scene.h"
 
 namespace handrail {
 

@@ -4,7 +4,7 @@
 
 #include "devices/hand/recorded_hand_io.h"
 #include "server/base/output.h"
-#include "server/lab/console.h"
+#include "server/lab/console/console.h"
 #include "server/lab/study/parallel.h"
 #include "server/lab/walls/wall_drawing.h"
 #include "server/scene/scene_library.h"

@@ -8,7 +8,7 @@
 #include <system_error>
 
 #include "server/base/units.h"
-#include "server/constraint/outline.h"
+#include "server/constraint/drawn/outline.h"
 #include "server/lab/figure/figure.h"
 
 namespace handrail {

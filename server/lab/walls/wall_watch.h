@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "server/constraint/wall_proxy.h"
+#include "server/haptic/wall_proxies.h"
 #include "server/lab/walls/wall_bench.h"
 
 namespace handrail {

@@ -3,7 +3,7 @@
 
 #include "server/base/plane.h"
 #include "server/base/status.h"
-#include "server/scene/scene.h"
+#include "server/model/scene.h"
 
 namespace handrail {
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "server/base/reason.h"
+#include "server/model/reason.h"
 
 namespace handrail {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/base/rv2a_limits.h"
+#include "server/model/rv2a_limits.h"
 #include "tests/support/arm_samples.h"
 
 namespace handrail {

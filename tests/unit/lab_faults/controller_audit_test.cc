@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "server/base/rv2a_limits.h"
+#include "server/model/rv2a_limits.h"
 #include "tests/support/no_allocation.h"
 
 namespace handrail {

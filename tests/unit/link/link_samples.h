@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "server/base/link_state.h"
 #include "server/link/codec.h"
+#include "server/model/link_state.h"
 
 namespace handrail {
 

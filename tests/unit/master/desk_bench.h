@@ -28,8 +28,8 @@ class DeskBench : public ::testing::Test {
       if (!scenes.contains(name)) return Status::error("no scene '" + name + "'");
       return scenes[name];
     };
-    options.settings_of = [](const Scene& scene) {
-      return haptic_settings(scene, HapticCapabilities());
+    options.loop_scene = [](const Scene& scene) {
+      return LoopScene{haptic_settings(scene, HapticCapabilities())};
     };
     desk = std::make_unique<OrderDesk>(boxes, scenes["first"], options);
     take_over(haptic_settings(scenes["first"], HapticCapabilities()));
@@ -44,11 +44,11 @@ class DeskBench : public ::testing::Test {
   }
   // Takes a scene that waits for the loop; its name, empty when none waits.
   std::string take_scene() {
-    HapticSettings settings;
-    if (!boxes.settings.take(settings)) return "";
-    take_over(settings);
+    LoopScene next;
+    if (!boxes.scene.take(next)) return "";
+    take_over(next.haptic);
     ++report.scene_epoch;
-    return std::string(text_of(settings.scene));
+    return std::string(text_of(next.haptic.scene));
   }
   void slave_follows() {
     slave.hashes = report.out.link.hashes;

@@ -95,16 +95,16 @@ TEST_F(HapticLoopTest, AnotherSceneWaitsUntilTheSessionIsOff) {
   engage();
   HapticSettings other = settings;
   other.scene = scene_name("second");
-  boxes.settings.publish(other);
+  boxes.scene.publish({other});
   tick();
-  EXPECT_TRUE(report.settings_pending);
+  EXPECT_TRUE(report.scene_pending);
   EXPECT_EQ(report.scene_epoch, 0u);
   ticks(50);
   EXPECT_EQ(text_of(report.out.link.scene), "first");
   EXPECT_EQ(report.out.link.state, SessionState::kEngaged);
   push(2, OrderKind::kDisengage);
   ticks(2);
-  EXPECT_FALSE(report.settings_pending);
+  EXPECT_FALSE(report.scene_pending);
   EXPECT_EQ(report.scene_epoch, 1u);
   EXPECT_EQ(text_of(report.out.link.scene), "second");
 }
@@ -214,7 +214,7 @@ TEST_F(HapticLoopTest, TicksWithoutTouchingTheHeap) {
   pull_off_a_line();
   HapticSettings other = settings;
   other.scene = scene_name("second");
-  boxes.settings.publish(other);
+  boxes.scene.publish({other});
   OrderTicket wave;
   wave.is_hand = true;
   ASSERT_TRUE(boxes.orders.push(wave));

@@ -21,7 +21,7 @@ class LoopBench : public ::testing::Test {
     news.state.has_pose = true;
     news.link.peer_epoch = 1;
     news.link.received_of_100 = news.link.peer_received_of_100 = 100;
-    loop.emplace(device, settings, boxes, now);
+    loop.emplace(device, LoopScene{settings}, boxes, now);
   }
 
   // One tick `step` after the last one, with the slave's fresh answer to what the last one said.

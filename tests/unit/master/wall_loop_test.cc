@@ -50,12 +50,15 @@ HapticCapabilities joystick() {
 class WallLoop : public LoopBench {
  protected:
   WallLoop() {
-    HapticSettings with_walls = settings;
-    with_walls.scene = scene_name("room");
-    with_walls.walls = runs.make(room(), joystick());
-    boxes.settings.publish(with_walls);
+    boxes.scene.publish(with_walls());
     device.sample.X_MH.p = Vec3::Zero();
     ticks(2);
+  }
+  LoopScene with_walls() {
+    LoopScene out{settings, runs.make(room(), joystick())};
+    out.haptic.scene = scene_name("room");
+    out.haptic.has_arm = false;
+    return out;
   }
   void go_to(double x) {
     while (std::abs(device.sample.X_MH.p.x() - x) > 1e-9) {
@@ -98,7 +101,7 @@ TEST_F(WallLoop, TheWallIsFeltWithTheSessionOff) {
 TEST_F(WallLoop, TheSimulatedHandBeginsAtTheScenesStart) {
   EXPECT_EQ(device.simulations, 2) << "at the start, and once for the scene";
   EXPECT_EQ(device.simulated_from, Vec3(0.012, -0.007, 0.0));
-  boxes.settings.publish(settings);
+  boxes.scene.publish({settings});
   ticks(2);
   EXPECT_EQ(device.simulations, 3);
   EXPECT_EQ(device.simulated_from, Vec3::Zero()) << "without walls";
@@ -135,7 +138,7 @@ TEST_F(WallLoop, AStopTakesTheForceUntilReset) {
 TEST_F(WallLoop, ASceneWithoutWallsTakesOverWithoutAStepOfTheForce) {
   go_to(0.022);
   settings.force.peak = joystick().max_force;
-  boxes.settings.publish(settings);
+  boxes.scene.publish({settings});
   double last = device.written.force.norm();
   for (int i = 0; i < 1000; ++i) {
     tick();
@@ -149,9 +152,7 @@ TEST_F(WallLoop, ASceneWithoutWallsTakesOverWithoutAStepOfTheForce) {
 }
 
 TEST_F(WallLoop, TheLoopDoesNotAllocateEvenWhenScenesChange) {
-  HapticSettings again = settings;
-  again.walls = runs.make(room(), joystick());
-  boxes.settings.publish(again);
+  boxes.scene.publish(with_walls());
   test::NoAllocation guard("haptic loop with walls");
   for (int i = 0; i < 500; ++i) {
     device.sample.X_MH.p.x() = 0.03 * std::sin(0.02 * i);

@@ -69,9 +69,7 @@ class RigProcess {
 
 class RigProgram : public ::testing::Test {
  protected:
-  std::string write_config(const std::string& text) {
-    return folder_.write("rig.txtpb", text);
-  }
+  std::string write_config(const std::string& text) { return folder_.write("rig.txtpb", text); }
   // Runs to the end and expects `code` and every one of `parts` in the output.
   void expect_end(std::vector<std::string> arguments, int code, std::vector<std::string> parts) {
     RigProcess rig(std::move(arguments));

@@ -61,7 +61,22 @@ TEST(EffectIo, ConvertsToSi) {
   EXPECT_EQ(e[5].kind, EffectKind::kViscous);
   EXPECT_EQ(e[5].coupling, 3000.0);
   EXPECT_EQ(e[6].kind, EffectKind::kOneWay);
-  EXPECT_EQ(e[6].coupling, 4000.0);
+  EXPECT_EQ(e[6].stiffness, 4000.0);
+}
+
+// A field that the reader does not know would be left out in silence.
+TEST(EffectIo, EveryFieldOfEveryEffectIsRead) {
+  const auto& all = *pb::Effect::descriptor();
+  ASSERT_EQ(all.field_count(), static_cast<int>(EffectKind::kCount));
+  for (int i = 0; i < all.field_count(); ++i) {
+    google::protobuf::RepeatedPtrField<pb::Effect> list;
+    pb::Effect& effect = *list.Add();
+    effect.GetReflection()->MutableMessage(&effect, all.field(i));
+    std::vector<EffectSpec> out;
+    const auto problem = effects_from(list, out, true);
+    ASSERT_FALSE(problem) << all.field(i)->name() << ": " << problem->path;
+    EXPECT_EQ(name_of(out.at(0).kind), all.field(i)->name());
+  }
 }
 
 TEST(EffectIo, DeviceEffectsAreThoseListed) {

@@ -1,4 +1,5 @@
 #include "server/scene/text_io.h"
+#include "server/base/read_file.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

@@ -6,7 +6,7 @@
 
 #include "server/base/units.h"
 #include "server/scene/scene_io.h"
-#include "tests/unit/scene/painted_scene.h"
+#include "tests/unit/painting/painted_scene.h"
 
 namespace handrail {
 namespace {

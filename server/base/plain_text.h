@@ -1,0 +1,28 @@
+// Small pure helpers on text: what a user's file may hold, and what the user may have meant.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace handrail {
+
+// True for valid UTF-8 without control characters other than newline and tab.
+bool is_plain_text(std::string_view text);
+
+// The candidate most like `word` (edit distance, or one the start of the other); empty when none is
+// near enough to be what was meant.
+std::string nearest_name(std::string_view word, const std::vector<std::string>& candidates);
+
+// The shortest decimal text that reads back as `value`.
+std::string number_text(double value);
+
+// Where in a protobuf text file a byte stands: the names of the enclosing messages, outermost
+// first, and the field begun last in the innermost (empty: none yet).
+struct TextPlace {
+  std::vector<std::string> open;
+  std::string field;
+};
+TextPlace place_at(std::string_view text, std::size_t offset);
+
+}  // namespace handrail

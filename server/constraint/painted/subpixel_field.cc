@@ -1,0 +1,327 @@
+#include "server/constraint/painted/subpixel_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "server/constraint/painted/subpixel_core.h"
+#include "server/constraint/painted/subpixel_corner.h"
+
+namespace handrail {
+namespace {
+
+// A cell: below kDeep, free with no wall within its number of rings of cells; kDeep, all wall; from
+// kTiles on, a tile: twice its place in samples_ / 4, plus one when fine.
+constexpr std::uint32_t kDeep = 255;
+constexpr std::uint32_t kTiles = 256;
+
+constexpr double kReach = 3.0;           // distances are kept to here
+constexpr double kFineReach = 1.5;       // ... in fine tiles
+constexpr double kDelicate = 3.3;        // tiles this near a delicate piece are fine
+constexpr double kUnit = 1.0 / 8192;     // of a sample [pixels]
+constexpr double kFull = 0.997;          // a pixel this much wall is all wall
+constexpr int kCoarse = 10, kFine = 34;  // samples along a tile, one beyond each edge
+constexpr int kAround = 4;               // fine samples looked at beyond those
+constexpr int kWide = kFine + 2 * kAround;
+constexpr double kDisc = 0.4;   // free space narrower than such a disc is none
+constexpr double kNook = 0.08;  // ... where it is off by more than the samples' grid makes it
+
+// From a coordinate to the nearer border of its pixel.
+double to_border(double x) { return 0.5 - std::abs(x - std::floor(x) - 0.5); }
+
+// The sample at (i, j) of a fine tile and its surroundings, as if free space were only where a disc
+// of kDisc fits: what is left of it by pixels in a corner could hold a proxy.
+double without_nooks(const double* value, int i, int j) {
+  const double here = value[j * kWide + i];
+  if (!(here > -kDisc && here < kDisc)) return here;
+  double best = -kDisc;
+  for (int dj = -kAround; dj <= kAround; ++dj) {
+    for (int di = -kAround; di <= kAround; ++di) {
+      const double there = value[(j + dj) * kWide + i + di];
+      if (there >= kDisc) best = std::max(best, there - 0.25 * std::hypot(di, dj));
+    }
+  }
+  return here - best > kNook ? best : here;
+}
+
+}  // namespace
+
+struct SubpixelField::Build {
+  CoverageView view;
+  enum Kind : std::uint8_t { kFree, kWall, kMixed };
+  std::vector<std::uint8_t> kind;     // of each cell
+  std::vector<std::uint8_t> tile;     // 0 none, 1 coarse, 2 fine
+  std::vector<SurfacePatch> patches;  // by cell
+  std::vector<std::uint32_t> first;   // of a cell's patches; one more than cells
+  PixelSet explained;                 // by corners of free space
+};
+
+SubpixelField::SubpixelField(const CoverageMap& map, std::uint64_t gone)
+    : columns_((map.width + kTile - 1) / kTile + 2), rows_((map.height + kTile - 1) / kTile + 2) {
+  Build build{CoverageView(map, gone), {}, {}, {}, {}, {}};
+  sort_cells(build);
+  find_surface(build);
+  cells_.resize(build.kind.size());
+  std::size_t size = 0;
+  for (std::size_t i = 0; i < cells_.size(); ++i) {
+    const bool fine = build.tile[i] == 2;
+    cells_[i] = build.kind[i] == Build::kWall ? kDeep : 0;
+    if (build.tile[i] == 0) continue;
+    cells_[i] = kTiles + static_cast<std::uint32_t>(size / 4 * 2) + (fine ? 1 : 0);
+    size += fine ? kFine * kFine : kCoarse * kCoarse;
+  }
+  samples_.resize(size);
+  for (int cy = 0; cy < rows_; ++cy) {
+    for (int cx = 0; cx < columns_; ++cx) {
+      const std::uint32_t c = cells_[cell(cx, cy)];
+      if (c >= kTiles) fill(build, cx, cy, (c & 1) != 0, &samples_[(c - kTiles) / 2 * 4]);
+    }
+  }
+  mark_rings();
+}
+
+// Which cells are all free, all wall or mixed.
+void SubpixelField::sort_cells(Build& build) const {
+  const CoverageView& view = build.view;
+  build.kind.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_),
+                    Build::kWall);
+  for (int cy = 1; cy + 1 < rows_; ++cy) {
+    for (int cx = 1; cx + 1 < columns_; ++cx) {
+      double low = 1.0, high = 0.0;
+      for (int y = (cy - 1) * kTile; y < cy * kTile; ++y) {
+        for (int x = (cx - 1) * kTile; x < cx * kTile; ++x) {
+          const double w = view.wall(x, y);
+          low = std::min(low, w);
+          high = std::max(high, w);
+        }
+      }
+      build.kind[cell(cx, cy)] = high == 0.0  ? Build::kFree
+                                 : low == 1.0 ? Build::kWall
+                                              : Build::kMixed;
+    }
+  }
+}
+
+// The pieces of surface, and which cells become tiles.
+void SubpixelField::find_surface(Build& build) const {
+  build.tile.assign(build.kind.size(), 0);
+  std::vector<SurfacePatch> found;
+  std::vector<SurfaceEnd> ends;
+  for (int cy = 0; cy < rows_; ++cy) {
+    for (int cx = 0; cx < columns_; ++cx) {
+      const std::uint8_t kind = build.kind[cell(cx, cy)];
+      bool edge = kind == Build::kMixed;
+      // An edge along the cell's own border makes neighbours differ.
+      for (int side = 0; side < 4 && !edge; ++side) {
+        const int nx = cx + (side == 0) - (side == 1), ny = cy + (side == 2) - (side == 3);
+        if (nx < 0 || ny < 0 || nx >= columns_ || ny >= rows_) continue;
+        edge = build.kind[cell(nx, ny)] != kind;
+      }
+      if (!edge) continue;
+      if (kind == Build::kMixed) build.tile[cell(cx, cy)] = 1;
+      find_patches(build.view, (cx - 1) * kTile, (cy - 1) * kTile, found, ends);
+    }
+  }
+  build.explained = resolve_corners(build.view, ends, found);
+  const auto to_cell = [](double v) { return static_cast<int>(std::floor(v / kTile)) + 1; };
+  const auto cell_of = [&](const SurfacePatch& piece) {
+    const Vec2 p = piece.at(0.0);
+    return cell(std::clamp(to_cell(p.x()), 0, columns_ - 1),
+                std::clamp(to_cell(p.y()), 0, rows_ - 1));
+  };
+  const auto mark = [&](const Vec2& p, double reach, std::uint8_t as) {
+    for (int cy = std::max(to_cell(p.y() - reach), 0);
+         cy <= std::min(to_cell(p.y() + reach), rows_ - 1); ++cy) {
+      for (int cx = std::max(to_cell(p.x() - reach), 0);
+           cx <= std::min(to_cell(p.x() + reach), columns_ - 1); ++cx) {
+        build.tile[cell(cx, cy)] = std::max(build.tile[cell(cx, cy)], as);
+      }
+    }
+  };
+  // Sorted by cell, in two passes.
+  build.first.assign(build.kind.size() + 1, 0);
+  for (const SurfacePatch& piece : found) {
+    ++build.first[cell_of(piece) + 1];
+    mark(piece.at(0.0), kReach + 1.0, 1);
+    if (piece.delicate) mark(piece.at(0.0), kDelicate, 2);
+  }
+  std::partial_sum(build.first.begin(), build.first.end(), build.first.begin());
+  build.patches.resize(found.size());
+  std::vector<std::uint32_t> next(build.first.begin(), build.first.end() - 1);
+  for (const SurfacePatch& piece : found) build.patches[next[cell_of(piece)]++] = piece;
+}
+
+void SubpixelField::fill(const Build& build, int cx, int cy, bool fine,
+                         std::int16_t* samples) const {
+  const int n = fine ? kWide : kCoarse;
+  const double pitch = fine ? 0.25 : 1.0, reach = fine ? kFineReach : kReach;
+  const double edge = fine ? (0.5 + kAround) * pitch : 0.5 * pitch;
+  const double x0 = (cx - 1) * kTile - edge, y0 = (cy - 1) * kTile - edge;
+  double value[kWide * kWide], rank[kWide * kWide];
+  std::fill_n(rank, n * n, 1e9);
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i < n; ++i) {
+      const double w = build.view.wall(static_cast<int>(std::floor(x0 + i * pitch)),
+                                       static_cast<int>(std::floor(y0 + j * pitch)));
+      value[j * n + i] = w >= 0.5 ? -reach : reach;
+    }
+  }
+  for (int ny = std::max(cy - 1, 0); ny <= std::min(cy + 1, rows_ - 1); ++ny) {
+    for (int nx = std::max(cx - 1, 0); nx <= std::min(cx + 1, columns_ - 1); ++nx) {
+      for (std::size_t k = build.first[cell(nx, ny)]; k < build.first[cell(nx, ny) + 1]; ++k) {
+        const SurfacePatch& p = build.patches[k];
+        const Vec2 middle = p.at(0.0);
+        const double px = middle.x(), py = middle.y();
+        const auto low = [&](double at) {
+          return std::max(static_cast<int>(std::ceil((at - reach - 0.5) / pitch)), 0);
+        };
+        const auto high = [&](double at) {
+          return std::min(static_cast<int>(std::floor((at + reach + 0.5) / pitch)), n - 1);
+        };
+        for (int j = low(py - y0); j <= high(py - y0); ++j) {
+          for (int i = low(px - x0); i <= high(px - x0); ++i) {
+            const SurfacePatch::Distance d = p.distance(x0 + i * pitch, y0 + j * pitch);
+            if (d.rank >= rank[j * n + i]) continue;
+            rank[j * n + i] = d.rank;
+            // The spline through samples of a curved distance would be off by this.
+            value[j * n + i] = d.value - d.bend * pitch * pitch / 8.0;
+          }
+        }
+      }
+    }
+  }
+  // Whatever the pieces say near corners, no surface runs through a pixel all wall or all free.
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i < n; ++i) {
+      const double x = x0 + i * pitch, y = y0 + j * pitch;
+      const double inside = 0.9 * std::min(to_border(x), to_border(y));
+      const double w =
+          build.view.wall(static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y)));
+      double& v = value[j * n + i];
+      if (w >= kFull) v = std::min(v, -inside);
+      if (w <= 1.0 - kFull) v = std::max(v, inside);
+    }
+  }
+  if (fine) stand_cores(build, cx, cy, value);
+  const auto keep = [&](double v) {
+    return static_cast<std::int16_t>(std::lround(std::clamp(v, -reach, reach) / kUnit));
+  };
+  if (!fine) {
+    std::transform(value, value + n * n, samples, keep);
+    return;
+  }
+  for (int j = 0; j < kFine; ++j) {
+    for (int i = 0; i < kFine; ++i) {
+      const int x = static_cast<int>(std::floor(x0 + (i + kAround) * pitch));
+      const int y = static_cast<int>(std::floor(y0 + (j + kAround) * pitch));
+      samples[j * kFine + i] =
+          keep(build.explained.has(x, y) ? value[(j + kAround) * kWide + i + kAround]
+                                         : without_nooks(value, i + kAround, j + kAround));
+    }
+  }
+}
+
+// Thin walls stand wherever their core does, whatever their faces look like near a junction.
+void SubpixelField::stand_cores(const Build& build, int cx, int cy, double* value) const {
+  constexpr double kPitch = 0.25;
+  constexpr double kEdge = (0.5 + kAround) * kPitch;
+  const double x0 = (cx - 1) * kTile - kEdge, y0 = (cy - 1) * kTile - kEdge;
+  std::vector<CoreSegment> cores;
+  find_cores(build.view, build.explained, (cx - 1) * kTile, (cy - 1) * kTile, cores);
+  for (const CoreSegment& core : cores) {
+    const Vec2 low = core.a.cwiseMin(core.b) - Vec2(x0, y0),
+               high = core.a.cwiseMax(core.b) - Vec2(x0, y0);
+    const auto first = [](double at) {
+      return std::max(static_cast<int>(std::ceil((at - kCoreReach) / kPitch)), 0);
+    };
+    const auto last = [](double at) {
+      return std::min(static_cast<int>(std::floor((at + kCoreReach) / kPitch)), kWide - 1);
+    };
+    for (int j = first(low.y()); j <= last(high.y()); ++j) {
+      for (int i = first(low.x()); i <= last(high.x()); ++i) {
+        double& v = value[j * kWide + i];
+        v = std::min(v, core.distance({x0 + i * kPitch, y0 + j * kPitch}));
+      }
+    }
+  }
+}
+
+// Free cells learn how many rings of cells around them hold no tile. Chebyshev's distance, exact in
+// two passes.
+void SubpixelField::mark_rings() {
+  const auto ring = [&](int cx, int cy) -> std::uint32_t {
+    if (cx < 0 || cy < 0 || cx >= columns_ || cy >= rows_) return 0;
+    const std::uint32_t c = cells_[cell(cx, cy)];
+    return c < kDeep ? c : 0;
+  };
+  for (std::uint32_t& c : cells_) c = c < kDeep ? kDeep - 1 : c;
+  const auto relax = [&](int cx, int cy, int way) {
+    std::uint32_t& c = cells_[cell(cx, cy)];
+    if (c >= kDeep) return;
+    const std::uint32_t least = std::min(
+        {ring(cx - way, cy), ring(cx - 1, cy - way), ring(cx, cy - way), ring(cx + 1, cy - way)});
+    c = std::min(c, least + 1);
+  };
+  for (int cy = 0; cy < rows_; ++cy) {
+    for (int cx = 0; cx < columns_; ++cx) relax(cx, cy, 1);
+  }
+  for (int cy = rows_ - 1; cy >= 0; --cy) {
+    for (int cx = columns_ - 1; cx >= 0; --cx) relax(cx, cy, -1);
+  }
+}
+
+SubpixelField::Probe SubpixelField::at(const Vec2& p) const noexcept {
+  Probe out;
+  // Cells by position; the ring around the map keeps a pixel beyond the border in range.
+  const double x = p.x() + kTile, y = p.y() + kTile;
+  if (!(x >= 0.0 && y >= 0.0 && x < columns_ * kTile && y < rows_ * kTile)) {
+    out.distance = -kReach;
+    return out;
+  }
+  const int cx = static_cast<int>(x) / kTile, cy = static_cast<int>(y) / kTile;
+  const std::uint32_t c = cells_[cell(cx, cy)];
+  if (c < kTiles) {
+    out.distance = c == kDeep ? -kReach : kReach + kTile * (static_cast<double>(c) - 1.0);
+    return out;
+  }
+  out.fine = (c & 1) != 0;
+  const double scale = out.fine ? 4.0 : 1.0;
+  const int stride = out.fine ? kFine : kCoarse;
+  const double u = (x - cx * kTile) * scale, v = (y - cy * kTile) * scale;
+  const int i = static_cast<int>(u), j = static_cast<int>(v);
+  const double s = u - i - 0.5, t = v - j - 0.5;
+  const double a0 = 0.5 * (0.5 - s) * (0.5 - s), a1 = 0.75 - s * s,
+               a2 = 0.5 * (0.5 + s) * (0.5 + s);
+  const std::int16_t* row =
+      &samples_[(c - kTiles) / 2 * 4 + static_cast<std::size_t>(j * stride + i)];
+  double f[3], fx[3], fxx[3];
+  for (int k = 0; k < 3; ++k, row += stride) {
+    const double l = row[0], m = row[1], r = row[2];
+    f[k] = a0 * l + a1 * m + a2 * r;
+    fx[k] = (s - 0.5) * l - 2.0 * s * m + (s + 0.5) * r;
+    fxx[k] = l - 2.0 * m + r;
+  }
+  const double b0 = 0.5 * (0.5 - t) * (0.5 - t), b1 = 0.75 - t * t,
+               b2 = 0.5 * (0.5 + t) * (0.5 + t);
+  const double c0 = t - 0.5, c1 = -2.0 * t, c2 = t + 0.5;
+  out.distance = kUnit * (b0 * f[0] + b1 * f[1] + b2 * f[2]);
+  const double unit1 = kUnit * scale, unit2 = unit1 * scale;
+  const double gx = unit1 * (b0 * fx[0] + b1 * fx[1] + b2 * fx[2]);
+  const double gy = unit1 * (c0 * f[0] + c1 * f[1] + c2 * f[2]);
+  const double hxx = unit2 * (b0 * fxx[0] + b1 * fxx[1] + b2 * fxx[2]);
+  const double hxy = unit2 * (c0 * fx[0] + c1 * fx[1] + c2 * fx[2]);
+  const double hyy = unit2 * (f[0] - 2.0 * f[1] + f[2]);
+  out.gradient = {gx, gy};
+  const double g2 = gx * gx + gy * gy;
+  if (g2 > 1e-6) {
+    out.bend = (hxx * gy * gy - 2.0 * hxy * gx * gy + hyy * gx * gx) / (g2 * std::sqrt(g2));
+  }
+  return out;
+}
+
+std::size_t SubpixelField::memory() const noexcept {
+  return sizeof(*this) + cells_.capacity() * sizeof(cells_[0]) +
+         samples_.capacity() * sizeof(samples_[0]);
+}
+
+}  // namespace handrail

@@ -1,0 +1,18 @@
+// Where the hand is, as the steps take it.
+#pragma once
+
+#include "server/base/spatial.h"
+
+namespace handrail {
+
+// The device's newest reading, frame M.
+struct HandReading {
+  Pose X_MH;
+  Vec3 v_MH = Vec3::Zero();    // [m/s]
+  bool clutch_button = false;  // button 1, while held
+  bool drop_button = false;    // button 2; acts when it goes down
+  bool enable_button = false;  // button 3, while held
+  bool valid = false;
+};
+
+}  // namespace handrail

@@ -1,0 +1,114 @@
+#include "server/haptic/wall_step.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace handrail {
+namespace {
+
+constexpr double kFastest = 100.0;     // no hand moves so [m/s]
+constexpr double kLongestGap = 0.020;  // a hand silent for longer starts anew [s]
+constexpr double kOnset = 0.5e-3;      // over which a wall's damper comes on [m]
+
+bool within(const Vec2& v, double most) { return v.allFinite() && v.cwiseAbs().maxCoeff() <= most; }
+
+Vec2 in_plane(const Vec3& v) { return v.head<2>(); }
+
+// Puts the walls as they are in `stage`. True when the hand is elsewhere among them than before.
+bool enter_stage(const Walls& walls, int stage, WallState& s) {
+  s.stage = stage;
+  Pose2 pose;
+  std::uint64_t gone = 0;
+  if (!walls.stages.empty()) {
+    const WallStage& now = walls.stages[static_cast<std::size_t>(stage)];
+    pose = now.pose;
+    for (const std::uint8_t region : now.gone) gone |= std::uint64_t{1} << (region & 63u);
+  }
+  s.proxy->set_gone(gone);
+  const bool moved = pose.p != s.pose.p || pose.angle != s.pose.angle;
+  s.pose = pose;
+  s.turn = Eigen::Rotation2Dd(pose.angle).toRotationMatrix();
+  return moved;
+}
+
+const WallRegion* region_of(const Walls& walls, std::uint8_t index) {
+  static const WallRegion nothing;
+  return index < walls.regions.size() ? &walls.regions[index] : &nothing;
+}
+
+// What the hand's motion of this tick may change the force by [N]: twice the springs' slope, for
+// the dampers that go with them, and a wall's own damper.
+double allowance(const WallState& s, const WallRegion* wall, const Vec2& motion,
+                 const Vec2& acceleration) {
+  const double way = motion.norm();
+  double out = 2.0 * (s.effects.stiffness() + s.wall_stiffness) * way;
+  if (wall != nullptr && wall->damping > 0.0) {
+    out += wall->damping * (acceleration.norm() + s.velocity.norm() * std::min(way / kOnset, 1.0));
+  }
+  return out;
+}
+
+}  // namespace
+
+void wall_step(const WallSettings& settings, const WallInput& in, double dt, WallState& s,
+               WallOutput& out) noexcept {
+  const Walls& walls = *settings.walls;
+  out.reasons = ReasonSet();
+  out.effects = EffectTick();
+  const Vec2 hand = in_plane(in.hand.X_MH.p);
+  const Vec2 velocity = in_plane(in.hand.v_MH);
+  const bool hand_ok = in.hand.valid && within(hand, kFarthest) && within(velocity, kFastest);
+  const int last = std::max(static_cast<int>(walls.stages.size()) - 1, 0);
+  const int stage = std::clamp(in.stage, 0, last);
+  if (stage != s.stage && enter_stage(walls, stage, s)) s.started = false;
+  out.stage = s.stage;
+
+  double allowed = 0.0;
+  Vec2 force = Vec2::Zero();
+  if (hand_ok) {
+    const bool back = s.hand_gap > kLongestGap;
+    s.hand_gap = 0.0;
+    const Vec2 there = s.turn.transpose() * (hand - s.pose.p);
+    if (!s.started || back) {
+      s.proxy->start(there);
+      s.effects.restart(there);
+      s.hand = hand;
+      s.velocity = velocity;
+      s.started = true;
+    }
+    out.hand = there;
+    out.contact = s.proxy->advance(there);
+    EffectInput effect;
+    effect.hand = there;
+    effect.velocity = s.turn.transpose() * velocity;
+    effect.proxy = out.contact.proxy;
+    effect.region = region_of(walls, out.contact.region);
+    effect.wall = out.contact.touching ? region_of(walls, out.contact.wall) : nullptr;
+    effect.dt = dt;
+    out.effects = s.effects.step(effect);
+    force = s.turn * out.effects.force;
+    if (effect.wall != nullptr) s.wall_stiffness = effect.wall->stiffness;
+    const Vec2 motion = hand - s.hand;
+    const Vec2 acceleration = velocity - s.velocity;
+    s.hand = hand;
+    s.velocity = velocity;
+    allowed = allowance(s, effect.wall, motion, acceleration);
+  } else {
+    s.hand_gap = std::min(s.hand_gap + dt, 1.0);
+    s.arbiter.cut();
+    out.reasons.add(Reason::kDeviceInvalid);
+  }
+
+  out.shares = s.arbiter.share(settings.force, Vec3(force.x(), force.y(), 0.0), Vec3::Zero(),
+                               allowed, hand_ok && !in.release, dt);
+  out.ledger = account(out.shares, Vec3::Zero(), Vec3(force.x(), force.y(), 0.0), Vec3::Zero(),
+                       Vec3::Zero());
+  out.f_H_M.force = out.shares.device;
+  out.f_H_M.torque.setZero();
+  if (out.shares.clamped) out.reasons.add(Reason::kForceClamped);
+  if (out.shares.thermal) out.reasons.add(Reason::kForceContinuous);
+  if (out.shares.stepped) out.reasons.add(Reason::kForceRate);
+  if (in.release) out.reasons.add(Reason::kForceFaded);
+}
+
+}  // namespace handrail

@@ -1,0 +1,135 @@
+#include <algorithm>
+#include <functional>
+#include <memory>
+
+#include "devices/omni/sim_omni.h"
+#include "server/lab/scenes/contest.h"
+#include "server/lab/scenes/explain_price.h"
+#include "server/master/haptic_settings.h"
+
+namespace handrail {
+namespace {
+
+constexpr double kTick = 1e-3;  // [s]
+constexpr int kTurns = 60, kBatches = 64, kCalls = 16;
+
+// Where the hand is at tick `i`, frame S: a slow figure, so that nothing rests.
+Pose hand_at(int i) {
+  const double t = kTick * i;
+  Pose out;
+  out.p = Vec3(0.35, 0.0375, 0.329) +
+          0.02 * Vec3(std::sin(3.0 * t), std::sin(4.0 * t), std::cos(5.0 * t));
+  out.q = rotation_exp(Vec3(0.1 * std::sin(2.0 * t), 0.0, 0.1 * std::cos(3.0 * t)));
+  return out;
+}
+
+// The guide with the tools the task calls, or without one of them.
+std::function<void()> guide(const Scene& scene, bool position, bool orientation) {
+  struct State {
+    GuideSettings settings;
+    Guide guide;
+    std::vector<Pose> hands;
+    std::size_t next = 0;
+  };
+  auto s = std::make_shared<State>();
+  s->settings = haptic_settings(scene, omni_capabilities(false)).guide;
+  for (int i = 0; i < 4096; ++i) s->hands.push_back(hand_at(i));
+  s->guide.restart(s->settings, s->hands[0]);
+  Pose hand = s->hands[0];
+  ToolCall call;
+  call.kind = ToolKind::kLine;
+  call.direction_S = -Vec3::UnitY();
+  if (position) (void)s->guide.call(s->settings, call, hand.p, hand);
+  call.kind = ToolKind::kNRotation;
+  if (orientation) (void)s->guide.call(s->settings, call, hand.p, hand);
+  return [s] {
+    for (int i = 0; i < kCalls; ++i) {
+      keep(s->guide.step(s->settings, s->hands[s->next], kTick));
+      s->next = (s->next + 1) % s->hands.size();
+    }
+  };
+}
+
+std::function<void()> smoother(const Scene& scene) {
+  struct State {
+    PositionSmoother position;
+    OrientationSmoother orientation;
+    std::vector<Pose> hands;
+    std::size_t next = 0;
+  };
+  auto s = std::make_shared<State>();
+  for (int i = 0; i < 4096; ++i) s->hands.push_back(hand_at(i));
+  s->position.reset(s->hands[0].p, scene.smoother_samples);
+  s->orientation.reset(s->hands[0].q, scene.smoother_samples);
+  return [s] {
+    for (int i = 0; i < kCalls; ++i) {
+      keep(s->position.push(s->hands[s->next].p));
+      keep(s->orientation.push(s->hands[s->next].q));
+      s->next = (s->next + 1) % s->hands.size();
+    }
+  };
+}
+
+std::function<void()> hand(double tremor, double drift, double drift_rotation) {
+  HandOptions options;
+  options.tremor_rms = tremor;
+  options.drift_rms = drift;
+  options.drift_rotation_rms = drift_rotation;
+  auto model = std::make_shared<HandModel>(options);
+  return [model] {
+    Wrench wrench;
+    wrench.force.x() = 0.1;
+    for (int i = 0; i < kCalls; ++i) model->step(kTick, wrench);
+    keep(model->pose());
+  };
+}
+
+std::function<void()> device() {
+  struct State {
+    SimOmni omni{HandOptions(), false};
+    Nanos now = 0;
+  };
+  auto s = std::make_shared<State>();
+  (void)s->omni.open();
+  return [s] {
+    for (int i = 0; i < kCalls; ++i) {
+      s->now += kMillisecond;
+      keep(s->omni.read(s->now));
+    }
+  };
+}
+
+struct Pair {
+  const char* name;
+  bool on_rig;
+  std::function<void()> with, without;
+};
+
+}  // namespace
+
+std::vector<PricedEffect> price_of_arm(const Scene& scene, const std::atomic<bool>& cancelled) {
+  const auto nothing = [] {};
+  const HandOptions h;
+  const std::vector<Pair> pairs = {
+      {"position_tool", false, guide(scene, true, true), guide(scene, false, true)},
+      {"orientation_tool", false, guide(scene, true, true), guide(scene, true, false)},
+      {"smoother", false, smoother(scene), nothing},
+      {"hand_impedance", true, hand(0.0, 0.0, 0.0), nothing},
+      {"hand_tremor", true, hand(h.tremor_rms, 0.0, 0.0), hand(0.0, 0.0, 0.0)},
+      {"hand_drift", true, hand(0.0, h.drift_rms, h.drift_rotation_rms), hand(0.0, 0.0, 0.0)},
+      {"device", true, device(), hand(h.tremor_rms, h.drift_rms, h.drift_rotation_rms)}};
+  Contest contest;
+  for (const Pair& pair : pairs) {
+    contest.add([] {}, pair.with, kCalls);
+    contest.add([] {}, pair.without, kCalls);
+  }
+  contest.run(kTurns, kBatches, cancelled);
+  std::vector<PricedEffect> out;
+  for (std::size_t i = 0; !cancelled && i < pairs.size(); ++i) {
+    const double price = contest.longer(2 * i, 2 * i + 1);
+    out.push_back({pairs[i].name, pairs[i].on_rig, std::max(price, 0.0)});
+  }
+  return out;
+}
+
+}  // namespace handrail

@@ -1,0 +1,73 @@
+#include "server/model/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "server/base/fnv.h"
+
+namespace handrail {
+
+SectionHashes section_hashes(const Scene& scene) noexcept {
+  Fnv mapping;
+  mapping.f64(scene.mapping.scale);
+  for (int i = 0; i < 9; ++i) mapping.f64(scene.mapping.R_SM(i / 3, i % 3));
+  mapping.f64(scene.guidance.catch_up).f64(scene.guidance.catch_up_rotation);
+
+  Fnv limits;
+  const JointLimits& joints = scene.limits.joints;
+  for (const JointVector* v : {&joints.lower, &joints.upper, &joints.max_speed,
+                               &joints.max_acceleration, &joints.max_jerk}) {
+    for (int i = 0; i < kJoints; ++i) limits.f64((*v)[i]);
+  }
+  for (const Vec3* v : {&scene.limits.workspace_low, &scene.limits.workspace_high}) {
+    for (int i = 0; i < 3; ++i) limits.f64((*v)[i]);
+  }
+  limits.f64(scene.limits.tip_speed).byte(scene.bumper.enabled);
+  const BumperSettings& bumper = scene.bumper;
+  limits.f64(bumper.alpha).f64(bumper.threshold).f64(bumper.dead_band);
+  limits.byte(static_cast<std::uint8_t>(bumper.form)).f64(bumper.contact).f64(bumper.friction);
+  limits.f64(bumper.noise).f64(bumper.promise).f64(bumper.stiffest).f64(bumper.sensor_lag);
+
+  SectionHashes out;
+  out.mapping = mapping.value();
+  out.limits = limits.value();
+  out.robot = Fnv().f64(scene.tip_length).value();
+  return out;
+}
+
+std::vector<std::string> warnings_of(const Scene& scene) {
+  // Onset of instability against a stiff contact, alpha k_e, with 45 ms of servo lag and 50 ms of
+  // delay.
+  constexpr double kStiffContact = 100e3;  // [N/m]
+  constexpr double kOnset = 2.1;
+  constexpr double kPublishedStiffness = 800.0;  // rendered on an Omni at 1 kHz [N/m]
+  std::vector<std::string> out;
+  const bool published = scene.bumper.form == BumperSettings::Form::kPublished;
+  if (scene.bumper.enabled && published && scene.bumper.alpha * kStiffContact > kOnset) {
+    out.push_back(
+        "bumper.alpha_mm_n: the bumper may oscillate against contacts as stiff as 100 N/mm");
+  }
+  if (!scene.bumper.enabled) out.push_back("bumper.enabled: false leaves contact unprotected");
+  if (scene.guidance.stiffness > kPublishedStiffness) {
+    out.push_back("guidance.stiffness_n_mm: above 0.8 N/mm an Omni may not render it stably");
+  }
+  if (scene.walls) {
+    out.insert(out.end(), scene.walls->warnings.begin(), scene.walls->warnings.end());
+    const bool felt = std::any_of(scene.effects.begin(), scene.effects.end(),
+                                  [](const auto& e) { return e.kind == EffectKind::kWall; });
+    if (!felt) out.push_back("effect: none is wall {}, so the hand feels nothing of the walls");
+  }
+  return out;
+}
+
+bool is_scene_name(const std::string& name) noexcept {
+  const auto allowed = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+           c == '_';
+  };
+  return !name.empty() && name.size() < std::tuple_size_v<SceneName> &&
+         std::all_of(name.begin(), name.end(), allowed);
+}
+
+}  // namespace handrail
