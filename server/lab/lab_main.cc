@@ -335,6 +335,7 @@ int run(int argc, char** argv) {
   CLI::App app{
       "Experiments in virtual time: the same master and slave steps as the daemons, "
       "without sockets or sleeping, bit-identical for the same input."};
+  app.set_version_flag("--version", "handrail-lab " HANDRAIL_VERSION);
   app.require_subcommand(1);
   HandCommand hand;
   StudyWords studies;
