@@ -7,22 +7,21 @@
 
 namespace handrail {
 
-void OrderDesk::watch_engaging() {
-  if (!engaging_) return;
+std::optional<pb::Reply> OrderDesk::check_engaged(const Pending& waiting) {
   const HapticOutput& out = report_->out;
   const SessionState state = out.link.state;
   if (state == SessionState::kEngaged || state == SessionState::kClutched) {
     // Whoever engages learns which of the scene's tools do not hold the arm.
-    if (scene_tools_ != 0) return;
+    if (scene_tools_ != 0) return std::nullopt;
     borrower_.clear();
-    std::exchange(engaging_, nullptr)(done(tools_refused_));
-  } else if (now_ > engage_until_ || out.link.desired == Desired::kOff) {
-    // Of a slave that gets ready, what it waits for.
-    const bool its = out.reason == Reason::kNone || out.reason == Reason::kHoming;
-    const Reason why = its && slave_.reason != Reason::kNone ? slave_.reason : out.reason;
-    std::exchange(engaging_, nullptr)(refused(reason_text(why, out.peer_fault)));
-    order(plain(OrderKind::kDisengage), [](pb::Reply) {});
+    return done(tools_refused_);
   }
+  if (now_ <= waiting.deadline && out.link.desired != Desired::kOff) return std::nullopt;
+  // Of a slave that gets ready, what it waits for.
+  const bool its = out.reason == Reason::kNone || out.reason == Reason::kHoming;
+  const Reason why = its && slave_.reason != Reason::kNone ? slave_.reason : out.reason;
+  order(plain(OrderKind::kDisengage), [](pb::Reply) {});
+  return refused(reason_text(why, out.peer_fault));
 }
 
 void OrderDesk::engage(bool hold, ReplyTo reply) {
@@ -43,16 +42,17 @@ void OrderDesk::engage(bool hold, ReplyTo reply) {
 }
 
 void OrderDesk::give_up_engaging() {
-  for (auto& [id, waiting] : waiting_) {
-    if (waiting.until == Until::kEngaged) waiting.since = -kLinkPatience;
+  for (Pending& order : pending_) {
+    if (order.until == Until::kEngaged && order.place == Place::kInLoop) {
+      order.since = -kLinkPatience;
+    }
   }
-  if (retrying_) retrying_->reply(refused("another order came before the link was good"));
-  retrying_.reset();
+  refuse_all(Until::kEngaged, Place::kHere, "another order came before the link was good");
 }
 
 bool OrderDesk::engage_waits() const {
-  const auto engages = [](const auto& entry) { return entry.second.until == Until::kEngaged; };
-  return engaging_ || retrying_ || std::any_of(waiting_.begin(), waiting_.end(), engages);
+  return std::any_of(pending_.begin(), pending_.end(),
+                     [](const Pending& order) { return order.until == Until::kEngaged; });
 }
 
 void OrderDesk::give_back_lease() {
@@ -62,10 +62,12 @@ void OrderDesk::give_back_lease() {
 }
 
 void OrderDesk::retry_engaging() {
-  if (!retrying_ || now_ < retry_at_) return;
+  if (now_ < retry_at_) return;
+  auto again = take(Until::kEngaged, Place::kHere);
+  if (!again) return;
   OrderTicket ticket;
   ticket.order = plain(OrderKind::kEngage);
-  push(ticket, *std::exchange(retrying_, std::nullopt));
+  push(ticket, std::move(*again));
 }
 
 void OrderDesk::hold_alive(ReplyTo reply) {
@@ -80,16 +82,17 @@ void OrderDesk::hold_alive(ReplyTo reply) {
 }
 
 bool OrderDesk::hold_waits() const {
-  const auto holds = [](const auto& entry) { return entry.second.hold; };
-  return (retrying_ && retrying_->hold) || std::any_of(waiting_.begin(), waiting_.end(), holds);
+  return std::any_of(pending_.begin(), pending_.end(), [](const Pending& order) {
+    return order.hold && order.place != Place::kTaken;
+  });
 }
 
 // While the engage is waited for, its client cannot speak; after that it must. Where the
 // configuration wants it the step sees to the rest, elsewhere the engagement ends.
 void OrderDesk::watch_hold() {
-  const bool waits = hold_waits();
-  if (!hold_ && !waits) return;
-  if (waits || engaging_) {
+  const bool waiting = hold_waits();
+  if (!hold_ && !waiting) return;
+  if (waiting || waits(Until::kEngaged, Place::kTaken)) {
     hold_heard_ = now_;
   } else if (report_->out.link.desired == Desired::kOff) {
     hold_ = false;

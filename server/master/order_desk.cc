@@ -26,7 +26,9 @@ bool read_vector(const google::protobuf::RepeatedField<double>& from, double uni
 }  // namespace
 
 OrderDesk::OrderDesk(MasterMailboxes& boxes, Scene scene, OrderDeskOptions options)
-    : boxes_(boxes), options_(std::move(options)), scene_(std::move(scene)) {}
+    : boxes_(boxes), options_(std::move(options)), scene_(std::move(scene)) {
+  pending_.reserve(2 * kMostOrders);
+}
 
 void OrderDesk::handle(const pb::Request& request, ReplyTo reply) {
   const std::string& who = request.has_as() ? request.as() : options_.user;
@@ -77,9 +79,8 @@ void OrderDesk::obey(const pb::Request& request, const std::string& who, ReplyTo
       stop(std::move(reply));
       return give_up_engaging();
     case pb::Request::kReset:
-      if (reset_waits_) reset_waits_(refused("another reset came after this one"));
-      reset_waits_ = std::move(reply);
-      reset_since_ = now_;
+      refuse_all(Until::kSlaveReset, Place::kHere, "another reset came after this one");
+      pending_.push_back({std::move(reply), Until::kSlaveReset, now_, {}, false, Place::kHere});
       return send_reset();
     case pb::Request::kTool:
       return tool(request.tool(), request.approach(), std::move(reply));
@@ -162,47 +163,38 @@ void OrderDesk::hand(const pb::HandMove& move, ReplyTo reply) {
   push(ticket, {std::move(reply), Until::kTaken, now_});
 }
 
-void OrderDesk::push(OrderTicket ticket, Waiting waiting) {
-  if (queue_.size() >= kMostOrders) return waiting.reply(refused("too many orders at once"));
-  ticket.id = next_id_++;
+void OrderDesk::push(OrderTicket ticket, Pending order) {
+  if (queue_.size() >= kMostOrders) return order.reply(refused("too many orders at once"));
+  ticket.id = order.id = next_id_++;
+  order.place = Place::kInLoop;
   queue_.push_back(ticket);
-  waiting_.emplace(ticket.id, std::move(waiting));
+  pending_.push_back(std::move(order));
   feed_loop();
+}
+
+bool OrderDesk::waits(Until until, Place place) const {
+  return std::any_of(pending_.begin(), pending_.end(), [&](const Pending& order) {
+    return order.until == until && order.place == place;
+  });
+}
+
+std::optional<OrderDesk::Pending> OrderDesk::take(Until until, Place place) {
+  const auto found = std::find_if(pending_.begin(), pending_.end(), [&](const Pending& order) {
+    return order.until == until && order.place == place;
+  });
+  if (found == pending_.end()) return std::nullopt;
+  std::optional<Pending> out = std::move(*found);
+  pending_.erase(found);
+  return out;
+}
+
+void OrderDesk::refuse_all(Until until, Place place, const std::string& why) {
+  while (const auto order = take(until, place)) order->reply(refused(why));
 }
 
 void OrderDesk::feed_loop() {
   for (; !queue_.empty() && in_loop_ < kOrdersInLoop; ++in_loop_, queue_.pop_front()) {
     if (!boxes_.orders.push(queue_.front())) return;
-  }
-}
-
-// Of what was ordered before, only what the loop has already got comes before a stop: all else is
-// not carried out any more. One stop that waits is as good as another. First the loop gets it: for
-// all else memory may be missing.
-void OrderDesk::stop(ReplyTo reply) {
-  OrderTicket stop;
-  stop.order = plain(OrderKind::kStop);
-  std::array<std::uint64_t, kMostOrders> gone{};
-  std::size_t count = 0;
-  for (const OrderTicket& ticket : queue_) {
-    if (ticket.order.kind == OrderKind::kStop) {
-      stop.id = ticket.id;
-    } else {
-      gone[count++] = ticket.id;
-    }
-  }
-  if (stop.id == 0) stop.id = next_id_++;
-  if (queue_.empty()) queue_.push_back(stop);
-  queue_.front() = stop;
-  queue_.erase(queue_.begin() + 1, queue_.end());
-  feed_loop();
-  waiting_.emplace(stop.id, Waiting{std::move(reply), Until::kSlaveStopped, now_});
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto found = waiting_.find(gone[i]);
-    if (found == waiting_.end()) continue;
-    const Waiting left = std::move(found->second);
-    waiting_.erase(found);
-    left.reply(refused("a stop came before it"));
   }
 }
 
@@ -214,23 +206,26 @@ void OrderDesk::tick(Nanos now, const SlaveState& slave, const LinkSnapshot& lin
   take_answers();
   if (!report_) return;
   watch_lease();
-  watch_stops();
+  if (now_ > report_->good_until) {
+    refuse_all(Until::kSlaveStopped, Place::kInLoop,
+               "the haptic loop stands still: nothing is sent and the arm holds; the stop acts "
+               "when it goes on");
+  }
   send_reset();
   watch_hold();
   retry_engaging();
   call_scene_tools();
-  watch_engaging();
-  watch_reset();
   take_scene();
-  watch_scene();
+  answer_taken();
   feed_loop();
   give_back_lease();
 }
 
 // Whoever has the lease next must engage: what the last holder engaged ends with the lease.
 void OrderDesk::watch_lease() {
-  const bool engaged = report_ && (!is_idle(report_->out.link.state) ||
-                                   report_->out.link.desired != Desired::kOff || engaging_);
+  const bool engaged =
+      report_ && (!is_idle(report_->out.link.state) || report_->out.link.desired != Desired::kOff ||
+                  waits(Until::kEngaged, Place::kTaken));
   if (!leases_.tick(engaged, now_)) return;
   give_up_engaging();
   hold_ = false;
@@ -253,135 +248,93 @@ void OrderDesk::take_answers() {
   while (boxes_.answers.pop(answer)) {
     take_report();  // the loop publishes before it answers: no answer is judged by an older report
     --in_loop_;
-    for (auto found = waiting_.find(answer.id); found != waiting_.end();
-         found = waiting_.find(answer.id)) {
-      Waiting waiting = std::move(found->second);
-      waiting_.erase(found);
-      settle(answer, std::move(waiting));
+    const auto its = [&](const Pending& p) {
+      return p.place == Place::kInLoop && p.id == answer.id;
+    };
+    for (auto found = std::find_if(pending_.begin(), pending_.end(), its); found != pending_.end();
+         found = std::find_if(pending_.begin(), pending_.end(), its)) {
+      Pending order = std::move(*found);
+      pending_.erase(found);
+      settle(answer, std::move(order));
     }
   }
 }
 
 // The loop has taken what was ordered, or refused it.
-void OrderDesk::settle(const OrderAnswer& answer, Waiting waiting) {
+void OrderDesk::settle(const OrderAnswer& answer, Pending order) {
   const bool bad_link =
       answer.result == Reason::kLinkQuality || answer.result == Reason::kNotConfirmed;
-  if (bad_link && waiting.until == Until::kEngaged && now_ - waiting.since < kLinkPatience) {
-    retrying_ = std::move(waiting);
+  if (bad_link && order.until == Until::kEngaged && now_ - order.since < kLinkPatience) {
+    order.place = Place::kHere;
+    pending_.push_back(std::move(order));
     retry_at_ = now_ + kEngageRetry;
     return;
   }
-  if (waiting.until == Until::kDropped && answer.result == Reason::kNoSuchTool) {
-    return waiting.reply(done("there was none"));
+  if (order.until == Until::kDropped && answer.result == Reason::kNoSuchTool) {
+    return order.reply(done("there was none"));
   }
   if (answer.result != Reason::kNone) {
-    std::string text = distance_text(answer, waiting.tool);
+    std::string text = distance_text(answer, order.tool);
     if (text.empty())
       text = reason_text(answer.result, report_ ? report_->out.peer_fault : Reason::kNone);
     if (answer.result == Reason::kOtherMaster && link_.refused(now_)) text = unheard();
-    if (waiting.until == Until::kEngaged && report_ && link_.peer_epoch != 0) {
+    if (order.until == Until::kEngaged && report_ && link_.peer_epoch != 0) {
       for (const std::string& difference : hash_mismatches(report_->out.link, slave_)) {
         text += "; " + difference;
       }
     }
-    waiting.reply(refused(text));
+    order.reply(refused(text));
     return;
   }
-  switch (waiting.until) {
+  order.place = Place::kTaken;
+  switch (order.until) {
     case Until::kTaken:
     case Until::kDropped:
-      waiting.reply(done(distance_text(answer, waiting.tool)));
-      break;
+      return order.reply(done(distance_text(answer, order.tool)));
     case Until::kEngaged:
-      if (engaging_) engaging_(refused("another engage came after this one"));
-      hold_ = waiting.hold;
-      engaging_ = std::move(waiting.reply);
-      engage_until_ = now_ + kEngagePatience;
-      break;
-    case Until::kSlaveStopped:
-      stopping_.push_back(std::move(waiting));
+      refuse_all(Until::kEngaged, Place::kTaken, "another engage came after this one");
+      hold_ = order.hold;
+      order.deadline = now_ + kEngagePatience;
       break;
     case Until::kSlaveReset:
-      if (resetting_) resetting_(refused("another reset came after this one"));
-      resetting_ = std::move(waiting.reply);
-      reset_until_ = now_ + kResetPatience;
+      refuse_all(Until::kSlaveReset, Place::kTaken, "another reset came after this one");
+      order.deadline = now_ + kResetPatience;
+      break;
+    case Until::kSlaveStopped:
+    case Until::kScene:
       break;
   }
+  pending_.push_back(std::move(order));
 }
 
-std::string OrderDesk::unheard() const {
-  if (link_.refused(now_)) {
-    const bool latched = report_->out.link.state == SessionState::kFault;
-    return other_master_text(link_, now_) + ": " +
-           way_out_of(Reason::kOtherMaster, -1, JointVector::Zero(),
-                      latched ? Stand::kLatched : Stand::kOff);
+std::optional<pb::Reply> OrderDesk::check(const Pending& order) {
+  switch (order.until) {
+    case Until::kEngaged:
+      return check_engaged(order);
+    case Until::kSlaveReset:
+      return check_reset(order);
+    case Until::kSlaveStopped:
+      return check_stop(order);
+    case Until::kScene:
+      return check_scene(order);
+    case Until::kTaken:
+    case Until::kDropped:
+      break;
   }
-  if (report_->walls.present) return describe(Reason::kNoArmInScene);
-  if (link_.peer_epoch == 0) {
-    return "no slave has answered at " + options_.slave_at + ": start handrail-slave there";
-  }
-  return fmt::format("the slave was last heard {} ms ago, and what it has latched stays",
-                     link_.age(now_) / kMillisecond);
+  return done();
 }
 
-// The stop stands and is repeated whatever comes of it; the answer says whether the slave has it.
-void OrderDesk::watch_stops() {
-  if (now_ > report_->good_until) {
-    std::erase_if(waiting_, [](const auto& entry) {
-      if (entry.second.until != Until::kSlaveStopped) return false;
-      entry.second.reply(
-          refused("the haptic loop stands still: nothing is sent and the arm holds; "
-                  "the stop acts when it goes on"));
-      return true;
-    });
-  }
-  std::erase_if(stopping_, [this](const Waiting& stop) {
-    const Nanos took = now_ - stop.since;
-    if (link_.refused(now_)) {
-      stop.reply(refused("the stop stands here and stops nobody: " + unheard()));
-    } else if (report_->walls.present) {
-      stop.reply(done(unheard()));
-    } else if (link_.peer_epoch == 0) {
-      stop.reply(refused("the stop stands here, but none heard it: " + unheard()));
-    } else if (slave_.stop_epoch == report_->out.link.stop_epoch) {
-      stop.reply(done("the slave has it after " + std::to_string(took / kMillisecond) + " ms"));
-    } else if (took > kStopPatience) {
-      stop.reply(refused("the stop stands here, but the slave has not answered; last heard " +
-                         std::to_string(link_.age(now_) / kMillisecond) + " ms ago"));
-    } else {
-      return false;
+void OrderDesk::answer_taken() {
+  for (std::size_t i = 0; i < pending_.size();) {
+    std::optional<pb::Reply> answer;
+    if (pending_[i].place == Place::kTaken) answer = check(pending_[i]);
+    if (!answer) {
+      ++i;
+      continue;
     }
-    return true;
-  });
-}
-
-// A stop that the slave has not answered is one of its faults to come. A reset that overtook it
-// would be for the fault before, and the stop would stand.
-bool OrderDesk::stop_on_its_way() const {
-  const auto stops = [](const auto& entry) { return entry.second.until == Until::kSlaveStopped; };
-  if (std::any_of(waiting_.begin(), waiting_.end(), stops)) return true;
-  if (!report_ || report_->walls.present || link_.age(now_) > kHeard) return false;
-  const MasterState& said = report_->out.link;
-  return said.stop_epoch != said.released_epoch && said.stop_epoch != slave_.stop_epoch;
-}
-
-void OrderDesk::send_reset() {
-  if (!reset_waits_ || (stop_on_its_way() && now_ - reset_since_ <= kStopPatience)) return;
-  order(plain(OrderKind::kReset), std::exchange(reset_waits_, nullptr), Until::kSlaveReset);
-}
-
-void OrderDesk::watch_reset() {
-  if (!resetting_) return;
-  if (report_->walls.present) {
-    std::exchange(resetting_, nullptr)(done("the walls are felt again"));
-  } else if (link_.age(now_) > kHeard) {
-    std::exchange(resetting_, nullptr)(done(unheard()));
-  } else if (slave_.state != SessionState::kFault) {
-    std::exchange(resetting_, nullptr)(done("engage to go on"));
-  } else if (slave_.fault_epoch != report_->out.link.fault_reset || now_ > reset_until_) {
-    // A later fault, or the same cause anew: what was reset is still there.
-    std::exchange(resetting_, nullptr)(
-        refused(std::string("the slave stays in fault: ") + describe(slave_.fault)));
+    const ReplyTo reply = std::move(pending_[i].reply);
+    pending_.erase(pending_.begin() + static_cast<std::ptrdiff_t>(i));
+    reply(std::move(*answer));
   }
 }
 

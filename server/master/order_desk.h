@@ -3,7 +3,6 @@
 
 #include <deque>
 #include <functional>
-#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -63,14 +62,27 @@ class OrderDesk : public OperatorHandler {
 
  private:
   using ReplyTo = std::function<void(pb::Reply)>;
-  // When an order is answered, once the loop has taken it.
-  enum class Until : std::uint8_t { kTaken, kDropped, kEngaged, kSlaveReset, kSlaveStopped };
-  struct Waiting {
+  // What an order waits for before it is answered, once the loop has taken it.
+  enum class Until : std::uint8_t {
+    kTaken,
+    kDropped,
+    kEngaged,
+    kSlaveReset,
+    kSlaveStopped,
+    kScene,
+  };
+  // How far an order has come.
+  enum class Place : std::uint8_t { kHere, kInLoop, kTaken };
+  // An order that is not answered yet.
+  struct Pending {
     ReplyTo reply;
     Until until = Until::kTaken;
     Nanos since = 0;
     ToolCall tool{};    // what was called, if a tool was
     bool hold = false;  // kEngaged: what comes of it ends with a running `engage --hold`
+    Place place = Place::kInLoop;
+    std::uint64_t id = 0;       // kInLoop: the loop's number of it
+    Nanos deadline = kForever;  // kTaken: for what it waits for
   };
 
   // The request is its sender's to make.
@@ -85,18 +97,29 @@ class OrderDesk : public OperatorHandler {
   void stage(const std::string& name, ReplyTo reply);
   void name_stage(pb::Status& status) const;
   void load(const std::string& name, const std::string& who, ReplyTo reply);
-  void push(OrderTicket ticket, Waiting waiting);
+  void push(OrderTicket ticket, Pending order);
   void feed_loop();
   void take_report();
   void take_answers();
-  void settle(const OrderAnswer& answer, Waiting waiting);
+  void settle(const OrderAnswer& answer, Pending order);
+  // Whether one waits for this, at that place of its way.
+  bool waits(Until until, Place place) const;
+  // Takes the first of these out, if there is one.
+  std::optional<Pending> take(Until until, Place place);
+  void refuse_all(Until until, Place place, const std::string& why);
+  // The answer to an order that the loop has taken, once it can be given.
+  std::optional<pb::Reply> check(const Pending& order);
+  std::optional<pb::Reply> check_stop(const Pending& order) const;
+  std::optional<pb::Reply> check_reset(const Pending& order) const;
+  std::optional<pb::Reply> check_engaged(const Pending& order);
+  std::optional<pb::Reply> check_scene(const Pending& order);
+  void answer_taken();
   void stop(ReplyTo reply);
   void engage(bool hold, ReplyTo reply);
   bool engage_waits() const;
   // An engage that is refused leaves the lease as it was.
   void give_back_lease();
   void hold_alive(ReplyTo reply);
-  void watch_stops();
   // An `engage --hold` has come that is neither taken nor refused yet.
   bool hold_waits() const;
   void watch_hold();
@@ -105,16 +128,13 @@ class OrderDesk : public OperatorHandler {
   void give_up_engaging();
   // That no slave hears this master, and why.
   std::string unheard() const;
-  void watch_engaging();
   bool stop_on_its_way() const;
   void send_reset();
-  void watch_reset();
   bool scene_may_change() const;
   void take_scene();
-  void watch_scene();
   void call_scene_tools();
   // Gives a scene up again that the slave cannot have.
-  void end_scene_wait(const std::string& problem);
+  pb::Reply take_scene_back(const std::string& problem);
 
   MasterMailboxes& boxes_;
   OrderDeskOptions options_;
@@ -125,39 +145,26 @@ class OrderDesk : public OperatorHandler {
   LinkSnapshot link_;
   Nanos now_ = 0;
   std::uint64_t next_id_ = 1;
-  std::multimap<std::uint64_t, Waiting> waiting_;  // by the order they wait for
-  std::deque<OrderTicket> queue_;                  // that the loop has yet to get
-  int in_loop_ = 0;                                // that it has got and not answered
+  std::vector<Pending> pending_;   // in the order in which they came to their place
+  std::deque<OrderTicket> queue_;  // that the loop has yet to get
+  int in_loop_ = 0;                // that it has got and not answered
 
-  std::vector<Waiting> stopping_;  // who wait for the slave to have a stop the loop has
-
-  std::optional<Waiting> retrying_;  // an engage refused for the link, to be tried again
-  Nanos retry_at_ = 0;
-  bool hold_ = false;  // the engagement the loop took ends with a running `engage --hold`
+  Nanos retry_at_ = 0;  // an engage refused for the link
+  bool hold_ = false;   // the engagement the loop took ends with a running `engage --hold`
   Nanos hold_heard_ = -kForever;
 
-  ReplyTo engaging_;      // who waits for the session to be engaged
   std::string borrower_;  // who took a free lease for an engage that is not answered yet
-  Nanos engage_until_ = 0;
   bool was_engaged_ = false;
   int scene_tools_ = 0;        // called, not answered yet
   std::string tools_refused_;  // of the scene's own, why
 
-  ReplyTo reset_waits_;  // who wants a reset once the slave has answered the last stop
-  Nanos reset_since_ = 0;
-  ReplyTo resetting_;  // who waits for the slave to leave its fault
-  Nanos reset_until_ = 0;
-
-  ReplyTo loading_;  // who waits for a scene
   struct Reading {
     std::string scene, who;
-    Nanos until = 0;  // that who ordered it waits for the disk
   };
   std::optional<Reading> reading_;  // until the disk has given it
-  Nanos load_until_ = 0;
-  Nanos load_shown_ = kForever;    // when the loop's report first had the scene
-  std::uint64_t load_epoch_ = 0;   // scenes the loop had taken over before it
-  std::optional<Scene> previous_;  // taken back when the slave does not follow
+  Nanos load_shown_ = kForever;     // when the loop's report first had the scene
+  std::uint64_t load_epoch_ = 0;    // scenes the loop had taken over before it
+  std::optional<Scene> previous_;   // taken back when the slave does not follow
 };
 
 }  // namespace handrail

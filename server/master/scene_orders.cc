@@ -12,9 +12,13 @@ namespace handrail {
 void OrderDesk::load(const std::string& name, const std::string& who, ReplyTo reply) {
   if (!scene_may_change()) return reply(refused(describe(Reason::kBusy)));
   if (reading_) return reply(refused("scene '" + reading_->scene + "' is still being read"));
-  if (loading_) return reply(refused("another scene is being loaded"));
-  loading_ = std::move(reply);
-  reading_ = {name, who, now_ + kReadPatience};
+  if (waits(Until::kScene, Place::kTaken)) {
+    return reply(refused("another scene is being loaded"));
+  }
+  Pending order{std::move(reply), Until::kScene, now_, {}, false, Place::kHere};
+  order.deadline = now_ + kReadPatience;
+  pending_.push_back(std::move(order));
+  reading_ = {name, who};
   take_scene();
 }
 
@@ -28,14 +32,20 @@ void OrderDesk::take_scene() {
   if (!reading_) return;
   auto scene = options_.load_scene(reading_->scene);
   if (!scene) {
-    if (!loading_ || now_ <= reading_->until) return;
-    return std::exchange(loading_, nullptr)(
-        refused("scene '" + reading_->scene + "' is not loaded: the disk has not given it for " +
-                fmt::format("{:g} s", to_seconds(kReadPatience))));
+    const auto late = [this](const Pending& p) {
+      return p.until == Until::kScene && p.place == Place::kHere && now_ > p.deadline;
+    };
+    if (std::any_of(pending_.begin(), pending_.end(), late)) {
+      refuse_all(Until::kScene, Place::kHere,
+                 "scene '" + reading_->scene + "' is not loaded: the disk has not given it for " +
+                     fmt::format("{:g} s", to_seconds(kReadPatience)));
+    }
+    return;
   }
   const Reading read = *std::exchange(reading_, std::nullopt);
-  ReplyTo reply = std::exchange(loading_, nullptr);
-  if (!reply) return;
+  auto order = take(Until::kScene, Place::kHere);
+  if (!order) return;
+  const ReplyTo& reply = order->reply;
   if (!*scene) return reply(refused(scene->message()));
   if (!leases_.may_drive(read.who)) {
     return reply(refused("somebody else drives by now: scene '" + read.scene + "' is not loaded"));
@@ -44,10 +54,11 @@ void OrderDesk::take_scene() {
   const LoopScene next = options_.loop_scene(**scene);  // the last that can fail
   previous_ = std::exchange(scene_, std::move(**scene));
   boxes_.scene.publish(next);
-  loading_ = std::move(reply);
+  order->place = Place::kTaken;
+  order->deadline = now_ + kScenePatience;
+  pending_.push_back(std::move(*order));
   load_epoch_ = report_->scene_epoch;
   load_shown_ = kForever;
-  load_until_ = now_ + kScenePatience;
 }
 
 void OrderDesk::stage(const std::string& name, ReplyTo reply) {
@@ -87,34 +98,30 @@ void OrderDesk::name_stage(pb::Status& status) const {
   }
 }
 
-void OrderDesk::watch_scene() {
-  if (!loading_ || reading_ || report_->scene_pending || report_->scene_epoch == load_epoch_)
-    return;
-  if (text_of(report_->out.link.scene) != scene_.name) return;
+std::optional<pb::Reply> OrderDesk::check_scene(const Pending& order) {
+  if (report_->scene_pending || report_->scene_epoch == load_epoch_) return std::nullopt;
+  if (text_of(report_->out.link.scene) != scene_.name) return std::nullopt;
   load_shown_ = std::min(load_shown_, now_);
-  if (report_->walls.present) return std::exchange(loading_, nullptr)(done());
+  if (report_->walls.present) return done();
   if (link_.age(now_) > kHeard) {
-    std::exchange(loading_, nullptr)(done("no slave is connected: it loads the scene when it is"));
-    return;
+    return done("no slave is connected: it loads the scene when it is");
   }
   const auto differences = hash_mismatches(report_->out.link, slave_);
+  if (differences.empty()) return done();
   const bool missing = slave_.reason == Reason::kSceneNotLoaded;
   // Until the slave has seen the scene, what it cannot load is one before.
   const bool seen = link_.echoed_sent >= load_shown_;
-  if (differences.empty()) {
-    std::exchange(loading_, nullptr)(done());
-  } else if (now_ > load_until_ || (missing && seen)) {
-    end_scene_wait(missing ? describe(slave_.reason) : differences.front());
-  }
+  if (now_ <= order.deadline && !(missing && seen)) return std::nullopt;
+  return take_scene_back(missing ? describe(slave_.reason) : differences.front());
 }
 
-void OrderDesk::end_scene_wait(const std::string& problem) {
+pb::Reply OrderDesk::take_scene_back(const std::string& problem) {
   const std::string name = scene_.name;
   const LoopScene next = options_.loop_scene(*previous_);  // the last that can fail
   scene_ = std::move(*previous_);
   boxes_.scene.publish(next);
-  std::exchange(loading_, nullptr)(refused("the slave did not load '" + name + "': " + problem +
-                                           "; '" + scene_.name + "' stays"));
+  return refused("the slave did not load '" + name + "': " + problem + "; '" + scene_.name +
+                 "' stays");
 }
 
 // A scene's own tools are called at each engagement, also one that begins with the clutch held. As
