@@ -314,11 +314,11 @@ void add_bumper(CLI::App& app, BumperCommand& bumper) {
 }
 
 // Names the first of `words` that is no command of `app`, or of the command before it, and the
-// nearest that is one, or all; empty when there is none.
+// nearest that is one, or all; also all where one is missing. Empty when nothing is wrong.
 std::string unknown_command(const CLI::App& app, std::span<char* const> words) {
   const auto subs = app.get_subcommands([](const CLI::App*) { return true; });
-  if (subs.empty() || words.empty() || words[0][0] == '-') return {};
-  const std::string word = words[0];
+  if (subs.empty() || (!words.empty() && words[0][0] == '-')) return {};
+  const std::string word = words.empty() ? "" : words[0];
   std::vector<std::string> names;
   std::string known;
   for (const CLI::App* sub : subs) {
@@ -326,6 +326,7 @@ std::string unknown_command(const CLI::App& app, std::span<char* const> words) {
     names.push_back(sub->get_name());
     known += (known.empty() ? "" : ", ") + sub->get_name();
   }
+  if (words.empty()) return "expected a command: " + known + " (see handrail-lab --help)";
   const std::string nearest = nearest_name(word, names);
   return "no command '" + word + "'" +
          (nearest.empty() ? "; there are " + known : "; did you mean '" + nearest + "'?");

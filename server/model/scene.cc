@@ -45,18 +45,18 @@ std::vector<std::string> warnings_of(const Scene& scene) {
   std::vector<std::string> out;
   const bool published = scene.bumper.form == BumperSettings::Form::kPublished;
   if (scene.bumper.enabled && published && scene.bumper.alpha * kStiffContact > kOnset) {
-    out.push_back(
+    out.emplace_back(
         "bumper.alpha_mm_n: the bumper may oscillate against contacts as stiff as 100 N/mm");
   }
-  if (!scene.bumper.enabled) out.push_back("bumper.enabled: false leaves contact unprotected");
+  if (!scene.bumper.enabled) out.emplace_back("bumper.enabled: false leaves contact unprotected");
   if (scene.guidance.stiffness > kPublishedStiffness) {
-    out.push_back("guidance.stiffness_n_mm: above 0.8 N/mm an Omni may not render it stably");
+    out.emplace_back("guidance.stiffness_n_mm: above 0.8 N/mm an Omni may not render it stably");
   }
   if (scene.walls) {
     out.insert(out.end(), scene.walls->warnings.begin(), scene.walls->warnings.end());
     const bool felt = std::any_of(scene.effects.begin(), scene.effects.end(),
                                   [](const auto& e) { return e.kind == EffectKind::kWall; });
-    if (!felt) out.push_back("effect: none is wall {}, so the hand feels nothing of the walls");
+    if (!felt) out.emplace_back("effect: none is wall {}, so the hand feels nothing of the walls");
   }
   return out;
 }

@@ -70,7 +70,9 @@ bool take(const Message& in, const FieldDescriptor& field, EffectSpec& out) {
     return true;
   }
   if (name == "centre_mm" || name == "to_mm") {
-    out.at = point_of(r.GetRepeatedField<double>(in, &field));
+    Numbers at;
+    for (int i = 0; i < r.FieldSize(in, &field); ++i) at.Add(r.GetRepeatedDouble(in, &field, i));
+    out.at = point_of(at);
     return true;
   }
   if (name == "clockwise") {

@@ -1,17 +1,12 @@
 #include "server/scene/text_io.h"
 
-#include <fcntl.h>
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/io/tokenizer.h>
 #include <google/protobuf/stubs/logging.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cerrno>
-#include <cstring>
 #include <memory>
 #include <vector>
 
@@ -39,10 +34,6 @@ class FirstError : public google::protobuf::io::ErrorCollector {
   int at_column = 0;
   std::string text;
 };
-
-Status system_error(const std::string& path, const char* what) {
-  return Status::error(path + ": " + what + ": " + std::strerror(errno));
-}
 
 // The text between the n-th pair of double quotes, n from 0.
 std::string quoted(const std::string& s, int n) {
