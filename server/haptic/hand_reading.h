@@ -5,6 +5,10 @@
 
 namespace handrail {
 
+inline constexpr double kFastestHand = 100.0;  // no hand moves so [m/s]
+// A hand silent for longer takes over again like after a clutch, wherever it comes back [s].
+inline constexpr double kLongestHandGap = 0.020;
+
 // The device's newest reading, frame M.
 struct HandReading {
   Pose X_MH;

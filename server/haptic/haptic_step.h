@@ -88,36 +88,58 @@ struct HapticOutput {
   bool blending = false;
 };
 
-// What a step remembers. Large (the smoothers' windows): keep one, never copy it in a loop.
-struct HapticState {
+// The hand, and since when it is not heard.
+struct HandTrack {
+  Pose X_MH;  // last valid
+  bool known = false;
+  double gap = 0.0;  // since the last valid reading, at most 1 [s]
+  bool button_was_down = false;
+};
+
+// What the operator wants, and what has come of it.
+struct LeadState {
   SessionState session = SessionState::kOff;
-  Reason session_reason = Reason::kNotEngaged;
+  Reason reason = Reason::kNotEngaged;
   Reason off_reason = Reason::kNotEngaged;  // what ended the last engagement, until the next order
   Reason peer_fault = Reason::kNone;        // as in HapticOutput
   bool want_engaged = false;
   bool want_clutched = false;
-  bool button_was_down = false;
   std::uint64_t stop_epoch = 0;
   std::uint64_t released_epoch = 0;
   std::uint64_t fault_reset = 0;
   std::uint64_t engagement_epoch = 0;
-  Engagement engagement;
-  Guide guide;
-  Arbiter arbiter;
-  Pose X_MH;  // last valid hand
-  bool hand_known = false;
-  double hand_gap = 0.0;  // since the last valid reading, at most 1 [s]
-  bool driving = false;   // the hand moves the command, by `engagement`
-  Pose X_SU;              // last command
-  bool has_command = false;
-  Vec3 torque = Vec3::Zero();  // last torque on the hand, frame M [N m]
-  std::uint64_t tools_hash = 0;
-  LadderState ladder;
-  KeptBack kept_back;
-  CuePlayer cue;
   bool present = true;
   double absent_for = 0.0;    // at most kAbsence [s]
   double aligning_for = 0.0;  // homing or aligning [s]
+
+  bool stop_latched() const noexcept { return stop_epoch != released_epoch; }
+};
+
+// Where the hand leads the tip.
+struct CommandState {
+  Engagement engagement;
+  bool driving = false;  // the hand moves the command, by `engagement`
+  Guide guide;
+  Pose X_SU;  // last command
+  bool has_command = false;
+  std::uint64_t tools_hash = 0;
+};
+
+// What the device was told.
+struct ForceState {
+  Arbiter arbiter;
+  Vec3 torque = Vec3::Zero();  // last torque on the hand, frame M [N m]
+  KeptBack kept_back;
+  CuePlayer cue;
+};
+
+// What a step remembers. Large (the smoothers' windows): keep one, never copy it in a loop.
+struct HapticState {
+  HandTrack hand;
+  LeadState lead;
+  CommandState command;
+  ForceState force;
+  LadderState ladder;
 };
 
 // For a program that starts: its epochs begin at `unique`, random and not 0, so that none of its

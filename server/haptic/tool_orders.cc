@@ -6,7 +6,7 @@ namespace {
 // The hand where the guide works: in S while engaged; without an engagement a tool call has nothing
 // to pull, so the command's own pose stands for the hand.
 Pose hand_in_slave(const HapticState& s) {
-  return s.driving ? s.engagement.to_slave(s.X_MH) : s.X_SU;
+  return s.command.driving ? s.command.engagement.to_slave(s.hand.X_MH) : s.command.X_SU;
 }
 
 // Changes the position tool, and latches the hand where the guide takes it to be from then on.
@@ -15,7 +15,7 @@ Reason change_position_tool(const HapticSettings& settings, HapticState& s, Chan
   const Pose before = hand_in_slave(s);
   Pose X_SH = before;
   const Reason result = change(X_SH);
-  if (X_SH.p != before.p) s.engagement = Engagement(settings.mapping, s.X_MH, X_SH);
+  if (X_SH.p != before.p) s.command.engagement = Engagement(settings.mapping, s.hand.X_MH, X_SH);
   return result;
 }
 
@@ -25,13 +25,13 @@ Reason call_tool(const HapticSettings& settings, const ToolCall& call, const Vec
                  HapticState& s, double& distance) noexcept {
   if (!is_position_tool(call.kind)) {
     Pose X_SH = hand_in_slave(s);
-    return s.guide.call(settings.guide, call, p_ST, X_SH);
+    return s.command.guide.call(settings.guide, call, p_ST, X_SH);
   }
-  if (call.approach && !s.driving) {
-    return s.session == SessionState::kClutched ? Reason::kClutched : Reason::kDeviceInvalid;
+  if (call.approach && !s.command.driving) {
+    return s.lead.session == SessionState::kClutched ? Reason::kClutched : Reason::kDeviceInvalid;
   }
   return change_position_tool(settings, s, [&](Pose& X_SH) {
-    return s.guide.call(settings.guide, call, p_ST, X_SH, &distance);
+    return s.command.guide.call(settings.guide, call, p_ST, X_SH, &distance);
   });
 }
 
@@ -39,11 +39,12 @@ Reason drop_tools(const HapticSettings& settings, bool position, bool orientatio
                   HapticState& s) noexcept {
   Reason result = Reason::kNoSuchTool;
   if (position) {
-    result = change_position_tool(
-        settings, s, [&](Pose& X_SH) { return s.guide.drop_position(settings.guide, X_SH); });
+    result = change_position_tool(settings, s, [&](Pose& X_SH) {
+      return s.command.guide.drop_position(settings.guide, X_SH);
+    });
   }
   if (orientation) {
-    const Reason second = s.guide.drop_orientation(settings.guide, hand_in_slave(s));
+    const Reason second = s.command.guide.drop_orientation(settings.guide, hand_in_slave(s));
     if (result != Reason::kNone) result = second;
   }
   return result;

@@ -6,9 +6,7 @@
 namespace handrail {
 namespace {
 
-constexpr double kFastest = 100.0;     // no hand moves so [m/s]
-constexpr double kLongestGap = 0.020;  // a hand silent for longer starts anew [s]
-constexpr double kOnset = 0.5e-3;      // over which a wall's damper comes on [m]
+constexpr double kOnset = 0.5e-3;  // over which a wall's damper comes on [m]
 
 bool within(const Vec2& v, double most) { return v.allFinite() && v.cwiseAbs().maxCoeff() <= most; }
 
@@ -57,7 +55,7 @@ void wall_step(const WallSettings& settings, const WallInput& in, double dt, Wal
   out.effects = EffectTick();
   const Vec2 hand = in_plane(in.hand.X_MH.p);
   const Vec2 velocity = in_plane(in.hand.v_MH);
-  const bool hand_ok = in.hand.valid && within(hand, kFarthest) && within(velocity, kFastest);
+  const bool hand_ok = in.hand.valid && within(hand, kFarthest) && within(velocity, kFastestHand);
   const int last = std::max(static_cast<int>(walls.stages.size()) - 1, 0);
   const int stage = std::clamp(in.stage, 0, last);
   if (stage != s.stage && enter_stage(walls, stage, s)) s.started = false;
@@ -66,7 +64,7 @@ void wall_step(const WallSettings& settings, const WallInput& in, double dt, Wal
   double allowed = 0.0;
   Vec2 force = Vec2::Zero();
   if (hand_ok) {
-    const bool back = s.hand_gap > kLongestGap;
+    const bool back = s.hand_gap > kLongestHandGap;
     s.hand_gap = 0.0;
     const Vec2 there = s.turn.transpose() * (hand - s.pose.p);
     if (!s.started || back) {

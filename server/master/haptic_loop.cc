@@ -67,8 +67,8 @@ void HapticLoop::tick(Nanos now) noexcept {
 }
 
 void HapticLoop::let_go() noexcept {
-  state_.arbiter.cut();
-  state_.torque.setZero();
+  state_.force.arbiter.cut();
+  state_.force.torque.setZero();
   if (scene_.walls != nullptr) scene_.walls->state.arbiter.cut();
 }
 
@@ -82,11 +82,11 @@ void HapticLoop::set_device() noexcept {
 
 void HapticLoop::take_scene() noexcept {
   if (boxes_.scene.take(next_scene_)) report_.scene_pending = true;
-  if (!report_.scene_pending || !idle(state_.session)) return;
+  if (!report_.scene_pending || !idle(state_.lead.session)) return;
   // The force that is there goes on from one scene to the other, within their step limits.
-  if (scene_.walls != nullptr) state_.arbiter = scene_.walls->state.arbiter;
+  if (scene_.walls != nullptr) state_.force.arbiter = scene_.walls->state.arbiter;
   scene_ = next_scene_;
-  if (scene_.walls != nullptr) scene_.walls->state.arbiter = state_.arbiter;
+  if (scene_.walls != nullptr) scene_.walls->state.arbiter = state_.force.arbiter;
   set_device();
   wall_in_.stage = 0;
   report_.scene_pending = false;
@@ -107,8 +107,7 @@ void HapticLoop::take_slave(Nanos now) noexcept {
 void HapticLoop::feel_walls(double dt) noexcept {
   WallRun& run = *scene_.walls;
   wall_in_.hand = input_.hand;
-  wall_in_.release =
-      state_.stop_epoch != state_.released_epoch || stop_requested_.load(std::memory_order_relaxed);
+  wall_in_.release = state_.lead.stop_latched() || stop_requested_.load(std::memory_order_relaxed);
   wall_step(run.settings, wall_in_, dt, run.state, wall_out_);
   HapticOutput& out = report_.out;
   out.f_H_M = wall_out_.f_H_M;
@@ -138,7 +137,7 @@ OrderTicket HapticLoop::next_order() noexcept {
 void HapticLoop::publish(Nanos now) noexcept {
   report_.sent_until = now + kHapticStateSent;
   report_.good_until = now + kStateStands;
-  report_.X_MH = state_.X_MH;
+  report_.X_MH = state_.hand.X_MH;
   const SteerableHand* hand = device_.hand();
   report_.hand_moving = hand != nullptr && hand->moving();
   report_.ticks = pacer_.ticks();

@@ -53,14 +53,21 @@ Problem check_meaning(const pb::Tool& t, ToolKind kind) {
 }
 
 Problem check_given(const pb::Tool& t, ToolKind kind) {
-  if (kind == ToolKind::kLine && t.direction_size() == 0) {
-    return FieldProblem{"direction", "missing, but a LINE needs it"};
+  const bool line = kind == ToolKind::kLine, plane = kind == ToolKind::kPlane;
+  const bool along = t.direction_size() != 0, across = t.normal_size() != 0;
+  const struct {
+    const char* field;
+    bool lacks;
+    const char* text;
+  } wants[] = {
+      {"direction", line && !along, "missing, but a LINE needs it"},
+      {"normal", plane && !across, "missing, but a PLANE needs it"},
+      {"one_way", plane && !along && t.one_way(), "needs a direction within the PLANE"},
+      {"end_mm", plane && !along && t.end_mm_size() > 0, "needs a direction within the PLANE"},
+  };
+  for (const auto& want : wants) {
+    if (want.lacks) return FieldProblem{want.field, want.text};
   }
-  if (kind != ToolKind::kPlane) return std::nullopt;
-  if (t.normal_size() == 0) return FieldProblem{"normal", "missing, but a PLANE needs it"};
-  if (t.direction_size() != 0) return std::nullopt;
-  if (t.one_way()) return FieldProblem{"one_way", "needs a direction within the PLANE"};
-  if (t.end_mm_size() > 0) return FieldProblem{"end_mm", "needs a direction within the PLANE"};
   return std::nullopt;
 }
 

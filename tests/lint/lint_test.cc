@@ -1,6 +1,8 @@
 // The rules hold for the tree, and each rule catches an example that breaks it.
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "tests/lint/rules.h"
 
 namespace handrail::lint {
@@ -142,6 +144,22 @@ TEST(Lint, TheBuildStaysPortableAndKeepsFiniteChecks) {
   expect_caught(build_options, "CMakePresets.json", "\"CMAKE_CXX_FLAGS\": \"-O3 -ffast-math\"");
   expect_passes(build_options, "CMakeLists.txt", "# never -march=native\nproject(x)");
   expect_holds(cmake_files(), build_options);
+}
+
+TEST(Lint, PagesNameWhatIsThere) {
+  const std::string page = "tests/README.md";
+  const auto there = [](const std::string& path) {
+    return std::filesystem::exists(HANDRAIL_SOURCE_DIR "/" + path);
+  };
+  EXPECT_EQ(dead_links({page, "[a](../README.md) `server/base/`"}, there), Violations{});
+  EXPECT_EQ(dead_links({page, "[a](https://x.org/y) `server/NAME.h`"}, there), Violations{});
+  EXPECT_EQ(dead_links({page, "[a](READ.md)"}, there).size(), 1u);
+  EXPECT_EQ(dead_links({page, "see `server/nowhere/`"}, there).size(), 1u);
+  const std::vector<File> pages = files_below(HANDRAIL_SOURCE_DIR, {".md"});
+  EXPECT_GT(pages.size(), 5u);
+  for (const File& file : pages) {
+    for (const std::string& violation : dead_links(file, there)) ADD_FAILURE() << violation;
+  }
 }
 
 TEST(Lint, EveryTestAsserts) {

@@ -1,6 +1,8 @@
 #include "tests/lint/rules.h"
 
 #include <algorithm>
+#include <filesystem>
+#include <functional>
 #include <map>
 #include <regex>
 #include <set>
@@ -279,6 +281,28 @@ Violations build_options(const File& cmake) {
   Violations found;
   for (const std::string option : {"-ffast-math", "-Ofast", "-march=native"}) {
     if (text.find(option) != std::string::npos) found.push_back(cmake.path + ": uses " + option);
+  }
+  return found;
+}
+
+Violations dead_links(const File& page, const std::function<bool(const std::string& path)>& there) {
+  static const std::regex link(R"(\]\(([^):#]+)(?:#[^)]*)?\))");
+  static const std::regex quoted(R"(`((?:proto|server|devices|client|tests)/[\w./-]*)`)");
+  static const std::regex example(R"([A-Z]{2,})");
+  Violations found;
+  const std::string own = folder_of(page.path);
+  for (auto it = std::sregex_iterator(page.text.begin(), page.text.end(), link);
+       it != std::sregex_iterator(); ++it) {
+    const std::string path =
+        std::filesystem::path(own + "/" + it->str(1)).lexically_normal().string();
+    if (!there(path))
+      found.push_back(page.path + ": leads to " + it->str(1) + ", which is not there");
+  }
+  for (auto it = std::sregex_iterator(page.text.begin(), page.text.end(), quoted);
+       it != std::sregex_iterator(); ++it) {
+    const std::string path = it->str(1);
+    if (!ends_with(path, ".md") && std::regex_search(path, example)) continue;
+    if (!there(path)) found.push_back(page.path + ": names " + path + ", which is not there");
   }
   return found;
 }

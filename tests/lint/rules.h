@@ -1,6 +1,7 @@
 // The tree's rules as functions of one file: each returns its violations, "path: what is wrong".
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,9 @@ Violations heavy_headers(const std::vector<File>& sources);
 Violations file_size(const File& source);
 // Neither -ffast-math nor -march=native.
 Violations build_options(const File& cmake);
+// A page's links, and the project's paths it writes in `quotes`, exist as `there` says. A path with
+// a capital letter for a part, as in `server/NAME.h`, is an example, unless its file is a page.
+Violations dead_links(const File& page, const std::function<bool(const std::string& path)>& there);
 // Every test body has an assertion, or calls a helper whose name says that it asserts.
 Violations assertions(const File& test);
 

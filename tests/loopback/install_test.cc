@@ -116,7 +116,8 @@ TEST_F(InstallTest, ACompilerThatIsTooOldIsNamedWithItsVersion) {
 
 TEST_F(InstallTest, AnUnknownWordIsNamed) {
   EXPECT_EQ(run({"--test"}), 2);
-  EXPECT_THAT(said, HasSubstr("unknown argument '--test'; expected --tests or nothing"));
+  EXPECT_THAT(said, HasSubstr("unknown argument '--test'; expected --tests, --checks or "
+                              "nothing"));
 }
 
 }  // namespace

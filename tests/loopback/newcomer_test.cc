@@ -127,7 +127,7 @@ TEST_F(PaintedTest, TheHandBeginsFreeAtTheStartOfTheShippedOne) {
 // The file that the page about painting begins with, and a map in its colours: 10 pixels a
 // millimetre, an aisle of 10 mm about its start, a room to the right, walls around them.
 TEST_F(PaintedTest, TheSceneOfThePageIsTakenAndFelt) {
-  std::ifstream page(HANDRAIL_SOURCE_DIR "/server/scene/README.md");
+  std::ifstream page(HANDRAIL_SOURCE_DIR "/server/scene/SCENES.md");
   std::string scene;
   for (std::string line; std::getline(page, line) && !line.starts_with("`handrail scene check");) {
     if (line.starts_with("    ")) scene += line.substr(4) + '\n';

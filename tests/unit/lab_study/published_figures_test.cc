@@ -1,4 +1,4 @@
-// What README.md of the studies quotes from the dissertation is what the program holds.
+// What RESULTS.md quotes from the dissertation is what the program holds.
 #include <spdlog/fmt/fmt.h>
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ namespace {
 // The cells of the row of `count` cells that begins with `title`, that one left out: the two
 // studies have rows of the same title.
 std::vector<std::string> row(const std::string& title, std::size_t count) {
-  std::ifstream page(std::string(HANDRAIL_SOURCE_DIR) + "/server/lab/study/README.md");
+  std::ifstream page(std::string(HANDRAIL_SOURCE_DIR) + "/server/lab/RESULTS.md");
   for (std::string line; std::getline(page, line);) {
     if (!line.starts_with("| " + title + " ")) continue;
     std::vector<std::string> cells;

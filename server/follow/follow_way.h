@@ -1,0 +1,18 @@
+// The way of a command to the arm: tool, contact, reach and limits, each a stage that says where it
+// puts the tip and why.
+#pragma once
+
+#include "server/follow/follow_step.h"
+
+namespace handrail {
+
+inline bool valid_command(const MasterState& master) noexcept {
+  return master.has_command && is_place(master.X_SU);
+}
+
+// One cycle toward the master's newest command; brakes where that is not to be followed. `ledger`
+// gets what each stage did. Returns what intervened. Real-time safe.
+Reason lead(const FollowSettings& settings, const FollowInput& in, FollowState& state,
+            FollowLedger& ledger) noexcept;
+
+}  // namespace handrail

@@ -1,0 +1,202 @@
+#include "server/haptic/haptic_lead.h"
+
+#include <algorithm>
+
+#include "server/base/deletable.h"
+#include "server/haptic/tool_orders.h"
+
+namespace handrail {
+namespace {
+
+// Homing and aligning take no longer [s].
+constexpr double kLongestAligning = 10.0;
+// A slave silent for longer is lost: what it said last is no fault that an operator sees.
+constexpr Nanos kInSight = 200 * kMillisecond;
+
+// The slave holds another definition of a tool it says it has taken.
+bool tools_differ(const HapticState& s, const SlaveState& slave) {
+  return slave.position_tool_epoch == s.command.guide.position().definition().epoch &&
+         slave.orientation_tool_epoch == s.command.guide.orientation().definition().epoch &&
+         slave.hashes.tools != s.command.tools_hash;
+}
+
+Reason reset(HapticState& s, const HapticInput& in) {
+  const bool peer_fault = in.slave_known && in.slave.state == SessionState::kFault;
+  if (s.lead.session != SessionState::kFault && !s.lead.stop_latched() && !peer_fault) {
+    return Reason::kNotStopped;
+  }
+  s.lead.released_epoch = s.lead.stop_epoch;
+  if (in.slave_known && in.slave_age <= kInSight) s.lead.fault_reset = in.slave.fault_epoch;
+  s.lead.want_engaged = s.lead.want_clutched = false;
+  s.lead.off_reason = Reason::kNotEngaged;
+  return Reason::kNone;
+}
+
+// No hand, or no link good enough to know the slave by.
+Reason obstacle_of_link(const HapticInput& in, const LadderStep& ladder, const HapticState& s) {
+  if (!s.hand.known || s.hand.gap > kLongestHandGap) return Reason::kDeviceInvalid;
+  if (ladder.rung == LinkRung::kHold) return Reason::kLinkQuality;
+  if (ladder.rung != LinkRung::kFresh && ladder.rung != LinkRung::kSlow) {
+    return reason_of(ladder.rung);
+  }
+  if (!in.link.confirmed) return Reason::kNotConfirmed;
+  return ladder.held_good ? Reason::kNone : Reason::kLinkQuality;
+}
+
+}  // namespace
+
+void begin_epochs(std::uint64_t unique, HapticState& state) noexcept {
+  if (!kept(Check::kEpochs)) return;
+  state.lead.stop_epoch = state.lead.released_epoch = state.lead.engagement_epoch = unique;
+}
+
+Reason obstacle_after_reset(const HapticSettings& settings, const HapticInput& in,
+                            const LadderStep& ladder, const HapticState& s) noexcept {
+  if (const Reason link = obstacle_of_link(in, ladder, s); link != Reason::kNone) return link;
+  if (in.slave.obstacle != Reason::kNone) return in.slave.obstacle;
+  if (tools_differ(s, in.slave)) return Reason::kHashTools;
+  const Reason difference = first_difference(settings, in.slave);
+  if (difference != Reason::kNone) return difference;
+  return s.lead.present ? Reason::kNone : Reason::kPresence;  // last: given while engaging
+}
+
+// Refused is refused: a wish that waited for the obstacle to go would engage out of the blue. While
+// another leads the slave nothing that is done here helps, so that is said first.
+Reason obstacle_to_engaging(const HapticSettings& settings, const HapticInput& in,
+                            const LadderStep& ladder, const HapticState& s) noexcept {
+  if (in.link.other_master) return Reason::kOtherMaster;
+  if (s.lead.stop_latched()) return Reason::kStopRequested;
+  if (s.lead.session == SessionState::kFault) return s.lead.reason;
+  if (const Reason unheard = obstacle_of_link(in, ladder, s); unheard != Reason::kNone)
+    return unheard;
+  if (in.slave.state == SessionState::kFault) return Reason::kPeerFault;
+  return obstacle_after_reset(settings, in, ladder, s);
+}
+
+Reason carry_out(const HapticSettings& settings, const HapticInput& in, const LadderStep& ladder,
+                 HapticState& s, double& tool_distance) noexcept {
+  switch (in.order.kind) {
+    case OrderKind::kNone:
+      return Reason::kNone;
+    case OrderKind::kEngage: {
+      if (!settings.has_arm) return Reason::kNoArmInScene;
+      const Reason obstacle = obstacle_to_engaging(settings, in, ladder, s);
+      if (obstacle == Reason::kNone) {
+        s.lead.want_engaged = true;
+        s.lead.off_reason = Reason::kNotEngaged;
+      }
+      return obstacle;
+    }
+    case OrderKind::kDisengage:
+      s.lead.want_engaged = s.lead.want_clutched = false;
+      s.lead.off_reason = in.order.why;
+      return Reason::kNone;
+    case OrderKind::kClutchOn:
+    case OrderKind::kClutchOff:
+      if (!s.lead.want_engaged) return Reason::kNotEngaged;
+      s.lead.want_clutched = in.order.kind == OrderKind::kClutchOn;
+      return Reason::kNone;
+    case OrderKind::kStop:
+      ++s.lead.stop_epoch;
+      s.lead.want_engaged = s.lead.want_clutched = false;
+      return Reason::kNone;
+    case OrderKind::kReset:
+      return reset(s, in);
+    case OrderKind::kStage:
+      // One that exists is set by whoever runs the walls.
+      return Reason::kNoSuchStage;
+    case OrderKind::kTool:
+      // Without an engagement there is no place to anchor at or to start from.
+      if (!may_drive(s.lead.session) && s.lead.session != SessionState::kClutched) {
+        return Reason::kNotEngaged;
+      }
+      return call_tool(settings, in.order.tool,
+                       in.slave.has_pose ? in.slave.X_ST_command.p : s.command.X_SU.p, s,
+                       tool_distance);
+    case OrderKind::kToolOff:
+      return drop_tools(settings, in.order.drop_position, in.order.drop_orientation, s);
+  }
+  return Reason::kNone;
+}
+
+void see_presence(const HapticSettings& settings, const HapticInput& in, double dt,
+                  HapticState& s) noexcept {
+  s.lead.present =
+      !kept(Check::kPresence) ||
+      present(settings.presence, in.hand.valid && in.hand.enable_button, in.hold_heard);
+  s.lead.absent_for = s.lead.present ? 0.0 : std::min(s.lead.absent_for + dt, kAbsence);
+  if (s.lead.want_engaged && s.lead.absent_for >= kAbsence) {
+    s.lead.want_engaged = s.lead.want_clutched = false;
+    s.lead.off_reason = Reason::kPresence;
+  }
+}
+
+void advance_session(const HapticSettings& settings, const HapticInput& in,
+                     const LadderStep& ladder, double dt, HapticState& s) noexcept {
+  MasterSessionInput session;
+  const bool clutched = s.lead.want_clutched || in.hand.clutch_button || !s.lead.present;
+  // Without a hand there is nothing to engage.
+  session.desired = !s.lead.want_engaged || !s.hand.known ? Desired::kOff
+                    : clutched                            ? Desired::kClutched
+                                                          : Desired::kEngaged;
+  session.link = ladder.rung;
+  session.confirmed = in.link.confirmed;
+  session.ready = in.device_ready;
+  session.overdue = s.lead.aligning_for >= kLongestAligning;
+  session.peer = in.slave.state;
+  session.same_engagement = in.slave.engagement_epoch == s.lead.engagement_epoch;
+  session.obstacle = in.slave.obstacle;
+  session.mismatch = first_difference(settings, in.slave);
+  session.stop_latched = s.lead.stop_latched();
+  session.reset = in.order.kind == OrderKind::kReset;
+
+  const SessionState before = s.lead.session;
+  const SessionStep next = next_master(before, session);
+  s.lead.session = next.state;
+  if (next.state != SessionState::kFault || before != SessionState::kFault) {
+    s.lead.peer_fault = in.slave.fault;
+  }
+  const auto waits = [](SessionState state) {
+    return state == SessionState::kHoming || state == SessionState::kAligning;
+  };
+  const bool waiting = waits(s.lead.session);
+  if (waiting && !waits(before)) ++s.lead.engagement_epoch;
+  s.lead.aligning_for = waiting ? s.lead.aligning_for + dt : 0.0;
+  // The first cause of a fault stays, unless the operator's stop comes on top.
+  if (next.state != SessionState::kFault || before != SessionState::kFault ||
+      next.reason == Reason::kStopRequested) {
+    s.lead.reason = next.reason;
+  }
+  if (next.state == SessionState::kFault || next.state == SessionState::kOff) {
+    s.lead.want_engaged = s.lead.want_clutched = false;
+  }
+  if (next.state == SessionState::kOff) {
+    if (session.overdue || next.reason == session.obstacle) s.lead.off_reason = next.reason;
+    if (next.reason == Reason::kNotEngaged) s.lead.reason = s.lead.off_reason;
+  }
+
+  if (s.lead.session == SessionState::kAligning) {
+    // The command is the pose the slave already stands on: taking over moves nothing.
+    s.command.has_command = in.slave.has_pose && is_place(in.slave.X_ST_command);
+    if (s.command.has_command) {
+      s.command.X_SU = in.slave.X_ST_command;
+      // Tools may be called before the hand first drives, with the clutch held: anchored here.
+      s.command.guide.restart(settings.guide, s.command.X_SU);
+    }
+  }
+  if (s.lead.session == SessionState::kOff || s.lead.session == SessionState::kFault) {
+    // A tool left over would pull the arm at the next engagement, with the hand still.
+    drop_tools(settings, true, true, s);
+  }
+  const bool driving = may_drive(s.lead.session) && !clutched && s.hand.gap <= kLongestHandGap;
+  if (driving && !s.command.driving) {
+    s.command.engagement = Engagement(settings.mapping, s.hand.X_MH, s.command.X_SU);
+    s.command.guide.restart(settings.guide, s.command.X_SU);
+  }
+  s.command.driving = driving;
+  // Whoever lets go of the arm, or holds the clutch, stops an approach: it does not go on by
+  // itself.
+  if (!driving && s.command.guide.approaching()) drop_tools(settings, true, false, s);
+}
+
+}  // namespace handrail
