@@ -308,7 +308,7 @@ bool FaultRun::engaged() const {
 
 bool FaultRun::engage() {
   const Nanos patience = now() + kPatience;
-  while (!(engaged() && cell_->master_state().session == SessionState::kEngaged)) {
+  while (!(engaged() && cell_->master_state().lead.session == SessionState::kEngaged)) {
     if (now() > patience) return false;
     tick(order_of(OrderKind::kEngage));
   }
@@ -326,7 +326,7 @@ void FaultRun::run(Nanos span) {
 
 void FaultRun::drive(Nanos span) {
   for (const Nanos end = now() + span; now() < end;) {
-    const SessionState session = cell_->master_state().session;
+    const SessionState session = cell_->master_state().lead.session;
     HapticOrder order;
     const bool idle = session == SessionState::kFault || session == SessionState::kOff;
     if (!idle) next_order_ = now() + kOperatorDelay;

@@ -251,7 +251,7 @@ FaultOutcome n11(const RowRun& row) {
     run.drive(kMillisecond);
     const Nanos loop = run.loop_age();
     const bool faded = run.cell().master().reasons.has(Reason::kForceFaded);
-    const bool over = loop > kLimit && run.cell().master_state().session != SessionState::kOff;
+    const bool over = loop > kLimit && run.cell().master_state().lead.session != SessionState::kOff;
     if (!over || faded) {
       over_since = -1;
     } else {

@@ -99,7 +99,7 @@ Result<HandRunResult> run_hand(const Scene& scene, const RecordedMotion& motion,
   HapticOrder engage;
   engage.kind = OrderKind::kEngage;
   int waited = 0;
-  while (cell->master_state().session != SessionState::kEngaged) {
+  while (cell->master_state().lead.session != SessionState::kEngaged) {
     if (++waited > kEngagePatience) {
       return Status::error(std::string("the cell did not engage: ") +
                            describe(cell->master().reason));
@@ -119,7 +119,7 @@ Result<HandRunResult> run_hand(const Scene& scene, const RecordedMotion& motion,
   HandRunResult result;
   result.samples = motion.rows();
   result.gaps = motion.gaps();
-  Judge judge(cell_options->follow.motion.arm, cell->master_state().guide.position(),
+  Judge judge(cell_options->follow.motion.arm, cell->master_state().command.guide.position(),
               cell_options->rig.controller.period);
   const auto ticks = static_cast<long>(motion.duration() * 1e3) + 1 + kSettle;
   for (long i = 0; i <= ticks; ++i) {

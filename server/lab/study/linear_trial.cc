@@ -139,7 +139,7 @@ class Trial {
     bench_.clutch(false);
     const OperatorAim aim = aim_of(task_, phase_, tools && options_.tools_act);
     bench_.mind().aim(aim);
-    measure_.begin(phase_, bench_.tip().q, bench_.cell().master_state().X_SU.q);
+    measure_.begin(phase_, bench_.tip().q, bench_.cell().master_state().command.X_SU.q);
     do {
       if (!step()) return false;
     } while (!bench_.mind().arrived());

@@ -54,7 +54,7 @@ StudyBench::StudyBench(const StudyMachine& machine, const CellOptions& cell,
 bool StudyBench::engage() {
   HapticOrder order;
   order.kind = OrderKind::kEngage;
-  while (cell_.master_state().session != SessionState::kClutched) {
+  while (cell_.master_state().lead.session != SessionState::kClutched) {
     if (now_ > kEngagePatience) return false;
     tick(order);
   }

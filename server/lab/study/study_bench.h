@@ -42,7 +42,7 @@ class StudyBench {
   const Pose& tip() const { return tip_; }  // true, X_ST
   double now() const { return now_; }       // [s]
   bool driving() const {
-    const SessionState state = cell_.master_state().session;
+    const SessionState state = cell_.master_state().lead.session;
     return state == SessionState::kEngaged || state == SessionState::kClutched;
   }
 

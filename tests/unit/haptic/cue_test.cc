@@ -229,7 +229,7 @@ TEST(HapticCueLoop, AHandThatWorksFeelsNothingAndOneThatReachesTooFarDoes) {
     ASSERT_EQ(loop.master.out.force.cue, Vec3(Vec3::Zero())) << i;
   }
   EXPECT_GT(back, 2.0 * kMm) << "or this says nothing";
-  const Vec3 outward = loop.master.state->engagement.to_hand({0.2, 0, 0});
+  const Vec3 outward = loop.master.state->command.engagement.to_hand({0.2, 0, 0});
   double felt = 0.0;
   for (int i = 0; i < 6000; ++i) {
     loop.master.in.hand.X_MH.p += kTick / 2.0 * outward;

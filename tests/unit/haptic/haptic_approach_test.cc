@@ -139,7 +139,7 @@ TEST(HapticApproach, AnApproachGoesThereAtTheScenesPaceAndTakesTheHandAlong) {
   EXPECT_TRUE(rig.out.blending);
   rig.ticks(4000);
   EXPECT_NEAR(rig.command().p.z(), tip.p.z() - kFar, 1e-9);
-  EXPECT_FALSE(rig.state->guide.approaching());
+  EXPECT_FALSE(rig.state->command.guide.approaching());
   EXPECT_LT(rig.most_force, 1e-9) << "nothing pulls the hand";
   // The hand is as after a clutch: without the tool nothing goes back.
   rig.drop(true, true);
@@ -218,7 +218,7 @@ TEST(HapticApproach, AnyOtherChangeOfPositionToolsEndsItWhereTheArmIs) {
     rig.ticks(1000);
     const Pose there = rig.command();
     change(rig);
-    EXPECT_FALSE(rig.state->guide.approaching());
+    EXPECT_FALSE(rig.state->command.guide.approaching());
     rig.ticks(3000);
     EXPECT_LT(way(rig, there), 1e-9) << &change - changes;
     EXPECT_LT(rig.most_force, 1e-9) << "and the hand is there";

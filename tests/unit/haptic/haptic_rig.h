@@ -28,11 +28,11 @@ class HapticRig {
   // One tick with what `in` says; the order is for this tick only.
   void tick() {
     const Vec3 before = out.f_H_M.force;
-    const Vec3 hand_before = state->X_MH.p;
+    const Vec3 hand_before = state->hand.X_MH.p;
     haptic_step(settings, in, kTick, *state, out);
     in.order = HapticOrder();
     force_step = (out.f_H_M.force - before).norm();
-    hand_step = (state->X_MH.p - hand_before).norm();
+    hand_step = (state->hand.X_MH.p - hand_before).norm();
     most_force = std::max(most_force, out.f_H_M.force.norm());
     finite = finite && is_finite(out.f_H_M) && is_finite(out.link.X_SU) &&
              is_unit(out.link.X_SU.q) && is_finite(out.shares.tool) &&

@@ -19,7 +19,7 @@ using test::Wander;
 constexpr double kOnTool = 1e-5;  // 0.01 mm, the figure to reach [m]
 
 double off_position_tool(const HapticRig& rig) {
-  return rig.state->guide.position().distance(rig.command().p);
+  return rig.state->command.guide.position().distance(rig.command().p);
 }
 
 // Angle between the tip's axis and the one it is to keep.
@@ -257,7 +257,9 @@ TEST(HapticTools, AfterNRotationIsReleasedHandRotationPassesOneToOneAndTheOffset
     rig.in.hand.X_MH.q = rotation_exp(turn * dice.unit()) * rig.in.hand.X_MH.q;
     rig.ticks(20);
     rig.drop(false, true);
-    const auto hand_S = [&rig] { return rig.state->engagement.to_slave(rig.in.hand.X_MH).q; };
+    const auto hand_S = [&rig] {
+      return rig.state->command.engagement.to_slave(rig.in.hand.X_MH).q;
+    };
     double offset = angle_between(hand_S(), rig.command().q);
     EXPECT_NEAR(offset, turn, 0.01);
     const double bound = rig.settings.guide.catch_up_rotation * HapticRig::kTick;

@@ -29,7 +29,7 @@ TEST(Ledger, TheStagesLeadFromTheHandToTheArmAndTheLinksIsWhatIsOnItsWay) {
     if (i < 100) continue;
     const MotionLedger& ledger = loop.master.out.motion;
     ASSERT_TRUE(ledger.known);
-    const Vec3 hand = loop.master.state->engagement.to_slave(loop.master.in.hand.X_MH).p;
+    const Vec3 hand = loop.master.state->command.engagement.to_slave(loop.master.in.hand.X_MH).p;
     ASSERT_LT((ledger.off_S.rowwise().sum() - (seen.X_ST_command.p - hand)).norm(), 1e-12);
     const Vec3 applied = loop.sent[seen.applied_sequence].X_SU.p;
     ASSERT_LT((loop.stage(MotionStage::kLink) - (applied - loop.master.command().p)).norm(), 1e-7)
@@ -61,7 +61,7 @@ TEST(Ledger, AToolCalledBesideTheTipIsEasedTowardAndThenSmoothed) {
   EXPECT_EQ(smoother(), Reason::kToolBlending);
   rig.ticks(3000);
   for (int i = 0; i < 50; ++i) {
-    rig.in.hand.X_MH.p += rig.state->engagement.to_hand({0, 1e-4, 0});
+    rig.in.hand.X_MH.p += rig.state->command.engagement.to_hand({0, 1e-4, 0});
     rig.tick();
   }
   EXPECT_GT(rig.out.motion.off_S.col(1).norm(), 1e-4);

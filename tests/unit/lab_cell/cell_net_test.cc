@@ -130,7 +130,7 @@ TEST(CellNetTest, AKilledSlaveComesBackOff) {
   cell->restart_slave();
   run(*cell, kSecond);
   EXPECT_EQ(cell->slave().state, SessionState::kOff);
-  EXPECT_EQ(cell->master_state().session, SessionState::kFault);
+  EXPECT_EQ(cell->master_state().lead.session, SessionState::kFault);
 }
 
 class Liar final : public CellTap {

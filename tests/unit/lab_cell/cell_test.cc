@@ -50,7 +50,7 @@ HapticOrder order_of(OrderKind kind) {
 // Ticks with an engage order until engaged, at most three seconds; how long it took.
 Nanos engage(Cell& cell) {
   const Nanos start = cell.now();
-  while (cell.master_state().session != SessionState::kEngaged &&
+  while (cell.master_state().lead.session != SessionState::kEngaged &&
          cell.now() - start < 3 * kSecond) {
     cell.tick(hand_at(Vec3::Zero()), order_of(OrderKind::kEngage));
   }

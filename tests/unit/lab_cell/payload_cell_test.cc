@@ -35,7 +35,7 @@ class LoadedCell {
     cell_ = std::make_unique<Cell>(options);
     HapticOrder engage;
     engage.kind = OrderKind::kEngage;
-    for (int i = 0; i < 3000 && cell_->master_state().session != SessionState::kEngaged; ++i) {
+    for (int i = 0; i < 3000 && cell_->master_state().lead.session != SessionState::kEngaged; ++i) {
       cell_->tick(hand(), engage);
     }
     EXPECT_EQ(cell_->slave().state, SessionState::kEngaged);
