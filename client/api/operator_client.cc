@@ -1,27 +1,72 @@
 #include "client/api/operator_client.h"
 
-#include <poll.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <utility>
+// Boost 1.74 uses std::exchange without including it.
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/write.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 
 #include "server/base/clock.h"
 #include "server/base/folder_owner.h"
 #include "server/base/length_prefix.h"
+#include "server/base/pacer.h"
 
 namespace handrail {
 namespace {
 
-// Between two looks whether the call is cancelled: Ctrl-C feels immediate [ms].
-constexpr Nanos kLook = 50;
+// Between two looks whether the call is cancelled: Ctrl-C feels immediate.
+constexpr Nanos kLook = 50 * kMillisecond;
 
 }  // namespace
+
+struct OperatorClient::Connection {
+  boost::asio::io_context io;
+  boost::asio::local::stream_protocol::socket stream{io};
+};
+
+OperatorClient::OperatorClient(std::string socket_path, std::string as, bool (*cancelled)())
+    : path_(std::move(socket_path)), as_(std::move(as)), cancelled_(cancelled) {}
+OperatorClient::~OperatorClient() = default;
+
+template <typename Start>
+Status OperatorClient::await(Nanos deadline, Start start) {
+  std::optional<boost::system::error_code> ended;
+  start([&ended](boost::system::error_code error, std::size_t) { ended = error; });
+  boost::asio::io_context& io = connection_->io;
+  std::string gave_up;
+  while (!ended) {
+    const Nanos left = deadline - monotonic_now();
+    if (gave_up.empty()) {
+      if (left <= 0) gave_up = "no answer in time";
+      if (cancelled_ != nullptr && cancelled_()) gave_up = "interrupted";
+      if (!gave_up.empty()) connection_->stream.close();  // ends what was begun
+    }
+    io.restart();
+    // Asio runs nothing at all in a time of zero, not even what is ready.
+    io.run_one_for(std::chrono::nanoseconds(std::clamp<Nanos>(left, kMillisecond, kLook)));
+  }
+  if (!gave_up.empty()) return failure(gave_up);
+  if (!*ended) return Status::ok();
+  namespace error = boost::asio::error;
+  const bool closed =
+      *ended == error::eof || *ended == error::broken_pipe || *ended == error::connection_reset;
+  return Status::error("no master on " + path_ + ": " +
+                       (closed ? "it closed the connection" : ended->message()));
+}
 
 Result<pb::Reply> OperatorClient::call(const pb::Request& order, Nanos patience) {
   const Nanos deadline = monotonic_now() + patience;
@@ -29,28 +74,37 @@ Result<pb::Reply> OperatorClient::call(const pb::Request& order, Nanos patience)
   if (!request.has_as() && !as_.empty()) request.set_as(as_);
   const std::string payload = request.SerializeAsString();
   if (payload.size() > kMaxFrame) return failure("the request is larger than 64 KiB");
-  if (fd_ < 0) {
+  if (!connection_) {
     if (Status status = connect(deadline); !status) return status;
   }
+  const std::string frame = framed(payload);
+  const auto write = [&](auto done) {
+    boost::asio::async_write(connection_->stream, boost::asio::buffer(frame), done);
+  };
+  const auto read = [&](auto to) {
+    return [this, to](auto done) { boost::asio::async_read(connection_->stream, to, done); };
+  };
   // A master that refuses the connection answers and closes, perhaps before the request is out.
-  const Status sent = send_all(framed(payload), deadline);
+  const Status sent = await(deadline, write);
+  if (!connection_) return sent;
   std::array<char, kFrameHeader> header{};
-  if (Status s = receive_exactly(header.data(), header.size(), deadline); !s) {
+  if (Status s = await(deadline, read(boost::asio::buffer(header))); !s) {
+    close();
     return sent ? s : sent;
   }
   const std::uint32_t size = frame_size(header.data());
   if (size > kMaxFrame) return failure("the reply is larger than 64 KiB");
   std::string body(size, '\0');
-  if (Status s = receive_exactly(body.data(), body.size(), deadline); !s) return s;
+  if (Status s = await(deadline, read(boost::asio::buffer(body))); !s) {
+    close();
+    return s;
+  }
   pb::Reply reply;
   if (!reply.ParseFromString(body)) return failure("the reply is garbled");
   return reply;
 }
 
-void OperatorClient::close() noexcept {
-  if (fd_ >= 0) ::close(fd_);
-  fd_ = -1;
-}
+void OperatorClient::close() noexcept { connection_.reset(); }
 
 Status OperatorClient::failure(const std::string& what) {
   close();
@@ -65,10 +119,15 @@ Status OperatorClient::connect(Nanos deadline) {
                    std::to_string(sizeof(address.sun_path) - 1));
   }
   std::copy(path_.begin(), path_.end(), address.sun_path);
-  fd_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  if (fd_ < 0) return failure(std::strerror(errno));
-  while (::connect(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
-    // A full queue of a busy master: there is nothing to poll for, so ask again.
+  connection_ = std::make_unique<Connection>();
+  boost::system::error_code error;
+  connection_->stream.open({}, error);
+  if (!error) connection_->stream.non_blocking(true, error);
+  if (error) return failure(error.message());
+  // Not by Asio: it takes the full queue of a busy master, for which there is nothing to poll, for
+  // a connection on its way.
+  const int fd = connection_->stream.native_handle();
+  while (::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
     if (errno != EAGAIN && errno != EINTR) {
       const int cause = errno;
       return failure(cause == ENOENT         ? "no such socket; start handrail-master"
@@ -77,7 +136,7 @@ Status OperatorClient::connect(Nanos deadline) {
     }
     if (cancelled_ != nullptr && cancelled_()) return failure("interrupted");
     if (monotonic_now() >= deadline) return failure("it does not accept connections");
-    ::poll(nullptr, 0, 5);
+    sleep_until(monotonic_now() + 5 * kMillisecond);
   }
   return check_peer();
 }
@@ -85,7 +144,8 @@ Status OperatorClient::connect(Nanos deadline) {
 Status OperatorClient::check_peer() {
   ucred peer{};
   socklen_t size = sizeof(peer);
-  if (::getsockopt(fd_, SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0) {
+  if (::getsockopt(connection_->stream.native_handle(), SOL_SOCKET, SO_PEERCRED, &peer, &size) !=
+      0) {
     return failure(std::strerror(errno));
   }
   if (peer.uid == 0 || peer.uid == ::geteuid()) return Status::ok();
@@ -109,53 +169,6 @@ Status OperatorClient::check_peer() {
   const std::string self = ::geteuid() == 0 ? "root" : user_text(::geteuid()) + ", root";
   return failure(user_text(peer.uid) + " listens there, expected " + self +
                  " or the owner of a folder that nobody else can replace; " + why);
-}
-
-Status OperatorClient::wait(short events, Nanos deadline) {
-  while (true) {
-    const Nanos left = deadline - monotonic_now();
-    if (left <= 0) return failure("no answer in time");
-    if (cancelled_ != nullptr && cancelled_()) return failure("interrupted");
-    pollfd entry{fd_, events, 0};
-    const Nanos longest = cancelled_ != nullptr ? kLook : 60'000;
-    const Nanos ms = std::min<Nanos>((left + kMillisecond - 1) / kMillisecond, longest);
-    const int n = ::poll(&entry, 1, static_cast<int>(ms));
-    if (n > 0) return Status::ok();
-    if (n < 0 && errno != EINTR) return failure(std::strerror(errno));
-  }
-}
-
-Status OperatorClient::send_all(const std::string& bytes, Nanos deadline) {
-  for (std::size_t done = 0; done < bytes.size();) {
-    const ssize_t n = ::send(fd_, bytes.data() + done, bytes.size() - done, MSG_NOSIGNAL);
-    if (n >= 0) {
-      done += static_cast<std::size_t>(n);
-    } else if (errno == EAGAIN) {
-      if (Status s = wait(POLLOUT, deadline); !s) return s;
-    } else if (errno == EPIPE || errno == ECONNRESET) {
-      return Status::error("no master on " + path_ + ": it closed the connection");
-    } else if (errno != EINTR) {
-      return failure(std::strerror(errno));
-    }
-  }
-  return Status::ok();
-}
-
-Status OperatorClient::receive_exactly(char* out, std::size_t size, Nanos deadline) {
-  for (std::size_t done = 0; done < size;) {
-    if (fd_ < 0) return failure("the connection is closed");
-    const ssize_t n = ::recv(fd_, out + done, size - done, 0);
-    if (n > 0) {
-      done += static_cast<std::size_t>(n);
-    } else if (n == 0) {
-      return failure("it closed the connection");
-    } else if (errno == EAGAIN) {
-      if (Status s = wait(POLLIN, deadline); !s) return s;
-    } else if (errno != EINTR) {
-      return failure(std::strerror(errno));
-    }
-  }
-  return Status::ok();
 }
 
 ExitCode exit_code(const Result<pb::Reply>& reply) {

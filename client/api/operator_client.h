@@ -4,6 +4,7 @@
 // KiB; one Reply for each Request, in order.
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "proto/operator.pb.h"
@@ -28,9 +29,8 @@ class OperatorClient {
   // `as`: who speaks, in requests that do not say; empty: the user the master runs as.
   // `cancelled`: asked every 50 ms while a call waits; where it says so, the call fails at once.
   explicit OperatorClient(std::string socket_path, std::string as = {},
-                          bool (*cancelled)() = nullptr)
-      : path_(std::move(socket_path)), as_(std::move(as)), cancelled_(cancelled) {}
-  ~OperatorClient() { close(); }
+                          bool (*cancelled)() = nullptr);
+  ~OperatorClient();
   OperatorClient(const OperatorClient&) = delete;
   OperatorClient& operator=(const OperatorClient&) = delete;
 
@@ -42,18 +42,20 @@ class OperatorClient {
   void close() noexcept;
 
  private:
+  struct Connection;
+
   Status connect(Nanos deadline);
   // Who listens is root, this user, or who owns the folder that nobody else can put there.
   Status check_peer();
-  Status send_all(const std::string& bytes, Nanos deadline);
-  Status receive_exactly(char* out, std::size_t size, Nanos deadline);
-  Status wait(short events, Nanos deadline);
+  // Runs the connection until what `start` begins has ended, which tells the function it is given.
+  template <typename Start>
+  Status await(Nanos deadline, Start start);
   Status failure(const std::string& what);
 
   std::string path_;
   std::string as_;
   bool (*cancelled_)();
-  int fd_ = -1;
+  std::unique_ptr<Connection> connection_;  // null: none
 };
 
 // Done, refused or no master.
