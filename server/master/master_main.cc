@@ -21,10 +21,8 @@
 #include "server/base/realtime.h"
 #include "server/base/signals_blocked.h"
 #include "server/base/units.h"
-#include "server/daemon/daemon_args.h"
-#include "server/daemon/daemon_log.h"
+#include "server/daemon/daemon_main.h"
 #include "server/daemon/errand.h"
-#include "server/daemon/run_daemon.h"
 #include "server/daemon/service_socket.h"
 #include "server/master/haptic_loop.h"
 #include "server/master/haptic_settings.h"
@@ -233,13 +231,5 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
 
 int main(int argc, char** argv) {
   using namespace handrail;
-  return run_daemon("handrail-master", [&] {
-    const auto args = parse_daemon_args(argc, argv);
-    if (const auto code = answer_at_once(args, "handrail-master", kWhat)) return *code;
-    const auto config = load_master_config(args->config_path);
-    if (!config) return fail(config.message());
-    // Standard output carries only the READY line.
-    const DaemonLog log("handrail-master", kIoPriority);
-    return run(*config, args->check, log);
-  });
+  return daemon_main(argc, argv, "handrail-master", kWhat, kIoPriority, load_master_config, run);
 }

@@ -18,10 +18,8 @@
 #include "server/base/pacer.h"
 #include "server/base/realtime.h"
 #include "server/base/signals_blocked.h"
-#include "server/daemon/daemon_args.h"
-#include "server/daemon/daemon_log.h"
+#include "server/daemon/daemon_main.h"
 #include "server/daemon/errand.h"
-#include "server/daemon/run_daemon.h"
 #include "server/daemon/service_socket.h"
 #include "server/scene/config_io.h"
 #include "server/scene/payload_io.h"
@@ -211,13 +209,5 @@ int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
 
 int main(int argc, char** argv) {
   using namespace handrail;
-  return run_daemon("handrail-slave", [&] {
-    const auto args = parse_daemon_args(argc, argv);
-    if (const auto code = answer_at_once(args, "handrail-slave", kWhat)) return *code;
-    const auto config = load_slave_config(args->config_path);
-    if (!config) return fail(config.message());
-    // Standard output carries only the READY line.
-    const DaemonLog log("handrail-slave", kIoPriority);
-    return run(*config, args->check, log);
-  });
+  return daemon_main(argc, argv, "handrail-slave", kWhat, kIoPriority, load_slave_config, run);
 }

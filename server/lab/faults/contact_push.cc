@@ -1,5 +1,7 @@
 #include "server/lab/faults/contact_push.h"
 
+#include <optional>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -39,6 +41,13 @@ bool Push::roam(Nanos span) {
   roam_from_ = run.now();
   pass(span);
   return true;
+}
+
+void Push::freeze_sensor() {
+  falsify = [last = std::optional<Wrench>()](Nanos, Wrench& f, bool&) mutable {
+    if (!last) last = f;
+    f = *last;
+  };
 }
 
 void Push::go_down() {

@@ -26,6 +26,8 @@ class Push {
   bool roam(Nanos span);
   void go_down();
   void retreat() { back_ = run.now(); }
+  // From here on the sensor repeats its next reading.
+  void freeze_sensor();
 
   // Lets `span` pass with an operator who engages again if `driven`.
   void pass(Nanos span, bool driven = false);

@@ -90,13 +90,7 @@ FaultOutcome s2c(const RowRun& row) {
     push.pass_until(row.index % 3 == 1 ? 5.0 : 45.0);
   }
   const Nanos from = push.run.now();
-  Wrench last;
-  bool have = false;
-  push.falsify = [&](Nanos, Wrench& f, bool&) {
-    if (have) f = last;
-    last = f;
-    have = true;
-  };
+  push.freeze_sensor();
   push.pass(50 * kMillisecond);
   push.run.auditor().must_stop(from + 100 * kMillisecond);
   push.pass(3 * kSecond);

@@ -117,13 +117,7 @@ FaultOutcome s2e(const RowRun& row) {
   if (push.pass_until(12.0 + 20.0 * push.run.random().uniform()) == kForever) return not_engaged();
   if (leaves) push.pass(5 * kSecond);
   const double force = push.run.true_force();
-  Wrench last;
-  bool have = false;
-  push.falsify = [&](Nanos, Wrench& f, bool&) {
-    if (have) f = last;
-    last = f;
-    have = true;
-  };
+  push.freeze_sensor();
   if (leaves) push.retreat();
   const auto changed = [&] {
     return slides ? !push.run.engaged() : std::abs(push.run.true_force() - force) > kChanged;

@@ -15,10 +15,10 @@ std::vector<std::string> not_on_rig(const Simulate& list) {
     const auto kind = static_cast<RigEffectKind>(i);
     const bool listed = std::any_of(list.effects.begin(), list.effects.end(),
                                     [kind](const RigEffectSpec& e) { return kind_of(e) == kind; });
-    if (!listed) out.push_back(name_of(kind));
+    if (!listed) out.emplace_back(name_of(kind));
     touches = touches || (listed && is_touched(kind));
   }
-  if (!touches) out.push_back("contact with a workpiece");
+  if (!touches) out.emplace_back("contact with a workpiece");
   out.insert(out.end(),
              {"mass of arm and tool: impacts do not ring", "friction of the joints",
               "loss and jitter of the link", "walls and the effects of a two-axis scene"});
@@ -36,7 +36,7 @@ Result<Explanation> explain_scene(const Scene& scene, const std::atomic<bool>& c
       const auto kind = static_cast<EffectKind>(i);
       const bool listed = std::any_of(scene.effects.begin(), scene.effects.end(),
                                       [kind](const EffectSpec& e) { return e.kind == kind; });
-      if (!listed) out.not_simulated.push_back(name_of(kind));
+      if (!listed) out.not_simulated.emplace_back(name_of(kind));
     }
     out.not_simulated.insert(out.not_simulated.end(),
                              {"backlash and flexibility of the device", "motor dynamics",
