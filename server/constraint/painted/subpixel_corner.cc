@@ -257,10 +257,8 @@ void mark_loose_ends(const CoverageView& view, std::vector<SurfacePatch>& patche
   }
 }
 
-}  // namespace
-
-PixelSet resolve_corners(const CoverageView& view, const std::vector<SurfaceEnd>& ends,
-                         std::vector<SurfacePatch>& patches) {
+// Where any two ends meet, the nearest first.
+std::vector<Corner> corners_of(const std::vector<SurfaceEnd>& ends) {
   std::unordered_multimap<std::int64_t, const SurfaceEnd*> near;
   for (const SurfaceEnd& end : ends) near.emplace(cell_of(end.piece.at(0.0)), &end);
   std::vector<Corner> corners;
@@ -280,21 +278,31 @@ PixelSet resolve_corners(const CoverageView& view, const std::vector<SurfaceEnd>
   }
   std::sort(corners.begin(), corners.end(),
             [](const Corner& a, const Corner& b) { return a.far < b.far; });
-  std::unordered_multimap<std::int64_t, const Corner*> found;
-  std::vector<SurfacePatch> pieces;
-  PixelSet explained;
-  const auto around = [&](const Vec2& p, auto&& test) {
+  return corners;
+}
+
+// Corners that the pixels have shown, by where they are.
+class KnownCorners {
+ public:
+  // Must stay where it is.
+  void add(const Corner& corner) { by_cell_.emplace(cell_of(corner.at), &corner); }
+
+  // Whether `test` is true for one of those around `p`.
+  template <typename Test>
+  bool any(const Vec2& p, Test&& test) const {
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dx = -1; dx <= 1; ++dx) {
-        const auto [first, last] = found.equal_range(cell_of(p, dx, dy));
+        const auto [first, last] = by_cell_.equal_range(cell_of(p, dx, dy));
         for (auto it = first; it != last; ++it) {
           if (test(*it->second)) return true;
         }
       }
     }
     return false;
-  };
-  for (Corner& corner : corners) {
+  }
+
+  // That one is known already, or comes of one that is.
+  bool explain(const Corner& corner) const {
     const auto same = [&](const Corner& other) {
       return (other.at - corner.at).norm() < kSame || other.from[0] == corner.from[0] ||
              other.from[0] == corner.from[1] || other.from[1] == corner.from[0] ||
@@ -302,21 +310,36 @@ PixelSet resolve_corners(const CoverageView& view, const std::vector<SurfaceEnd>
     };
     // A rough end on the way to a corner is of the corner's making.
     const auto made = [&](const SurfaceEnd* end) {
-      return end->rough && around(end->piece.at(0.0), [&](const Corner& other) {
+      return end->rough && any(end->piece.at(0.0), [&](const Corner& other) {
                return between(end->piece, other, 0.25);
              });
     };
-    if (made(corner.from[0]) || made(corner.from[1])) continue;
-    if (around(corner.at, same) || !agrees(view, corner, kHint)) continue;
+    return made(corner.from[0]) || made(corner.from[1]) || any(corner.at, same);
+  }
+
+ private:
+  std::unordered_multimap<std::int64_t, const Corner*> by_cell_;
+};
+
+}  // namespace
+
+PixelSet resolve_corners(const CoverageView& view, const std::vector<SurfaceEnd>& ends,
+                         std::vector<SurfacePatch>& patches) {
+  std::vector<Corner> corners = corners_of(ends);
+  KnownCorners known;
+  std::vector<SurfacePatch> pieces;
+  PixelSet explained;
+  for (Corner& corner : corners) {
+    if (known.explain(corner) || !agrees(view, corner, kHint)) continue;
     refine(view, corner);
     if (!agrees(view, corner, kAgree)) continue;
-    found.emplace(cell_of(corner.at), &corner);
+    known.add(corner);
     for (std::size_t i = 0; i < 2; ++i) extend(corner.end[i], corner.u[i], corner.inner, pieces);
     if (corner.inner) each_pixel(corner, [&](int x, int y) { return explained.add(x, y), true; });
   }
   std::erase_if(patches, [&](const SurfacePatch& piece) {
-    return around(piece.at(0.0),
-                  [&](const Corner& corner) { return between(piece, corner, -0.25); });
+    return known.any(piece.at(0.0),
+                     [&](const Corner& corner) { return between(piece, corner, -0.25); });
   });
   patches.insert(patches.end(), pieces.begin(), pieces.end());
   mark_loose_ends(view, patches);

@@ -1,6 +1,7 @@
 #include "server/constraint/painted/subpixel_field.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -9,11 +10,6 @@
 
 namespace handrail {
 namespace {
-
-// A cell: below kDeep, free with no wall within its number of rings of cells; kDeep, all wall; from
-// kTiles on, a tile: twice its place in samples_ / 4, plus one when fine.
-constexpr std::uint32_t kDeep = 255;
-constexpr std::uint32_t kTiles = 256;
 
 constexpr double kReach = 3.0;           // distances are kept to here
 constexpr double kFineReach = 1.5;       // ... in fine tiles
@@ -44,6 +40,113 @@ double without_nooks(const double* value, int i, int j) {
   return here - best > kNook ? best : here;
 }
 
+// Which row or column of cells a coordinate is in.
+int to_cell(double v) { return static_cast<int>(std::floor(v / 8)) + 1; }
+
+// The samples of a tile while they are made, with those around that a fine one needs.
+struct Grid {
+  // (x, y): the tile's lower left pixel.
+  Grid(int x, int y, bool fine)
+      : n(fine ? kWide : kCoarse),
+        pitch(fine ? 0.25 : 1.0),
+        reach(fine ? kFineReach : kReach),
+        x0(x - (fine ? (0.5 + kAround) * pitch : 0.5 * pitch)),
+        y0(y - (fine ? (0.5 + kAround) * pitch : 0.5 * pitch)) {}
+
+  Vec2 at(int i, int j) const { return {x0 + i * pitch, y0 + j * pitch}; }
+  double& value_at(int i, int j) { return value[static_cast<std::size_t>(j * n + i)]; }
+  static double wall_at(const CoverageView& view, const Vec2& p) {
+    return view.wall(static_cast<int>(std::floor(p.x())), static_cast<int>(std::floor(p.y())));
+  }
+
+  // By the pixels alone: far on the one side or the other.
+  void guess(const CoverageView& view) {
+    std::fill_n(rank.begin(), n * n, 1e9);
+    for (int j = 0; j < n; ++j) {
+      for (int i = 0; i < n; ++i) value_at(i, j) = wall_at(view, at(i, j)) >= 0.5 ? -reach : reach;
+    }
+  }
+
+  // The distance to the piece, where no other speaks for the sample with more right.
+  void take(const SurfacePatch& piece) {
+    const Vec2 middle = piece.at(0.0);
+    const auto low = [&](double from) {
+      return std::max(static_cast<int>(std::ceil((from - reach - 0.5) / pitch)), 0);
+    };
+    const auto high = [&](double to) {
+      return std::min(static_cast<int>(std::floor((to + reach + 0.5) / pitch)), n - 1);
+    };
+    for (int j = low(middle.y() - y0); j <= high(middle.y() - y0); ++j) {
+      for (int i = low(middle.x() - x0); i <= high(middle.x() - x0); ++i) {
+        const SurfacePatch::Distance d = piece.distance(x0 + i * pitch, y0 + j * pitch);
+        double& best = rank[static_cast<std::size_t>(j * n + i)];
+        if (d.rank >= best) continue;
+        best = d.rank;
+        // The spline through samples of a curved distance would be off by this.
+        value_at(i, j) = d.value - d.bend * pitch * pitch / 8.0;
+      }
+    }
+  }
+
+  // Whatever the pieces say near corners, no surface runs through a pixel all wall or all free.
+  void keep_pixels(const CoverageView& view) {
+    for (int j = 0; j < n; ++j) {
+      for (int i = 0; i < n; ++i) {
+        const Vec2 p = at(i, j);
+        const double inside = 0.9 * std::min(to_border(p.x()), to_border(p.y()));
+        const double w = wall_at(view, p);
+        double& v = value_at(i, j);
+        if (w >= kFull) v = std::min(v, -inside);
+        if (w <= 1.0 - kFull) v = std::max(v, inside);
+      }
+    }
+  }
+
+  int n;
+  double pitch, reach;
+  double x0, y0;  // of the sample (0, 0)
+  std::array<double, kWide * kWide> value, rank;
+};
+
+// A biquadratic B-spline's weights of three samples, and those of its slope, at `s` from the middle
+// one in samples.
+struct Spline {
+  explicit Spline(double s)
+      : value{0.5 * (0.5 - s) * (0.5 - s), 0.75 - s * s, 0.5 * (0.5 + s) * (0.5 + s)},
+        slope{s - 0.5, -2.0 * s, s + 0.5} {}
+  static double sum(const double (&weight)[3], const double (&of)[3]) {
+    return weight[0] * of[0] + weight[1] * of[1] + weight[2] * of[2];
+  }
+  double value[3], slope[3];
+};
+
+// The spline through 3 x 3 samples, rows `stride` apart, at (s, t) from the middle one, and its
+// derivatives; `scale`: samples a pixel.
+void spread(const std::int16_t* row, int stride, double s, double t, double scale,
+            SubpixelField::Probe& out) {
+  const Spline a(s), b(t);
+  double f[3], fx[3], fxx[3];
+  for (int k = 0; k < 3; ++k, row += stride) {
+    const double of[3] = {static_cast<double>(row[0]), static_cast<double>(row[1]),
+                          static_cast<double>(row[2])};
+    f[k] = Spline::sum(a.value, of);
+    fx[k] = Spline::sum(a.slope, of);
+    fxx[k] = of[0] - 2.0 * of[1] + of[2];
+  }
+  out.distance = kUnit * Spline::sum(b.value, f);
+  const double unit1 = kUnit * scale, unit2 = unit1 * scale;
+  const double gx = unit1 * Spline::sum(b.value, fx);
+  const double gy = unit1 * Spline::sum(b.slope, f);
+  const double hxx = unit2 * Spline::sum(b.value, fxx);
+  const double hxy = unit2 * Spline::sum(b.slope, fx);
+  const double hyy = unit2 * (f[0] - 2.0 * f[1] + f[2]);
+  out.gradient = {gx, gy};
+  const double g2 = gx * gx + gy * gy;
+  if (g2 > 1e-6) {
+    out.bend = (hxx * gy * gy - 2.0 * hxy * gx * gy + hyy * gx * gx) / (g2 * std::sqrt(g2));
+  }
+}
+
 }  // namespace
 
 struct SubpixelField::Build {
@@ -61,20 +164,22 @@ SubpixelField::SubpixelField(const CoverageMap& map, std::uint64_t gone)
   Build build{CoverageView(map, gone), {}, {}, {}, {}, {}};
   sort_cells(build);
   find_surface(build);
-  cells_.resize(build.kind.size());
+  cells_.reserve(build.kind.size());
   std::size_t size = 0;
-  for (std::size_t i = 0; i < cells_.size(); ++i) {
+  for (std::size_t i = 0; i < build.kind.size(); ++i) {
     const bool fine = build.tile[i] == 2;
-    cells_[i] = build.kind[i] == Build::kWall ? kDeep : 0;
-    if (build.tile[i] == 0) continue;
-    cells_[i] = kTiles + static_cast<std::uint32_t>(size / 4 * 2) + (fine ? 1 : 0);
+    if (build.tile[i] == 0) {
+      cells_.push_back(build.kind[i] == Build::kWall ? Cell::deep() : Cell::free(0));
+      continue;
+    }
+    cells_.push_back(Cell::tile(size, fine));
     size += fine ? kFine * kFine : kCoarse * kCoarse;
   }
   samples_.resize(size);
   for (int cy = 0; cy < rows_; ++cy) {
     for (int cx = 0; cx < columns_; ++cx) {
-      const std::uint32_t c = cells_[cell(cx, cy)];
-      if (c >= kTiles) fill(build, cx, cy, (c & 1) != 0, &samples_[(c - kTiles) / 2 * 4]);
+      const Cell c = cells_[cell(cx, cy)];
+      if (c.is_tile()) fill(build, cx, cy, c.fine(), &samples_[c.first()]);
     }
   }
   mark_rings();
@@ -102,6 +207,18 @@ void SubpixelField::sort_cells(Build& build) const {
   }
 }
 
+bool SubpixelField::has_edge(const Build& build, int cx, int cy) const {
+  const std::uint8_t kind = build.kind[cell(cx, cy)];
+  if (kind == Build::kMixed) return true;
+  // An edge along the cell's own border makes neighbours differ.
+  for (int side = 0; side < 4; ++side) {
+    const int nx = cx + (side == 0) - (side == 1), ny = cy + (side == 2) - (side == 3);
+    if (nx < 0 || ny < 0 || nx >= columns_ || ny >= rows_) continue;
+    if (build.kind[cell(nx, ny)] != kind) return true;
+  }
+  return false;
+}
+
 // The pieces of surface, and which cells become tiles.
 void SubpixelField::find_surface(Build& build) const {
   build.tile.assign(build.kind.size(), 0);
@@ -109,26 +226,12 @@ void SubpixelField::find_surface(Build& build) const {
   std::vector<SurfaceEnd> ends;
   for (int cy = 0; cy < rows_; ++cy) {
     for (int cx = 0; cx < columns_; ++cx) {
-      const std::uint8_t kind = build.kind[cell(cx, cy)];
-      bool edge = kind == Build::kMixed;
-      // An edge along the cell's own border makes neighbours differ.
-      for (int side = 0; side < 4 && !edge; ++side) {
-        const int nx = cx + (side == 0) - (side == 1), ny = cy + (side == 2) - (side == 3);
-        if (nx < 0 || ny < 0 || nx >= columns_ || ny >= rows_) continue;
-        edge = build.kind[cell(nx, ny)] != kind;
-      }
-      if (!edge) continue;
-      if (kind == Build::kMixed) build.tile[cell(cx, cy)] = 1;
+      if (!has_edge(build, cx, cy)) continue;
+      if (build.kind[cell(cx, cy)] == Build::kMixed) build.tile[cell(cx, cy)] = 1;
       find_patches(build.view, (cx - 1) * kTile, (cy - 1) * kTile, found, ends);
     }
   }
   build.explained = resolve_corners(build.view, ends, found);
-  const auto to_cell = [](double v) { return static_cast<int>(std::floor(v / kTile)) + 1; };
-  const auto cell_of = [&](const SurfacePatch& piece) {
-    const Vec2 p = piece.at(0.0);
-    return cell(std::clamp(to_cell(p.x()), 0, columns_ - 1),
-                std::clamp(to_cell(p.y()), 0, rows_ - 1));
-  };
   const auto mark = [&](const Vec2& p, double reach, std::uint8_t as) {
     for (int cy = std::max(to_cell(p.y() - reach), 0);
          cy <= std::min(to_cell(p.y() + reach), rows_ - 1); ++cy) {
@@ -138,13 +241,22 @@ void SubpixelField::find_surface(Build& build) const {
       }
     }
   };
-  // Sorted by cell, in two passes.
-  build.first.assign(build.kind.size() + 1, 0);
   for (const SurfacePatch& piece : found) {
-    ++build.first[cell_of(piece) + 1];
     mark(piece.at(0.0), kReach + 1.0, 1);
     if (piece.delicate) mark(piece.at(0.0), kDelicate, 2);
   }
+  sort_surface(found, build);
+}
+
+// The pieces by cell, in two passes.
+void SubpixelField::sort_surface(const std::vector<SurfacePatch>& found, Build& build) const {
+  const auto cell_of = [&](const SurfacePatch& piece) {
+    const Vec2 p = piece.at(0.0);
+    return cell(std::clamp(to_cell(p.x()), 0, columns_ - 1),
+                std::clamp(to_cell(p.y()), 0, rows_ - 1));
+  };
+  build.first.assign(build.kind.size() + 1, 0);
+  for (const SurfacePatch& piece : found) ++build.first[cell_of(piece) + 1];
   std::partial_sum(build.first.begin(), build.first.end(), build.first.begin());
   build.patches.resize(found.size());
   std::vector<std::uint32_t> next(build.first.begin(), build.first.end() - 1);
@@ -153,70 +265,31 @@ void SubpixelField::find_surface(Build& build) const {
 
 void SubpixelField::fill(const Build& build, int cx, int cy, bool fine,
                          std::int16_t* samples) const {
-  const int n = fine ? kWide : kCoarse;
-  const double pitch = fine ? 0.25 : 1.0, reach = fine ? kFineReach : kReach;
-  const double edge = fine ? (0.5 + kAround) * pitch : 0.5 * pitch;
-  const double x0 = (cx - 1) * kTile - edge, y0 = (cy - 1) * kTile - edge;
-  double value[kWide * kWide], rank[kWide * kWide];
-  std::fill_n(rank, n * n, 1e9);
-  for (int j = 0; j < n; ++j) {
-    for (int i = 0; i < n; ++i) {
-      const double w = build.view.wall(static_cast<int>(std::floor(x0 + i * pitch)),
-                                       static_cast<int>(std::floor(y0 + j * pitch)));
-      value[j * n + i] = w >= 0.5 ? -reach : reach;
-    }
-  }
+  Grid grid((cx - 1) * kTile, (cy - 1) * kTile, fine);
+  grid.guess(build.view);
   for (int ny = std::max(cy - 1, 0); ny <= std::min(cy + 1, rows_ - 1); ++ny) {
     for (int nx = std::max(cx - 1, 0); nx <= std::min(cx + 1, columns_ - 1); ++nx) {
       for (std::size_t k = build.first[cell(nx, ny)]; k < build.first[cell(nx, ny) + 1]; ++k) {
-        const SurfacePatch& p = build.patches[k];
-        const Vec2 middle = p.at(0.0);
-        const double px = middle.x(), py = middle.y();
-        const auto low = [&](double at) {
-          return std::max(static_cast<int>(std::ceil((at - reach - 0.5) / pitch)), 0);
-        };
-        const auto high = [&](double at) {
-          return std::min(static_cast<int>(std::floor((at + reach + 0.5) / pitch)), n - 1);
-        };
-        for (int j = low(py - y0); j <= high(py - y0); ++j) {
-          for (int i = low(px - x0); i <= high(px - x0); ++i) {
-            const SurfacePatch::Distance d = p.distance(x0 + i * pitch, y0 + j * pitch);
-            if (d.rank >= rank[j * n + i]) continue;
-            rank[j * n + i] = d.rank;
-            // The spline through samples of a curved distance would be off by this.
-            value[j * n + i] = d.value - d.bend * pitch * pitch / 8.0;
-          }
-        }
+        grid.take(build.patches[k]);
       }
     }
   }
-  // Whatever the pieces say near corners, no surface runs through a pixel all wall or all free.
-  for (int j = 0; j < n; ++j) {
-    for (int i = 0; i < n; ++i) {
-      const double x = x0 + i * pitch, y = y0 + j * pitch;
-      const double inside = 0.9 * std::min(to_border(x), to_border(y));
-      const double w =
-          build.view.wall(static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y)));
-      double& v = value[j * n + i];
-      if (w >= kFull) v = std::min(v, -inside);
-      if (w <= 1.0 - kFull) v = std::max(v, inside);
-    }
-  }
-  if (fine) stand_cores(build, cx, cy, value);
+  grid.keep_pixels(build.view);
+  if (fine) stand_cores(build, cx, cy, grid.value.data());
   const auto keep = [&](double v) {
-    return static_cast<std::int16_t>(std::lround(std::clamp(v, -reach, reach) / kUnit));
+    return static_cast<std::int16_t>(std::lround(std::clamp(v, -grid.reach, grid.reach) / kUnit));
   };
   if (!fine) {
-    std::transform(value, value + n * n, samples, keep);
+    std::transform(grid.value.begin(), grid.value.begin() + grid.n * grid.n, samples, keep);
     return;
   }
   for (int j = 0; j < kFine; ++j) {
     for (int i = 0; i < kFine; ++i) {
-      const int x = static_cast<int>(std::floor(x0 + (i + kAround) * pitch));
-      const int y = static_cast<int>(std::floor(y0 + (j + kAround) * pitch));
-      samples[j * kFine + i] =
-          keep(build.explained.has(x, y) ? value[(j + kAround) * kWide + i + kAround]
-                                         : without_nooks(value, i + kAround, j + kAround));
+      const Vec2 p = grid.at(i + kAround, j + kAround);
+      const int x = static_cast<int>(std::floor(p.x())), y = static_cast<int>(std::floor(p.y()));
+      samples[j * kFine + i] = keep(
+          build.explained.has(x, y) ? grid.value_at(i + kAround, j + kAround)
+                                    : without_nooks(grid.value.data(), i + kAround, j + kAround));
     }
   }
 }
@@ -251,16 +324,16 @@ void SubpixelField::stand_cores(const Build& build, int cx, int cy, double* valu
 void SubpixelField::mark_rings() {
   const auto ring = [&](int cx, int cy) -> std::uint32_t {
     if (cx < 0 || cy < 0 || cx >= columns_ || cy >= rows_) return 0;
-    const std::uint32_t c = cells_[cell(cx, cy)];
-    return c < kDeep ? c : 0;
+    const Cell c = cells_[cell(cx, cy)];
+    return c.is_free() ? c.rings() : 0;
   };
-  for (std::uint32_t& c : cells_) c = c < kDeep ? kDeep - 1 : c;
+  for (Cell& c : cells_) c = c.is_free() ? Cell::free(Cell::kMostRings) : c;
   const auto relax = [&](int cx, int cy, int way) {
-    std::uint32_t& c = cells_[cell(cx, cy)];
-    if (c >= kDeep) return;
+    Cell& c = cells_[cell(cx, cy)];
+    if (!c.is_free()) return;
     const std::uint32_t least = std::min(
         {ring(cx - way, cy), ring(cx - 1, cy - way), ring(cx, cy - way), ring(cx + 1, cy - way)});
-    c = std::min(c, least + 1);
+    c = Cell::free(std::min(c.rings(), least + 1));
   };
   for (int cy = 0; cy < rows_; ++cy) {
     for (int cx = 0; cx < columns_; ++cx) relax(cx, cy, 1);
@@ -279,43 +352,18 @@ SubpixelField::Probe SubpixelField::at(const Vec2& p) const noexcept {
     return out;
   }
   const int cx = static_cast<int>(x) / kTile, cy = static_cast<int>(y) / kTile;
-  const std::uint32_t c = cells_[cell(cx, cy)];
-  if (c < kTiles) {
-    out.distance = c == kDeep ? -kReach : kReach + kTile * (static_cast<double>(c) - 1.0);
+  const Cell c = cells_[cell(cx, cy)];
+  if (!c.is_tile()) {
+    out.distance = c.is_free() ? kReach + kTile * (static_cast<double>(c.rings()) - 1.0) : -kReach;
     return out;
   }
-  out.fine = (c & 1) != 0;
+  out.fine = c.fine();
   const double scale = out.fine ? 4.0 : 1.0;
   const int stride = out.fine ? kFine : kCoarse;
   const double u = (x - cx * kTile) * scale, v = (y - cy * kTile) * scale;
   const int i = static_cast<int>(u), j = static_cast<int>(v);
-  const double s = u - i - 0.5, t = v - j - 0.5;
-  const double a0 = 0.5 * (0.5 - s) * (0.5 - s), a1 = 0.75 - s * s,
-               a2 = 0.5 * (0.5 + s) * (0.5 + s);
-  const std::int16_t* row =
-      &samples_[(c - kTiles) / 2 * 4 + static_cast<std::size_t>(j * stride + i)];
-  double f[3], fx[3], fxx[3];
-  for (int k = 0; k < 3; ++k, row += stride) {
-    const double l = row[0], m = row[1], r = row[2];
-    f[k] = a0 * l + a1 * m + a2 * r;
-    fx[k] = (s - 0.5) * l - 2.0 * s * m + (s + 0.5) * r;
-    fxx[k] = l - 2.0 * m + r;
-  }
-  const double b0 = 0.5 * (0.5 - t) * (0.5 - t), b1 = 0.75 - t * t,
-               b2 = 0.5 * (0.5 + t) * (0.5 + t);
-  const double c0 = t - 0.5, c1 = -2.0 * t, c2 = t + 0.5;
-  out.distance = kUnit * (b0 * f[0] + b1 * f[1] + b2 * f[2]);
-  const double unit1 = kUnit * scale, unit2 = unit1 * scale;
-  const double gx = unit1 * (b0 * fx[0] + b1 * fx[1] + b2 * fx[2]);
-  const double gy = unit1 * (c0 * f[0] + c1 * f[1] + c2 * f[2]);
-  const double hxx = unit2 * (b0 * fxx[0] + b1 * fxx[1] + b2 * fxx[2]);
-  const double hxy = unit2 * (c0 * fx[0] + c1 * fx[1] + c2 * fx[2]);
-  const double hyy = unit2 * (f[0] - 2.0 * f[1] + f[2]);
-  out.gradient = {gx, gy};
-  const double g2 = gx * gx + gy * gy;
-  if (g2 > 1e-6) {
-    out.bend = (hxx * gy * gy - 2.0 * hxy * gx * gy + hyy * gx * gx) / (g2 * std::sqrt(g2));
-  }
+  spread(&samples_[c.first() + static_cast<std::size_t>(j * stride + i)], stride, u - i - 0.5,
+         v - j - 0.5, scale, out);
   return out;
 }
 

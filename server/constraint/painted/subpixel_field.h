@@ -32,8 +32,34 @@ class SubpixelField {
  private:
   struct Build;
   static constexpr int kTile = 8;
+
+  // What a cell of a tile's size is: free, with no wall within a number of rings of cells around;
+  // deep, all wall; or a tile, whose samples begin at `first`, a multiple of 4.
+  class Cell {
+   public:
+    static constexpr std::uint32_t kMostRings = 254;
+    static Cell free(std::uint32_t rings) noexcept { return Cell(rings); }
+    static Cell deep() noexcept { return Cell(kDeep); }
+    static Cell tile(std::size_t first, bool fine) noexcept {
+      return Cell(kTiles + static_cast<std::uint32_t>(first / 4 * 2) + (fine ? 1 : 0));
+    }
+    bool is_free() const noexcept { return bits_ < kDeep; }
+    bool is_tile() const noexcept { return bits_ >= kTiles; }
+    std::uint32_t rings() const noexcept { return bits_; }
+    bool fine() const noexcept { return (bits_ & 1) != 0; }
+    std::size_t first() const noexcept { return (bits_ - kTiles) / 2 * 4; }
+
+   private:
+    static constexpr std::uint32_t kDeep = kMostRings + 1, kTiles = kDeep + 1;
+    explicit Cell(std::uint32_t bits) noexcept : bits_(bits) {}
+    std::uint32_t bits_;
+  };
+
   void sort_cells(Build& build) const;
   void find_surface(Build& build) const;
+  void sort_surface(const std::vector<SurfacePatch>& found, Build& build) const;
+  // At the cell's border or in it.
+  bool has_edge(const Build& build, int cx, int cy) const;
   void fill(const Build& build, int cx, int cy, bool fine, std::int16_t* samples) const;
   void stand_cores(const Build& build, int cx, int cy, double* value) const;
   void mark_rings();
@@ -43,8 +69,8 @@ class SubpixelField {
            static_cast<std::size_t>(cx);
   }
 
-  int columns_ = 0, rows_ = 0;        // of cells: the map's tiles and one all around
-  std::vector<std::uint32_t> cells_;  // see subpixel_field.cc
+  int columns_ = 0, rows_ = 0;  // of cells: the map's tiles and one all around
+  std::vector<Cell> cells_;
   std::vector<std::int16_t> samples_;
 };
 

@@ -91,40 +91,46 @@ int length(const Column& w, int from, int to) {
   return between + 1;
 }
 
+// The crossing between the extremes i and i + 1 of `count`.
+Crossing crossing_at(const Column& w, const std::array<int, kWindow>& extremes, std::size_t count,
+                     std::size_t i) {
+  const int a = extremes[i], b = extremes[i + 1];
+  const bool rising = w[static_cast<std::size_t>(b)] > w[static_cast<std::size_t>(a)];
+  Crossing c;
+  c.side = rising ? -1.0 : 1.0;
+  // What the extreme pixel at `e` has of the opposite, and how far the crossing beyond it runs.
+  const auto lack = [&](std::size_t e, bool of_wall) {
+    const double v = w[static_cast<std::size_t>(extremes[e])];
+    const double amount = of_wall ? 1.0 - v : v;
+    return amount > 1.0 - kFull ? amount : 0.0;
+  };
+  const double lack_before = i > 0 ? lack(i, !rising) : 0.0;
+  const double lack_after = i + 2 < count ? lack(i + 1, rising) : 0.0;
+  const int own = length(w, a, b);
+  const int before = lack_before > 0.0 ? length(w, extremes[i - 1], a) : 0;
+  const int after = lack_after > 0.0 ? length(w, b, extremes[i + 2]) : 0;
+  c.exact = !(lack_before > 0.0) && !(lack_after > 0.0);
+  if (lack_after > 0.0 && own <= kShort && after <= kShort) {
+    c.at = faces(w, a, extremes[i + 2], !rising).first;
+  } else if (lack_before > 0.0 && own <= kShort && before <= kShort) {
+    c.at = faces(w, extremes[i - 1], b, rising).second;
+  } else {
+    // Where one crossing is short and the other a slanting edge, the lack is the edge's.
+    double sum = 0.0;
+    for (int k = a; k <= b; ++k) sum += w[static_cast<std::size_t>(k)];
+    if (own < before) sum -= rising ? lack_before : -lack_before;
+    if (own < after) sum += rising ? lack_after : -lack_after;
+    c.at = rising ? b + 1.0 - sum : a + sum;
+  }
+  return c;
+}
+
 void find_crossings(const Column& w, Crossings& out) {
   std::array<int, kWindow> extremes;
   const std::size_t count = extremes_of(w, extremes);
   out.count = 0;
   for (std::size_t i = 0; i + 1 < count; ++i) {
-    const int a = extremes[i], b = extremes[i + 1];
-    const bool rising = w[static_cast<std::size_t>(b)] > w[static_cast<std::size_t>(a)];
-    Crossing c;
-    c.side = rising ? -1.0 : 1.0;
-    // What the extreme pixel at `e` has of the opposite, and how far the crossing beyond it runs.
-    const auto lack = [&](std::size_t e, bool of_wall) {
-      const double v = w[static_cast<std::size_t>(extremes[e])];
-      const double amount = of_wall ? 1.0 - v : v;
-      return amount > 1.0 - kFull ? amount : 0.0;
-    };
-    const double lack_before = i > 0 ? lack(i, !rising) : 0.0;
-    const double lack_after = i + 2 < count ? lack(i + 1, rising) : 0.0;
-    const int own = length(w, a, b);
-    const int before = lack_before > 0.0 ? length(w, extremes[i - 1], a) : 0;
-    const int after = lack_after > 0.0 ? length(w, b, extremes[i + 2]) : 0;
-    c.exact = !(lack_before > 0.0) && !(lack_after > 0.0);
-    if (lack_after > 0.0 && own <= kShort && after <= kShort) {
-      c.at = faces(w, a, extremes[i + 2], !rising).first;
-    } else if (lack_before > 0.0 && own <= kShort && before <= kShort) {
-      c.at = faces(w, extremes[i - 1], b, rising).second;
-    } else {
-      // Where one crossing is short and the other a slanting edge, the lack is the edge's.
-      double sum = 0.0;
-      for (int k = a; k <= b; ++k) sum += w[static_cast<std::size_t>(k)];
-      if (own < before) sum -= rising ? lack_before : -lack_before;
-      if (own < after) sum += rising ? lack_after : -lack_after;
-      c.at = rising ? b + 1.0 - sum : a + sum;
-    }
-    out.items[out.count++] = c;
+    out.items[out.count++] = crossing_at(w, extremes, count, i);
   }
   for (std::size_t i = 0; i < out.count; ++i) {
     const double before = i > 0 ? out.items[i].at - out.items[i - 1].at : kWindow;

@@ -195,6 +195,30 @@ class SubpixelWall final : public WallProxy {
     fine_ = at.fine;
   }
 
+  // Where a slide leads to: so far along the tangent and off it, toward a hand `depth` behind the
+  // surface and `s` along. False when the proxy is there.
+  bool foot(double depth, double s, double& along, double& drop) const noexcept {
+    // The foot of the hand on the circle of curvature `bend_`; none when the hand is beyond its
+    // centre, where any way round is nearer.
+    const double left = 1.0 - bend_ * depth;
+    // Round a tip no further than the surface is known to bend there.
+    const double longest = std::min(
+        {limit_, fine_ ? kShortSlide : kLongSlide, kRound / std::max(std::abs(bend_), 1e-9)});
+    if (left > 0.05) {
+      const double g = std::sqrt(left * left + bend_ * bend_ * s * s);
+      along = s / g;
+      drop = bend_ * s * along / (left + g);
+      if (std::abs(along) < kAtRest) return false;
+    } else if (std::abs(s) < kAtRest) {
+      return false;
+    }
+    if (!(left > 0.05) || std::abs(along) > longest) {
+      along = std::copysign(longest, s);
+      drop = 0.5 * bend_ * along * along;
+    }
+    return true;
+  }
+
   // One step along the surface toward the hand. True when at rest.
   bool slide() noexcept {
     const Vec2 e = hand_ - p_;
@@ -205,26 +229,8 @@ class SubpixelWall final : public WallProxy {
       return false;
     }
     const Vec2 t(-n_.y(), n_.x());
-    const double s = e.dot(t);
-    // The foot of the hand on the circle of curvature `bend_`; none when the hand is beyond its
-    // centre, where any way round is nearer.
     double along = 0.0, drop = 0.0;
-    const double left = 1.0 - bend_ * depth;
-    // Round a tip no further than the surface is known to bend there.
-    const double longest = std::min(
-        {limit_, fine_ ? kShortSlide : kLongSlide, kRound / std::max(std::abs(bend_), 1e-9)});
-    if (left > 0.05) {
-      const double g = std::sqrt(left * left + bend_ * bend_ * s * s);
-      along = s / g;
-      drop = bend_ * s * along / (left + g);
-      if (std::abs(along) < kAtRest) return true;
-    } else if (std::abs(s) < kAtRest) {
-      return true;
-    }
-    if (!(left > 0.05) || std::abs(along) > longest) {
-      along = std::copysign(longest, s);
-      drop = 0.5 * bend_ * along * along;
-    }
+    if (!foot(depth, e.dot(t), along, drop)) return true;
     Vec2 q = p_ + along * t - drop * n_;
     Probe at = probe(q);
     // A step that ends on a face turned away may have gone through the wall, not round it.

@@ -1,10 +1,9 @@
 #include "server/lab/faults/contact_push.h"
 
-#include <optional>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "server/model/scene.h"
 
