@@ -30,12 +30,9 @@ void print_message(const Message& m, const std::string& prefix, bool all, std::o
 
 pb::Walls::Method method_of(WallMethod method) {
   switch (method) {
-    case WallMethod::kPublished:
-      return pb::Walls::PUBLISHED;
-    case WallMethod::kExact:
-      return pb::Walls::EXACT;
-    case WallMethod::kSubpixel:
-      break;
+    case WallMethod::kPublished: return pb::Walls::PUBLISHED;
+    case WallMethod::kExact: return pb::Walls::EXACT;
+    case WallMethod::kSubpixel: break;
   }
   return pb::Walls::SUBPIXEL;
 }

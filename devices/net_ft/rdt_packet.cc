@@ -48,8 +48,7 @@ std::optional<RdtRequest> decode_rdt_request(std::span<const std::uint8_t> bytes
   switch (request.command) {
     case RdtCommand::kStop:
     case RdtCommand::kStream:
-    case RdtCommand::kBias:
-      return request;
+    case RdtCommand::kBias: return request;
   }
   return std::nullopt;
 }

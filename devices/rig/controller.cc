@@ -17,18 +17,12 @@ constexpr double kRangeTolerance = 1e-6;  // a range's end survives the float32 
 
 const char* describe(AlarmKind kind) noexcept {
   switch (kind) {
-    case AlarmKind::kNone:
-      return "none";
-    case AlarmKind::kJointRange:
-      return "target outside the joint's range";
-    case AlarmKind::kOverSpeed:
-      return "target further away than the joint gets in one cycle";
-    case AlarmKind::kNotFinite:
-      return "NaN or infinity in a command";
-    case AlarmKind::kWrongMode:
-      return "a command that is not a joint command";
-    case AlarmKind::kTimeOut:
-      return "no packet for as long as the time-out allows";
+    case AlarmKind::kNone: return "none";
+    case AlarmKind::kJointRange: return "target outside the joint's range";
+    case AlarmKind::kOverSpeed: return "target further away than the joint gets in one cycle";
+    case AlarmKind::kNotFinite: return "NaN or infinity in a command";
+    case AlarmKind::kWrongMode: return "a command that is not a joint command";
+    case AlarmKind::kTimeOut: return "no packet for as long as the time-out allows";
   }
   return "?";
 }

@@ -53,9 +53,7 @@ void FtSource::on_datagram(std::span<const std::uint8_t> bytes, PeerId from) noe
       samples_left_ = request->samples;
       rdt_sequence_ = 0;
       break;
-    case RdtCommand::kStop:
-      listener_.reset();
-      break;
+    case RdtCommand::kStop: listener_.reset(); break;
     case RdtCommand::kBias:
       if (is_finite(wrench_)) {
         bias_ = {wrench_.force + zero_, wrench_.torque + options_.zero.torque};

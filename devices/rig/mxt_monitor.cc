@@ -36,24 +36,17 @@ MxtBlock monitor_block(MxtType type, const ServoArm& arm) noexcept {
   MxtBlock block;
   switch (type) {
     case MxtType::kPose:
-    case MxtType::kFilteredPose:
-      return pose_block(arm.geometry(), arm.target());
-    case MxtType::kFeedbackPose:
-      return pose_block(arm.geometry(), arm.measured());
+    case MxtType::kFilteredPose: return pose_block(arm.geometry(), arm.target());
+    case MxtType::kFeedbackPose: return pose_block(arm.geometry(), arm.measured());
     case MxtType::kJoint:
-    case MxtType::kFilteredJoint:
-      block.set_joints(arm.target());
-      break;
-    case MxtType::kFeedbackJoint:
-      block.set_joints(arm.measured());
-      break;
+    case MxtType::kFilteredJoint: block.set_joints(arm.target()); break;
+    case MxtType::kFeedbackJoint: block.set_joints(arm.measured()); break;
     case MxtType::kNull:
     case MxtType::kPulse:
     case MxtType::kFilteredPulse:
     case MxtType::kFeedbackPulse:
     case MxtType::kCommandCurrent:
-    case MxtType::kFeedbackCurrent:
-      break;
+    case MxtType::kFeedbackCurrent: break;
   }
   return block;
 }

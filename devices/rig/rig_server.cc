@@ -213,15 +213,12 @@ struct RigServer::Impl {
     signals.async_wait([this](const boost::system::error_code& error, int signal) {
       if (error) return;
       switch (signal) {
-        case SIGUSR1:
-          rig->controller().reset_alarm();
-          break;
+        case SIGUSR1: rig->controller().reset_alarm(); break;
         case SIGUSR2:
           cable_out = !cable_out;
           spdlog::info("cables {}", cable_out ? "out" : "in again");
           break;
-        default:
-          return io.stop();
+        default: return io.stop();
       }
       wait_for_signal();
     });

@@ -32,9 +32,7 @@ Quat OrientationTool::start(const Quat& q_SP) noexcept {
 Quat OrientationTool::advance(const Quat& q_SH) noexcept {
   rejoined_ = false;
   switch (tool_.kind) {
-    case ToolKind::kNRotation:
-      proxy_ = tool_.q_ref;
-      break;
+    case ToolKind::kNRotation: proxy_ = tool_.q_ref; break;
     case ToolKind::kFRotation: {
       const Swing swing = swing_to(q_SH * tool_.axis_T, tool_.normal_S);
       if (swing.phi > kUndefinedFrom) {
@@ -46,20 +44,16 @@ Quat OrientationTool::advance(const Quat& q_SH) noexcept {
       proxy_ = (rotation_exp(swing.phi * swing.u) * q_SH).normalized();  // (3.9)
       break;
     }
-    default:
-      proxy_ = q_SH;
+    default: proxy_ = q_SH;
   }
   return proxy_;
 }
 
 double OrientationTool::deviation(const Quat& q) const noexcept {
   switch (tool_.kind) {
-    case ToolKind::kNRotation:
-      return angle_between(tool_.q_ref, q);
-    case ToolKind::kFRotation:
-      return swing_to(q * tool_.axis_T, tool_.normal_S).phi;
-    default:
-      return 0.0;
+    case ToolKind::kNRotation: return angle_between(tool_.q_ref, q);
+    case ToolKind::kFRotation: return swing_to(q * tool_.axis_T, tool_.normal_S).phi;
+    default: return 0.0;
   }
 }
 

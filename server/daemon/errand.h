@@ -48,13 +48,11 @@ class Errand {
   std::optional<T> poll(const std::function<T()>& work) {
     State& state = *state_;
     switch (state.step.load(std::memory_order_acquire)) {
-      case Step::kUnderWay:
-        return std::nullopt;
+      case Step::kUnderWay: return std::nullopt;
       case Step::kDone:
         state.step.store(Step::kIdle, std::memory_order_relaxed);
         return std::exchange(state.result, std::nullopt);
-      case Step::kIdle:
-        break;
+      case Step::kIdle: break;
     }
     state.work = work;
     state.step.store(Step::kUnderWay, std::memory_order_relaxed);

@@ -117,6 +117,53 @@ Reason move_commands(const FollowSettings& settings, const FollowInput& in, Foll
   return intervention;
 }
 
+// What a cycle has found out.
+struct Found {
+  JointVector q_measured = JointVector::Zero();
+  Pose X_ST;  // measured
+  Reason sensor = Reason::kNone, fault = Reason::kNone, obstacle = Reason::kNone;
+  Reason intervention = Reason::kNone;
+};
+
+// For the master, but for the ledger.
+void fill_link(const FollowSettings& settings, const FollowInput& in, const Found& found,
+               const FollowState& s, SlaveState& link) {
+  // A contact that is held because nothing is known of it is the sensor's doing.
+  const bool blind = found.intervention == Reason::kBumper && found.sensor != Reason::kNone;
+  link.state = s.session;
+  link.fault = s.fault;
+  link.reason = s.session == SessionState::kFault               ? s.fault
+                : s.session_reason != Reason::kNone             ? s.session_reason
+                : found.intervention != Reason::kNone && !blind ? found.intervention
+                                                                : found.sensor;
+  link.X_ST_command = s.motion.X_ST;
+  link.X_ST = found.X_ST;
+  link.has_pose = s.placed && in.robot_ready && is_finite(link.X_ST);
+  link.q_measured = found.q_measured;
+  link.f_E_S = {s.f_E_S, s.torque_E_S};
+  link.has_wrench = s.invalid_wrenches == 0;
+  if (!link.has_wrench) link.f_E_S.torque.setZero();
+  link.payload_removed = !settings.payload.is_none();
+  link.stop_epoch = s.stop_epoch;
+  link.fault_epoch = s.fault_epoch;
+  link.engagement_epoch = s.engagement_epoch;
+  // What a reset would meet again, whatever was latched on top of it.
+  const Reason still = in.stop_input               ? Reason::kStopInput
+                       : in.fault != Reason::kNone ? in.fault
+                                                   : found.fault;
+  link.obstacle = follows(s.session) || s.session == SessionState::kHold ? Reason::kNone
+                  : still != Reason::kNone                               ? still
+                                                                         : found.obstacle;
+  link.position_tool_epoch = s.tube.position_epoch();
+  link.orientation_tool_epoch = s.tube.orientation_epoch();
+  link.oldest_applied = s.oldest_applied;
+  link.cycles = s.cycles;
+  link.applied_sequence = s.applied_sequence;
+  link.hashes = settings.hashes;
+  link.hashes.tools = s.tube.hash();
+  link.scene = settings.scene;
+}
+
 }  // namespace
 
 bool released(const FollowInput& in, const FollowState& state) noexcept {
@@ -144,65 +191,31 @@ void follow_step(const FollowSettings& settings, const FollowInput& in, FollowSt
   hear_controller(settings, in, s);
   const bool answered = in.answer != Answer::kNone && in.has_measured;
   s.joints.pass(in.cycles);
-  const JointVector q_measured = answered ? s.joints.judge(in.q_measured) : s.joints.newest();
-  const Pose X_measured = forward(settings.motion.arm, q_measured);
-  const Reason sensor = read_force(settings, in, X_measured, s);
-  if (s.placed) s.lag.add(s.motion.joints.q, q_measured, settings.motion.dt);
-  const Reason contact = judge_contact(settings, X_measured.p, s);
-  FollowLedger ledger;
-  Reason fault = judge_arm(settings, in, q_measured, s, ledger.joint);
+  Found found;
+  found.q_measured = answered ? s.joints.judge(in.q_measured) : s.joints.newest();
+  found.X_ST = forward(settings.motion.arm, found.q_measured);
+  found.sensor = read_force(settings, in, found.X_ST, s);
+  if (s.placed) s.lag.add(s.motion.joints.q, found.q_measured, settings.motion.dt);
+  const Reason contact = judge_contact(settings, found.X_ST.p, s);
+  FollowLedger& ledger = out.link.ledger;
+  ledger = FollowLedger();
+  found.fault = judge_arm(settings, in, found.q_measured, s, ledger.joint);
   // An arm that somebody else has moved does not drive back by itself.
   if (s.session == SessionState::kOff) s.elsewhere = -1;
   const bool moved = s.elsewhere >= 0 && s.session != SessionState::kFault;
-  if (fault == Reason::kNone && moved) fault = Reason::kEncoderInvalid;
-  if (fault != Reason::kNone) s.lag.restart(q_measured);
-  if (fault == Reason::kNone && settings.sensor_required && follows(s.session)) fault = sensor;
-  if (fault == Reason::kNone && follows(s.session)) fault = contact;
-  const Reason obstacle = settings.sensor_required ? sensor : Reason::kNone;
-  advance_session(settings, in, s, fault, obstacle);
-  const Reason intervention = move_commands(settings, in, s, ledger, out.send);
-  out.q_target = s.placed ? s.motion.joints.q : q_measured;
-
+  if (found.fault == Reason::kNone && moved) found.fault = Reason::kEncoderInvalid;
+  if (found.fault != Reason::kNone) s.lag.restart(found.q_measured);
+  const bool needs_sensor = settings.sensor_required && follows(s.session);
+  if (found.fault == Reason::kNone && needs_sensor) found.fault = found.sensor;
+  if (found.fault == Reason::kNone && follows(s.session)) found.fault = contact;
+  found.obstacle = settings.sensor_required ? found.sensor : Reason::kNone;
+  advance_session(settings, in, s, found.fault, found.obstacle);
+  found.intervention = move_commands(settings, in, s, ledger, out.send);
+  out.q_target = s.placed ? s.motion.joints.q : found.q_measured;
   if (s.fault == Reason::kEncoderInvalid && s.elsewhere >= 0) {
     ledger.joint = static_cast<std::int8_t>(s.elsewhere);
   }
-  // A contact that is held because nothing is known of it is the sensor's doing.
-  const bool blind = sensor != Reason::kNone;
-  SlaveState& link = out.link;
-  link.state = s.session;
-  link.fault = s.fault;
-  link.reason = s.session == SessionState::kFault   ? s.fault
-                : s.session_reason != Reason::kNone ? s.session_reason
-                : intervention != Reason::kNone && !(intervention == Reason::kBumper && blind)
-                    ? intervention
-                    : sensor;
-  link.X_ST_command = s.motion.X_ST;
-  link.X_ST = X_measured;
-  link.has_pose = s.placed && in.robot_ready && is_finite(link.X_ST);
-  link.q_measured = q_measured;
-  link.f_E_S = {s.f_E_S, s.torque_E_S};
-  link.has_wrench = s.invalid_wrenches == 0;
-  if (!link.has_wrench) link.f_E_S.torque.setZero();
-  link.payload_removed = !settings.payload.is_none();
-  link.stop_epoch = s.stop_epoch;
-  link.fault_epoch = s.fault_epoch;
-  link.engagement_epoch = s.engagement_epoch;
-  // What a reset would meet again, whatever was latched on top of it.
-  const Reason still = in.stop_input               ? Reason::kStopInput
-                       : in.fault != Reason::kNone ? in.fault
-                                                   : fault;
-  link.obstacle = follows(s.session) || s.session == SessionState::kHold ? Reason::kNone
-                  : still != Reason::kNone                               ? still
-                                                                         : obstacle;
-  link.position_tool_epoch = s.tube.position_epoch();
-  link.orientation_tool_epoch = s.tube.orientation_epoch();
-  link.oldest_applied = s.oldest_applied;
-  link.cycles = s.cycles;
-  link.applied_sequence = s.applied_sequence;
-  link.ledger = ledger;
-  link.hashes = settings.hashes;
-  link.hashes.tools = s.tube.hash();
-  link.scene = settings.scene;
+  fill_link(settings, in, found, s, out.link);
 }
 
 }  // namespace handrail

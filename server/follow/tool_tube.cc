@@ -73,14 +73,10 @@ void ToolTube::close(double catch_up, double catch_up_rotation, const Vec3& p_SU
 Vec3 ToolTube::across(const Vec3& p) const noexcept {
   const Vec3 d = p - position_.p_SA;
   switch (position_.kind) {
-    case ToolKind::kPoint:
-      return d;
-    case ToolKind::kLine:
-      return d - d.dot(position_.direction_S) * position_.direction_S;
-    case ToolKind::kPlane:
-      return d.dot(position_.normal_S) * position_.normal_S;
-    default:
-      return Vec3::Zero();
+    case ToolKind::kPoint: return d;
+    case ToolKind::kLine: return d - d.dot(position_.direction_S) * position_.direction_S;
+    case ToolKind::kPlane: return d.dot(position_.normal_S) * position_.normal_S;
+    default: return Vec3::Zero();
   }
 }
 

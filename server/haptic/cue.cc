@@ -21,16 +21,11 @@ struct Pattern {
 // Those of the link begin when the fading force has left.
 constexpr Pattern pattern_of(Cue cue) {
   switch (cue) {
-    case Cue::kHold:
-      return {40.0, kLargestCue, 0.05, 0.15, 2, 0.35};
-    case Cue::kLost:
-      return {40.0, kLargestCue, 0.05, 0.15, 3, 0.5};
-    case Cue::kLimit:
-      return {40.0, kLargestCue, 0.0, 0.15, 1, 0.5};
-    case Cue::kSingularity:
-      return {60.0, 0.12, 0.0, 0.08, 4, 0.7};
-    case Cue::kNone:
-      break;
+    case Cue::kHold: return {40.0, kLargestCue, 0.05, 0.15, 2, 0.35};
+    case Cue::kLost: return {40.0, kLargestCue, 0.05, 0.15, 3, 0.5};
+    case Cue::kLimit: return {40.0, kLargestCue, 0.0, 0.15, 1, 0.5};
+    case Cue::kSingularity: return {60.0, 0.12, 0.0, 0.08, 4, 0.7};
+    case Cue::kNone: break;
   }
   return {};
 }

@@ -49,15 +49,12 @@ Reason anchor(const ToolCall& call, const GuideSettings& settings, const Pose& X
         }
       }
       break;
-    case ToolKind::kNRotation:
-      tool.q_ref = X_SC.q.normalized();
-      break;
+    case ToolKind::kNRotation: tool.q_ref = X_SC.q.normalized(); break;
     case ToolKind::kFRotation:
       tool.normal_S = call.has_axis ? Vec3(call.axis_S.normalized()) : Vec3(X_SC.q * Vec3::UnitZ());
       tool.axis_T = X_SC.q.conjugate() * tool.normal_S;
       break;
-    case ToolKind::kNone:
-      return Reason::kNoSuchTool;
+    case ToolKind::kNone: return Reason::kNoSuchTool;
   }
   return Reason::kNone;
 }

@@ -43,6 +43,77 @@ Reason obstacle_of_link(const HapticInput& in, const LadderStep& ladder, const H
   return ladder.held_good ? Reason::kNone : Reason::kLinkQuality;
 }
 
+MasterSessionInput session_input(const HapticSettings& settings, const HapticInput& in,
+                                 const LadderStep& ladder, bool clutched, const HapticState& s) {
+  MasterSessionInput session;
+  // Without a hand there is nothing to engage.
+  session.desired = !s.lead.want_engaged || !s.hand.known ? Desired::kOff
+                    : clutched                            ? Desired::kClutched
+                                                          : Desired::kEngaged;
+  session.link = ladder.rung;
+  session.confirmed = in.link.confirmed;
+  session.ready = in.device_ready;
+  session.overdue = s.lead.aligning_for >= kLongestAligning;
+  session.peer = in.slave.state;
+  session.same_engagement = in.slave.engagement_epoch == s.lead.engagement_epoch;
+  session.obstacle = in.slave.obstacle;
+  session.mismatch = first_difference(settings, in.slave);
+  session.stop_latched = s.lead.stop_latched();
+  session.reset = in.order.kind == OrderKind::kReset;
+  return session;
+}
+
+// What the session's step means for what the operator wants, and for what is said of it.
+void note_session(const HapticInput& in, const MasterSessionInput& session, const SessionStep& next,
+                  double dt, LeadState& lead) {
+  const SessionState before = lead.session;
+  lead.session = next.state;
+  const bool stays_in_fault = next.state == SessionState::kFault && before == SessionState::kFault;
+  if (!stays_in_fault) lead.peer_fault = in.slave.fault;
+  const auto waits = [](SessionState state) {
+    return state == SessionState::kHoming || state == SessionState::kAligning;
+  };
+  const bool waiting = waits(lead.session);
+  if (waiting && !waits(before)) ++lead.engagement_epoch;
+  lead.aligning_for = waiting ? lead.aligning_for + dt : 0.0;
+  // The first cause of a fault stays, unless the operator's stop comes on top.
+  if (!stays_in_fault || next.reason == Reason::kStopRequested) lead.reason = next.reason;
+  if (next.state == SessionState::kFault || next.state == SessionState::kOff) {
+    lead.want_engaged = lead.want_clutched = false;
+  }
+  if (next.state == SessionState::kOff) {
+    if (session.overdue || next.reason == session.obstacle) lead.off_reason = next.reason;
+    if (next.reason == Reason::kNotEngaged) lead.reason = lead.off_reason;
+  }
+}
+
+// Where the command stands, and whether the hand moves it, as the session is now.
+void place_command(const HapticSettings& settings, const HapticInput& in, bool clutched,
+                   HapticState& s) {
+  if (s.lead.session == SessionState::kAligning) {
+    // The command is the pose the slave already stands on: taking over moves nothing.
+    s.command.has_command = in.slave.has_pose && is_place(in.slave.X_ST_command);
+    if (s.command.has_command) {
+      s.command.X_SU = in.slave.X_ST_command;
+      // Tools may be called before the hand first drives, with the clutch held: anchored here.
+      s.command.guide.restart(settings.guide, s.command.X_SU);
+    }
+  }
+  if (s.lead.session == SessionState::kOff || s.lead.session == SessionState::kFault) {
+    // A tool left over would pull the arm at the next engagement, with the hand still.
+    drop_tools(settings, true, true, s);
+  }
+  const bool driving = may_drive(s.lead.session) && !clutched && s.hand.gap <= kLongestHandGap;
+  if (driving && !s.command.driving) {
+    s.command.engagement = Engagement(settings.mapping, s.hand.X_MH, s.command.X_SU);
+    s.command.guide.restart(settings.guide, s.command.X_SU);
+  }
+  s.command.driving = driving;
+  // Whoever lets go of the arm, or holds the clutch, stops an approach: it does not go on by
+  // itself.
+  if (!driving && s.command.guide.approaching()) drop_tools(settings, true, false, s);
+}
+
 }  // namespace
 
 void begin_epochs(std::uint64_t unique, HapticState& state) noexcept {
@@ -76,8 +147,7 @@ Reason obstacle_to_engaging(const HapticSettings& settings, const HapticInput& i
 Reason carry_out(const HapticSettings& settings, const HapticInput& in, const LadderStep& ladder,
                  HapticState& s, double& tool_distance) noexcept {
   switch (in.order.kind) {
-    case OrderKind::kNone:
-      return Reason::kNone;
+    case OrderKind::kNone: return Reason::kNone;
     case OrderKind::kEngage: {
       if (!settings.has_arm) return Reason::kNoArmInScene;
       const Reason obstacle = obstacle_to_engaging(settings, in, ladder, s);
@@ -100,8 +170,7 @@ Reason carry_out(const HapticSettings& settings, const HapticInput& in, const La
       ++s.lead.stop_epoch;
       s.lead.want_engaged = s.lead.want_clutched = false;
       return Reason::kNone;
-    case OrderKind::kReset:
-      return reset(s, in);
+    case OrderKind::kReset: return reset(s, in);
     case OrderKind::kStage:
       // One that exists is set by whoever runs the walls.
       return Reason::kNoSuchStage;
@@ -133,70 +202,10 @@ void see_presence(const HapticSettings& settings, const HapticInput& in, double 
 
 void advance_session(const HapticSettings& settings, const HapticInput& in,
                      const LadderStep& ladder, double dt, HapticState& s) noexcept {
-  MasterSessionInput session;
   const bool clutched = s.lead.want_clutched || in.hand.clutch_button || !s.lead.present;
-  // Without a hand there is nothing to engage.
-  session.desired = !s.lead.want_engaged || !s.hand.known ? Desired::kOff
-                    : clutched                            ? Desired::kClutched
-                                                          : Desired::kEngaged;
-  session.link = ladder.rung;
-  session.confirmed = in.link.confirmed;
-  session.ready = in.device_ready;
-  session.overdue = s.lead.aligning_for >= kLongestAligning;
-  session.peer = in.slave.state;
-  session.same_engagement = in.slave.engagement_epoch == s.lead.engagement_epoch;
-  session.obstacle = in.slave.obstacle;
-  session.mismatch = first_difference(settings, in.slave);
-  session.stop_latched = s.lead.stop_latched();
-  session.reset = in.order.kind == OrderKind::kReset;
-
-  const SessionState before = s.lead.session;
-  const SessionStep next = next_master(before, session);
-  s.lead.session = next.state;
-  if (next.state != SessionState::kFault || before != SessionState::kFault) {
-    s.lead.peer_fault = in.slave.fault;
-  }
-  const auto waits = [](SessionState state) {
-    return state == SessionState::kHoming || state == SessionState::kAligning;
-  };
-  const bool waiting = waits(s.lead.session);
-  if (waiting && !waits(before)) ++s.lead.engagement_epoch;
-  s.lead.aligning_for = waiting ? s.lead.aligning_for + dt : 0.0;
-  // The first cause of a fault stays, unless the operator's stop comes on top.
-  if (next.state != SessionState::kFault || before != SessionState::kFault ||
-      next.reason == Reason::kStopRequested) {
-    s.lead.reason = next.reason;
-  }
-  if (next.state == SessionState::kFault || next.state == SessionState::kOff) {
-    s.lead.want_engaged = s.lead.want_clutched = false;
-  }
-  if (next.state == SessionState::kOff) {
-    if (session.overdue || next.reason == session.obstacle) s.lead.off_reason = next.reason;
-    if (next.reason == Reason::kNotEngaged) s.lead.reason = s.lead.off_reason;
-  }
-
-  if (s.lead.session == SessionState::kAligning) {
-    // The command is the pose the slave already stands on: taking over moves nothing.
-    s.command.has_command = in.slave.has_pose && is_place(in.slave.X_ST_command);
-    if (s.command.has_command) {
-      s.command.X_SU = in.slave.X_ST_command;
-      // Tools may be called before the hand first drives, with the clutch held: anchored here.
-      s.command.guide.restart(settings.guide, s.command.X_SU);
-    }
-  }
-  if (s.lead.session == SessionState::kOff || s.lead.session == SessionState::kFault) {
-    // A tool left over would pull the arm at the next engagement, with the hand still.
-    drop_tools(settings, true, true, s);
-  }
-  const bool driving = may_drive(s.lead.session) && !clutched && s.hand.gap <= kLongestHandGap;
-  if (driving && !s.command.driving) {
-    s.command.engagement = Engagement(settings.mapping, s.hand.X_MH, s.command.X_SU);
-    s.command.guide.restart(settings.guide, s.command.X_SU);
-  }
-  s.command.driving = driving;
-  // Whoever lets go of the arm, or holds the clutch, stops an approach: it does not go on by
-  // itself.
-  if (!driving && s.command.guide.approaching()) drop_tools(settings, true, false, s);
+  const MasterSessionInput session = session_input(settings, in, ladder, clutched, s);
+  note_session(in, session, next_master(s.lead.session, session), dt, s.lead);
+  place_command(settings, in, clutched, s);
 }
 
 }  // namespace handrail

@@ -79,28 +79,24 @@ void fill_link(const HapticSettings& settings, const HapticState& s, MasterState
   link.scene = settings.scene;
 }
 
-}  // namespace
-
-void haptic_step(const HapticSettings& settings, const HapticInput& in, double dt, HapticState& s,
-                 HapticOutput& out) noexcept {
-  out.reasons = ReasonSet();
-  const bool hand_ok = in.hand.valid && is_place(in.hand.X_MH) && is_finite(in.hand.v_MH) &&
-                       in.hand.v_MH.cwiseAbs().maxCoeff() <= kFastestHand;
-  Vec3 hand_motion = Vec3::Zero();
-  if (hand_ok) {
-    if (s.hand.known) hand_motion = in.hand.X_MH.p - s.hand.X_MH.p;
-    s.hand.X_MH = in.hand.X_MH;
-    s.hand.known = true;
-    s.hand.gap = 0.0;
-  } else {
-    s.hand.gap = std::min(s.hand.gap + dt, 1.0);
-    out.reasons.add(Reason::kDeviceInvalid);
+// Takes over the hand's reading if it is one; how far the hand moved since the last [M, m].
+Vec3 hear_hand(const HandReading& hand, bool ok, double dt, HandTrack& track) {
+  Vec3 moved = Vec3::Zero();
+  if (!ok) {
+    track.gap = std::min(track.gap + dt, 1.0);
+    return moved;
   }
+  if (track.known) moved = hand.X_MH.p - track.X_MH.p;
+  track.X_MH = hand.X_MH;
+  track.known = true;
+  track.gap = 0.0;
+  return moved;
+}
 
+// Orders, presence and session of this tick.
+void decide(const HapticSettings& settings, const HapticInput& in, const LadderStep& ladder,
+            double dt, HapticState& s, HapticOutput& out) {
   const std::uint32_t epochs_before = tool_epochs(s);
-  const Nanos slave_age = age_after(in.unseen, in.slave_age);
-  const LadderStep ladder =
-      ladder_step(settings.ladder, in.slave_known, slave_age, in.link, dt, s.ladder);
   see_presence(settings, in, dt, s);
   out.tool_distance = 0.0;
   const Vec3 hand_before = s.command.engagement.to_slave(s.hand.X_MH).p;
@@ -108,64 +104,96 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
   out.hand_latched = (s.command.engagement.to_slave(s.hand.X_MH).p - hand_before).norm();
   if (in.hand.drop_button && !s.hand.button_was_down) drop_tools(settings, true, true, s);
   s.hand.button_was_down = in.hand.drop_button;
-  const SessionState before = s.lead.session;
   advance_session(settings, in, ladder, dt, s);
   if (tool_epochs(s) != epochs_before) {
     s.command.tools_hash = tools_hash(s.command.guide.position().definition(),
                                       s.command.guide.orientation().definition());
   }
+}
 
-  Vec3 f_tool = Vec3::Zero();
-  Vec3 f_spring = Vec3::Zero();
-  Vec3 torque = Vec3::Zero();
+// What tool and arm ask for on the hand, frame M [N], [N m].
+struct Wanted {
+  Vec3 tool = Vec3::Zero(), spring = Vec3::Zero(), torque = Vec3::Zero();
+};
+
+// The command by the hand, and what that is to feel like.
+Wanted lead_tip(const HapticSettings& settings, const HapticInput& in, bool hand_ok,
+                double force_share, double dt, HapticState& s, HapticOutput& out) {
+  Wanted wanted;
   out.deviation = out.deviation_angle = 0.0;
   out.blending = false;
   out.motion.known = false;
   out.motion.joint = in.slave.ledger.joint;  // of its fault or obstacle, whoever drives
-  if (s.command.driving) {
-    const Pose X_SH = s.command.engagement.to_slave(s.hand.X_MH);
-    // While the arm holds nothing is eased: it would have to run after that.
-    const double easing = s.lead.session == SessionState::kHold ? 0.0 : dt;
-    const Guidance guidance = s.command.guide.step(settings.guide, X_SH, easing);
-    s.command.X_SU = guidance.X_SC;
-    if (guidance.beyond) out.reasons.add(Reason::kOutOfReach);
-    const Vec3 pull_M = s.command.engagement.to_hand(guidance.pull);
-    f_tool = s.command.guide.stiffness(settings.guide) * pull_M;  // (3.4)
-    if (s.command.guide.position().active() && hand_ok) f_tool -= settings.damping * in.hand.v_MH;
-    // (3.3), against the command before the bumper, so that contact is felt.
-    f_spring = settings.spring_stiffness *
-               s.command.engagement.to_hand(in.slave.X_ST.p - s.command.X_SU.p);
-    torque = ladder.force_share * torque_of(settings, s, guidance.twist_pull);
-    out.blending = guidance.blending;
-    out.deviation = s.command.guide.position().active() ? pull_M.norm() : 0.0;
-    if (in.slave.has_pose) account(X_SH, guidance, in.slave, out.motion);
-    out.deviation_angle = s.command.guide.orientation().deviation(X_SH.q);
-    if (guidance.blending) out.reasons.add(Reason::kToolBlending);
-  }
+  CommandState& command = s.command;
+  if (!command.driving) return wanted;
+  const Pose X_SH = command.engagement.to_slave(s.hand.X_MH);
+  // While the arm holds nothing is eased: it would have to run after that.
+  const double easing = s.lead.session == SessionState::kHold ? 0.0 : dt;
+  const Guidance guidance = command.guide.step(settings.guide, X_SH, easing);
+  command.X_SU = guidance.X_SC;
+  if (guidance.beyond) out.reasons.add(Reason::kOutOfReach);
+  const Vec3 pull_M = command.engagement.to_hand(guidance.pull);
+  wanted.tool = command.guide.stiffness(settings.guide) * pull_M;  // (3.4)
+  if (command.guide.position().active() && hand_ok) wanted.tool -= settings.damping * in.hand.v_MH;
+  // (3.3), against the command before the bumper, so that contact is felt.
+  wanted.spring =
+      settings.spring_stiffness * command.engagement.to_hand(in.slave.X_ST.p - command.X_SU.p);
+  wanted.torque = force_share * torque_of(settings, s, guidance.twist_pull);
+  out.blending = guidance.blending;
+  out.deviation = command.guide.position().active() ? pull_M.norm() : 0.0;
+  if (in.slave.has_pose) account(X_SH, guidance, in.slave, out.motion);
+  out.deviation_angle = command.guide.orientation().deviation(X_SH.q);
+  if (guidance.blending) out.reasons.add(Reason::kToolBlending);
+  return wanted;
+}
 
+// The device's force and torque. `motion`: of the hand in this tick [M, m]; `trusted` false: what
+// there is leaves fast; `before`: the session in the last tick.
+void give_force(const HapticSettings& settings, const HapticInput& in, const Wanted& wanted,
+                double force_share, const Vec3& motion, bool hand_ok, bool trusted,
+                SessionState before, double dt, HapticState& s, HapticOutput& out) {
+  if (!hand_ok) s.force.arbiter.cut();
+  out.shares = s.force.arbiter.share(
+      settings.force, force_share * wanted.tool, force_share * wanted.spring,
+      s.command.guide.stiffness(settings.guide) * motion.norm(), hand_ok && trusted, dt);
+  const Vec3 cue = hand_ok ? play_cue(settings, in, before, out, dt, s) : Vec3(Vec3::Zero());
+  out.shares.device += cue;
+  out.shares.limited += cue;
+  out.force = account(out.shares, wanted.tool, Vec3::Zero(), wanted.spring, cue);
+  out.f_H_M.force = out.shares.device;
+  out.f_H_M.torque = s.force.torque = limited_torque(
+      settings, s.force.torque, hand_ok && trusted ? wanted.torque : Vec3(Vec3::Zero()), dt);
+  if (out.shares.clamped) out.reasons.add(Reason::kForceClamped);
+  if (out.shares.thermal) out.reasons.add(Reason::kForceContinuous);
+  if (out.shares.budget) out.reasons.add(Reason::kForceBudget);
+  if (out.shares.stepped) out.reasons.add(Reason::kForceRate);
+  if (s.lead.session != SessionState::kOff && (!trusted || force_share < 1.0))
+    out.reasons.add(Reason::kForceFaded);
+}
+
+}  // namespace
+
+void haptic_step(const HapticSettings& settings, const HapticInput& in, double dt, HapticState& s,
+                 HapticOutput& out) noexcept {
+  out.reasons = ReasonSet();
+  const bool hand_ok = in.hand.valid && is_place(in.hand.X_MH) && is_finite(in.hand.v_MH) &&
+                       in.hand.v_MH.cwiseAbs().maxCoeff() <= kFastestHand;
+  if (!hand_ok) out.reasons.add(Reason::kDeviceInvalid);
+  const Vec3 motion = hear_hand(in.hand, hand_ok, dt, s.hand);
+  const Nanos slave_age = age_after(in.unseen, in.slave_age);
+  const LadderStep ladder =
+      ladder_step(settings.ladder, in.slave_known, slave_age, in.link, dt, s.ladder);
+  const SessionState before = s.lead.session;
+  decide(settings, in, ladder, dt, s, out);
+  const Wanted wanted = lead_tip(settings, in, hand_ok, ladder.force_share, dt, s, out);
   // No force while the hand does not drive; and where its reading, the link or the slave's state is
   // not to be trusted, what there is leaves fast.
   const bool engaged = s.lead.session == SessionState::kEngaged;
   const bool in_doubt = s.lead.session == SessionState::kHold ||
                         s.lead.session == SessionState::kFault ||
                         (engaged && !(in.slave.has_pose && is_place(in.slave.X_ST)));
-  if (!hand_ok) s.force.arbiter.cut();
-  out.shares = s.force.arbiter.share(
-      settings.force, ladder.force_share * f_tool, ladder.force_share * f_spring,
-      s.command.guide.stiffness(settings.guide) * hand_motion.norm(), hand_ok && !in_doubt, dt);
-  const Vec3 cue = hand_ok ? play_cue(settings, in, before, out, dt, s) : Vec3(Vec3::Zero());
-  out.shares.device += cue;
-  out.shares.limited += cue;
-  out.force = account(out.shares, f_tool, Vec3::Zero(), f_spring, cue);
-  out.f_H_M.force = out.shares.device;
-  out.f_H_M.torque = s.force.torque = limited_torque(
-      settings, s.force.torque, hand_ok && !in_doubt ? torque : Vec3(Vec3::Zero()), dt);
-  if (out.shares.clamped) out.reasons.add(Reason::kForceClamped);
-  if (out.shares.thermal) out.reasons.add(Reason::kForceContinuous);
-  if (out.shares.budget) out.reasons.add(Reason::kForceBudget);
-  if (out.shares.stepped) out.reasons.add(Reason::kForceRate);
-  if (s.lead.session != SessionState::kOff && (in_doubt || ladder.force_share < 1.0))
-    out.reasons.add(Reason::kForceFaded);
+  give_force(settings, in, wanted, ladder.force_share, motion, hand_ok, !in_doubt, before, dt, s,
+             out);
 
   out.reason = s.lead.reason;
   if (engaged && !s.command.driving) out.reason = Reason::kDeviceInvalid;

@@ -10,15 +10,11 @@ Vec3 finite_or_none(const Vec3& f) { return is_finite(f) ? f : Vec3(Vec3::Zero()
 
 MotionStage stage_of(FollowStage stage, Reason why) {
   switch (stage) {
-    case FollowStage::kTube:
-      return MotionStage::kTube;
-    case FollowStage::kBumper:
-      return MotionStage::kBumper;
-    case FollowStage::kReach:
-      return MotionStage::kReach;
+    case FollowStage::kTube: return MotionStage::kTube;
+    case FollowStage::kBumper: return MotionStage::kBumper;
+    case FollowStage::kReach: return MotionStage::kReach;
     case FollowStage::kLimits:
-    case FollowStage::kCount:
-      break;
+    case FollowStage::kCount: break;
   }
   return why == Reason::kSingularity ? MotionStage::kSingularity : MotionStage::kLimits;
 }

@@ -56,15 +56,12 @@ bool position_consistent(const ToolDefinition& tool) {
   const bool directed = is_unit_vector(tool.direction_S);
   if (!directed && (!is_zero(tool.direction_S) || tool.one_way || tool.has_end)) return false;
   switch (tool.kind) {
-    case ToolKind::kPoint:
-      return !directed && is_zero(tool.normal_S);
-    case ToolKind::kLine:
-      return directed && is_zero(tool.normal_S);
+    case ToolKind::kPoint: return !directed && is_zero(tool.normal_S);
+    case ToolKind::kLine: return directed && is_zero(tool.normal_S);
     case ToolKind::kPlane:
       return is_unit_vector(tool.normal_S) &&
              std::abs(tool.direction_S.dot(tool.normal_S)) < kUnitTolerance;
-    default:
-      return false;
+    default: return false;
   }
 }
 
@@ -75,13 +72,11 @@ bool orientation_consistent(const ToolDefinition& tool) {
   rest.q_ref = Quat::Identity();
   if (!is_bare(rest)) return false;
   switch (tool.kind) {
-    case ToolKind::kNRotation:
-      return is_zero(tool.normal_S) && is_zero(tool.axis_T);
+    case ToolKind::kNRotation: return is_zero(tool.normal_S) && is_zero(tool.axis_T);
     case ToolKind::kFRotation:
       return is_unit_vector(tool.normal_S) && is_unit_vector(tool.axis_T) &&
              tool.q_ref.coeffs() == Quat::Identity().coeffs();
-    default:
-      return false;
+    default: return false;
   }
 }
 

@@ -31,20 +31,11 @@ void LeaseDesk::handle(const pb::LeaseOrder& order, const std::string& who, Nano
   answer.allowed = answer.refusal.empty();
   if (answer.allowed) {
     switch (order.act()) {
-      case pb::LeaseOrder::SHOW:
-        break;
-      case pb::LeaseOrder::TAKE:
-        answer = lease_.take(who, now);
-        break;
-      case pb::LeaseOrder::GRANT:
-        answer = lease_.grant(who, now);
-        break;
-      case pb::LeaseOrder::REFUSE:
-        answer = lease_.refuse(who, now);
-        break;
-      case pb::LeaseOrder::RELEASE:
-        answer = lease_.release(who, now);
-        break;
+      case pb::LeaseOrder::SHOW: break;
+      case pb::LeaseOrder::TAKE: answer = lease_.take(who, now); break;
+      case pb::LeaseOrder::GRANT: answer = lease_.grant(who, now); break;
+      case pb::LeaseOrder::REFUSE: answer = lease_.refuse(who, now); break;
+      case pb::LeaseOrder::RELEASE: answer = lease_.release(who, now); break;
     }
   }
   if (answer.allowed && order.act() == pb::LeaseOrder::TAKE && lease_.holder() != who) {

@@ -62,18 +62,10 @@ int fail(const std::string& message) { return fail_start("handrail-master", mess
 HapticDeviceOptions device_options(const pb::DeviceConfig& config) {
   HapticDeviceOptions out;
   switch (config.kind()) {
-    case pb::DeviceConfig::SIM_OMNI:
-      out.kind = HapticDeviceKind::kSimOmni;
-      break;
-    case pb::DeviceConfig::SIM_OMNI_TORQUE:
-      out.kind = HapticDeviceKind::kSimOmniTorque;
-      break;
-    case pb::DeviceConfig::RECORDED:
-      out.kind = HapticDeviceKind::kRecorded;
-      break;
-    case pb::DeviceConfig::SIM_JOYSTICK:
-      out.kind = HapticDeviceKind::kSimJoystick;
-      break;
+    case pb::DeviceConfig::SIM_OMNI: out.kind = HapticDeviceKind::kSimOmni; break;
+    case pb::DeviceConfig::SIM_OMNI_TORQUE: out.kind = HapticDeviceKind::kSimOmniTorque; break;
+    case pb::DeviceConfig::RECORDED: out.kind = HapticDeviceKind::kRecorded; break;
+    case pb::DeviceConfig::SIM_JOYSTICK: out.kind = HapticDeviceKind::kSimJoystick; break;
   }
   const pb::HandModel& hand = config.hand();
   out.recording_path = config.recording();
@@ -105,12 +97,9 @@ Presence presence_of(const pb::MasterConfig& config, const HapticCapabilities& d
     return device.buttons >= 3 ? Presence::kButton : Presence::kHold;
   }
   switch (config.presence()) {
-    case pb::MasterConfig::NONE:
-      return Presence::kNone;
-    case pb::MasterConfig::BUTTON:
-      return Presence::kButton;
-    case pb::MasterConfig::HOLD:
-      break;
+    case pb::MasterConfig::NONE: return Presence::kNone;
+    case pb::MasterConfig::BUTTON: return Presence::kButton;
+    case pb::MasterConfig::HOLD: break;
   }
   return Presence::kHold;
 }

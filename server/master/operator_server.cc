@@ -40,22 +40,14 @@ pb::Reply refusal(const std::string& reason) {
 // An order switched off, as in `engage: false`, is none.
 bool has_order(const pb::Request& r) {
   switch (r.order_case()) {
-    case pb::Request::kStatus:
-      return r.status();
-    case pb::Request::kEngage:
-      return r.engage();
-    case pb::Request::kDisengage:
-      return r.disengage();
-    case pb::Request::kStop:
-      return r.stop();
-    case pb::Request::kReset:
-      return r.reset();
-    case pb::Request::kHoldAlive:
-      return r.hold_alive();
-    case pb::Request::ORDER_NOT_SET:
-      return false;
-    default:
-      return true;
+    case pb::Request::kStatus: return r.status();
+    case pb::Request::kEngage: return r.engage();
+    case pb::Request::kDisengage: return r.disengage();
+    case pb::Request::kStop: return r.stop();
+    case pb::Request::kReset: return r.reset();
+    case pb::Request::kHoldAlive: return r.hold_alive();
+    case pb::Request::ORDER_NOT_SET: return false;
+    default: return true;
   }
 }
 

@@ -38,8 +38,7 @@ void OrderDesk::handle(const pb::Request& request, ReplyTo reply) {
       leases_.handle(request.lease(), who, now_, std::move(reply));
       return watch_lease();
     case pb::Request::kStatus:
-    case pb::Request::kStop:
-      break;  // anybody's, always
+    case pb::Request::kStop: break;  // anybody's, always
     default: {
       const bool was_free = leases_.free();
       refusal = leases_.refusal(who, request.has_engage(), now_);
@@ -65,40 +64,31 @@ void OrderDesk::obey(const pb::Request& request, const std::string& who, ReplyTo
       leases_.show(now_, *answer.mutable_status()->mutable_lease());
       return reply(std::move(answer));
     }
-    case pb::Request::kEngage:
-      return engage(request.hold(), std::move(reply));
-    case pb::Request::kHoldAlive:
-      return hold_alive(std::move(reply));
+    case pb::Request::kEngage: return engage(request.hold(), std::move(reply));
+    case pb::Request::kHoldAlive: return hold_alive(std::move(reply));
     case pb::Request::kDisengage:
       give_up_engaging();
       return order(plain(OrderKind::kDisengage), std::move(reply));
     case pb::Request::kClutch:
       return order(plain(request.clutch() ? OrderKind::kClutchOn : OrderKind::kClutchOff),
                    std::move(reply));
-    case pb::Request::kStop:
-      stop(std::move(reply));
-      return give_up_engaging();
+    case pb::Request::kStop: stop(std::move(reply)); return give_up_engaging();
     case pb::Request::kReset:
       refuse_all(Until::kSlaveReset, Place::kHere, "another reset came after this one");
       pending_.push_back({std::move(reply), Until::kSlaveReset, now_, {}, false, Place::kHere});
       return send_reset();
-    case pb::Request::kTool:
-      return tool(request.tool(), request.approach(), std::move(reply));
+    case pb::Request::kTool: return tool(request.tool(), request.approach(), std::move(reply));
     case pb::Request::kToolOff: {
       HapticOrder off = plain(OrderKind::kToolOff);
       off.drop_position = request.tool_off().position();
       off.drop_orientation = request.tool_off().orientation();
       return order(off, std::move(reply), Until::kDropped);
     }
-    case pb::Request::kSceneLoad:
-      return load(request.scene_load(), who, std::move(reply));
-    case pb::Request::kStage:
-      return stage(request.stage(), std::move(reply));
-    case pb::Request::kHand:
-      return hand(request.hand(), std::move(reply));
+    case pb::Request::kSceneLoad: return load(request.scene_load(), who, std::move(reply));
+    case pb::Request::kStage: return stage(request.stage(), std::move(reply));
+    case pb::Request::kHand: return hand(request.hand(), std::move(reply));
     case pb::Request::kLease:
-    case pb::Request::ORDER_NOT_SET:
-      break;
+    case pb::Request::ORDER_NOT_SET: break;
   }
   reply(refused("the request holds no order this master knows"));
 }
@@ -289,8 +279,7 @@ void OrderDesk::settle(const OrderAnswer& answer, Pending order) {
   order.place = Place::kTaken;
   switch (order.until) {
     case Until::kTaken:
-    case Until::kDropped:
-      return order.reply(done(distance_text(answer, order.tool)));
+    case Until::kDropped: return order.reply(done(distance_text(answer, order.tool)));
     case Until::kEngaged:
       refuse_all(Until::kEngaged, Place::kTaken, "another engage came after this one");
       hold_ = order.hold;
@@ -301,25 +290,19 @@ void OrderDesk::settle(const OrderAnswer& answer, Pending order) {
       order.deadline = now_ + kResetPatience;
       break;
     case Until::kSlaveStopped:
-    case Until::kScene:
-      break;
+    case Until::kScene: break;
   }
   pending_.push_back(std::move(order));
 }
 
 std::optional<pb::Reply> OrderDesk::check(const Pending& order) {
   switch (order.until) {
-    case Until::kEngaged:
-      return check_engaged(order);
-    case Until::kSlaveReset:
-      return check_reset(order);
-    case Until::kSlaveStopped:
-      return check_stop(order);
-    case Until::kScene:
-      return check_scene(order);
+    case Until::kEngaged: return check_engaged(order);
+    case Until::kSlaveReset: return check_reset(order);
+    case Until::kSlaveStopped: return check_stop(order);
+    case Until::kScene: return check_scene(order);
     case Until::kTaken:
-    case Until::kDropped:
-      break;
+    case Until::kDropped: break;
   }
   return done();
 }

@@ -227,18 +227,14 @@ std::string way_out_of(Reason reason, int joint, const JointVector& q, Stand sta
                                              : "");
   };
   switch (reason) {
-    case Reason::kNotEngaged:
-      return "engage";
+    case Reason::kNotEngaged: return "engage";
     case Reason::kStopRequested:
     case Reason::kLinkLost:
     case Reason::kPeerFault:  // of a slave that has been started anew since
       return stand == Stand::kLatched ? "reset, then engage" : "engage";
-    case Reason::kAlignmentMismatch:
-      return stand == Stand::kLed ? "wait" : "engage";
-    case Reason::kHoming:
-      return then_engage("calibrate the haptic device, wait for the arm");
-    case Reason::kThreadStalled:
-      return "wait; if it lasts, start the master anew";
+    case Reason::kAlignmentMismatch: return stand == Stand::kLed ? "wait" : "engage";
+    case Reason::kHoming: return then_engage("calibrate the haptic device, wait for the arm");
+    case Reason::kThreadStalled: return "wait; if it lasts, start the master anew";
     case Reason::kRobotLost:
     case Reason::kRobotNotConnected:
       return then_engage(
@@ -258,65 +254,50 @@ std::string way_out_of(Reason reason, int joint, const JointVector& q, Stand sta
     case Reason::kSensorInvalid:
     case Reason::kSensorMissing:
     case Reason::kSensorSign:
-    case Reason::kContactUnrelieved:
-      return then_engage("check the force sensor");
+    case Reason::kContactUnrelieved: return then_engage("check the force sensor");
     case Reason::kHashTools:
     case Reason::kHashMapping:
     case Reason::kHashLimits:
     case Reason::kHashRobot:
     case Reason::kSceneDiffers:
-    case Reason::kSceneNotLoaded:
-      return then_engage("give both sides the same scene and version");
-    case Reason::kDeviceInvalid:
-      return then_engage("check the haptic device");
+    case Reason::kSceneNotLoaded: return then_engage("give both sides the same scene and version");
+    case Reason::kDeviceInvalid: return then_engage("check the haptic device");
     case Reason::kNoArmInScene:
       return then_engage("load a scene with an arm: 'handrail scene load NAME'");
-    case Reason::kNoPeer:
-      return then_engage("start the slave, or check the network");
+    case Reason::kNoPeer: return then_engage("start the slave, or check the network");
     case Reason::kShutdown:
-    case Reason::kSessionClosed:
-      return then_engage("start the slave if it does not run");
+    case Reason::kSessionClosed: return then_engage("start the slave if it does not run");
     case Reason::kLinkStale:
     case Reason::kLinkHold:
     case Reason::kLinkQuality:
     case Reason::kNotConfirmed:
       return stand == Stand::kLed ? "wait for the link, or move slower"
                                   : then_engage("wait for the link");
-    case Reason::kLoopAge:
-      return "move slower: what you see is old";
+    case Reason::kLoopAge: return "move slower: what you see is old";
     case Reason::kOtherMaster:
       return then_engage("end that master: then the slave takes this one, without a restart");
-    case Reason::kClutched:
-      return "let the clutch go";
+    case Reason::kClutched: return "let the clutch go";
     case Reason::kPresence:
       if (stand == Stand::kLed) {
         return "hold the enabling button, or keep 'handrail engage --hold' running";
       }
       return std::string(stand == Stand::kLatched ? "reset, then " : "") +
              "hold the enabling button and engage, or keep 'handrail engage --hold' running";
-    case Reason::kLeaseLost:
-      return "take the lease and engage: 'handrail lease take'";
-    case Reason::kStopInput:
-      return then_engage("close the stop circuit");
+    case Reason::kLeaseLost: return "take the lease and engage: 'handrail lease take'";
+    case Reason::kStopInput: return then_engage("close the stop circuit");
     case Reason::kOutOfReach:
-    case Reason::kWorkspace:
-      return "come back toward the base";
+    case Reason::kWorkspace: return "come back toward the base";
     case Reason::kJointRange:
       return joint >= 0 ? fmt::format("turn J{} back", joint + 1) : "turn back";
-    case Reason::kSingularity:
-      return way_out_of_singularity(q);
+    case Reason::kSingularity: return way_out_of_singularity(q);
     case Reason::kJointSpeed:
     case Reason::kJointAcceleration:
     case Reason::kJointJerk:
     case Reason::kTipSpeed:
-    case Reason::kApproach:
-      return "wait, or move slower";
-    case Reason::kToolBlending:
-      return "wait";
-    case Reason::kBumper:
-      return "move away from the contact";
-    default:
-      return {};
+    case Reason::kApproach: return "wait, or move slower";
+    case Reason::kToolBlending: return "wait";
+    case Reason::kBumper: return "move away from the contact";
+    default: return {};
   }
 }
 

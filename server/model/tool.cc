@@ -6,18 +6,12 @@ namespace handrail {
 
 const char* name_of(ToolKind kind) noexcept {
   switch (kind) {
-    case ToolKind::kPoint:
-      return "point";
-    case ToolKind::kLine:
-      return "line";
-    case ToolKind::kPlane:
-      return "plane";
-    case ToolKind::kNRotation:
-      return "n-rotation";
-    case ToolKind::kFRotation:
-      return "f-rotation";
-    case ToolKind::kNone:
-      break;
+    case ToolKind::kPoint: return "point";
+    case ToolKind::kLine: return "line";
+    case ToolKind::kPlane: return "plane";
+    case ToolKind::kNRotation: return "n-rotation";
+    case ToolKind::kFRotation: return "f-rotation";
+    case ToolKind::kNone: break;
   }
   return "none";
 }

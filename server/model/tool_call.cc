@@ -31,10 +31,8 @@ Reason check_directions(const ToolCall& call) noexcept {
     case ToolKind::kFRotation:
       return call.has_axis && is_zero(call.axis_S) ? Reason::kToolDirectionZero : Reason::kNone;
     case ToolKind::kPoint:
-    case ToolKind::kNRotation:
-      return Reason::kNone;
-    case ToolKind::kNone:
-      break;
+    case ToolKind::kNRotation: return Reason::kNone;
+    case ToolKind::kNone: break;
   }
   return Reason::kNoSuchTool;
 }

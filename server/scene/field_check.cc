@@ -31,8 +31,7 @@ double number_of(const Message& m, const FieldDescriptor& f, int index) {
       return static_cast<double>(one ? r.GetInt64(m, &f) : r.GetRepeatedInt64(m, &f, index));
     case FieldDescriptor::CPPTYPE_UINT64:
       return static_cast<double>(one ? r.GetUInt64(m, &f) : r.GetRepeatedUInt64(m, &f, index));
-    default:
-      return 0.0;
+    default: return 0.0;
   }
 }
 

@@ -48,10 +48,8 @@ std::string wrong_value(const FieldDescriptor& f, const std::string& value) {
   const std::string is_not = "'" + value + "' is ";
   switch (f.cpp_type()) {
     case FieldDescriptor::CPPTYPE_DOUBLE:
-    case FieldDescriptor::CPPTYPE_FLOAT:
-      return is_not + "not a number";
-    case FieldDescriptor::CPPTYPE_BOOL:
-      return is_not + "neither true nor false";
+    case FieldDescriptor::CPPTYPE_FLOAT: return is_not + "not a number";
+    case FieldDescriptor::CPPTYPE_BOOL: return is_not + "neither true nor false";
     case FieldDescriptor::CPPTYPE_ENUM: {
       std::vector<std::string> names;
       for (int i = 0; i < f.enum_type()->value_count(); ++i) {
@@ -60,10 +58,8 @@ std::string wrong_value(const FieldDescriptor& f, const std::string& value) {
       return is_not + "not one of " + joined(names);
     }
     case FieldDescriptor::CPPTYPE_UINT32:
-    case FieldDescriptor::CPPTYPE_UINT64:
-      return is_not + "not a whole number, 0 or more";
-    default:
-      return is_not + "not a whole number";
+    case FieldDescriptor::CPPTYPE_UINT64: return is_not + "not a whole number, 0 or more";
+    default: return is_not + "not a whole number";
   }
 }
 

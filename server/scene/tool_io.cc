@@ -15,16 +15,11 @@ Vec3 vector_of(const Numbers& v) { return v.size() == 3 ? Vec3(v[0], v[1], v[2])
 
 ToolKind kind_of(pb::Tool::Kind kind) {
   switch (kind) {
-    case pb::Tool::POINT:
-      return ToolKind::kPoint;
-    case pb::Tool::LINE:
-      return ToolKind::kLine;
-    case pb::Tool::PLANE:
-      return ToolKind::kPlane;
-    case pb::Tool::N_ROTATION:
-      return ToolKind::kNRotation;
-    case pb::Tool::F_ROTATION:
-      return ToolKind::kFRotation;
+    case pb::Tool::POINT: return ToolKind::kPoint;
+    case pb::Tool::LINE: return ToolKind::kLine;
+    case pb::Tool::PLANE: return ToolKind::kPlane;
+    case pb::Tool::N_ROTATION: return ToolKind::kNRotation;
+    case pb::Tool::F_ROTATION: return ToolKind::kFRotation;
   }
   return ToolKind::kNone;
 }

@@ -31,12 +31,9 @@ std::string at(const char* list, int i, const char* field) {
 
 RegionKind kind_of(pb::WallRegion::Kind kind) {
   switch (kind) {
-    case pb::WallRegion::FREE:
-      return RegionKind::kFree;
-    case pb::WallRegion::WALL:
-      return RegionKind::kWall;
-    case pb::WallRegion::AISLE:
-      return RegionKind::kAisle;
+    case pb::WallRegion::FREE: return RegionKind::kFree;
+    case pb::WallRegion::WALL: return RegionKind::kWall;
+    case pb::WallRegion::AISLE: return RegionKind::kAisle;
   }
   return RegionKind::kFree;
 }

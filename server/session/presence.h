@@ -22,12 +22,9 @@ inline constexpr double kAbsence = 2.0;
 // `button`: held now; `hold_heard`: since the running command was last heard [ns]. Real-time safe.
 constexpr bool present(Presence wanted, bool button, Nanos hold_heard) noexcept {
   switch (wanted) {
-    case Presence::kNone:
-      return true;
-    case Presence::kButton:
-      return button;
-    case Presence::kHold:
-      return hold_heard <= kHoldPatience;
+    case Presence::kNone: return true;
+    case Presence::kButton: return button;
+    case Presence::kHold: return hold_heard <= kHoldPatience;
   }
   return false;
 }

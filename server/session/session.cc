@@ -37,16 +37,11 @@ SessionState driving(Desired desired) {
 Reason reason_of(LinkRung link) noexcept {
   switch (link) {
     case LinkRung::kNone:
-    case LinkRung::kLost:
-      return Reason::kNoPeer;
-    case LinkRung::kFresh:
-      return Reason::kNone;
-    case LinkRung::kSlow:
-      return Reason::kLinkStale;
-    case LinkRung::kHold:
-      return Reason::kLinkHold;
-    case LinkRung::kClosed:
-      return Reason::kSessionClosed;
+    case LinkRung::kLost: return Reason::kNoPeer;
+    case LinkRung::kFresh: return Reason::kNone;
+    case LinkRung::kSlow: return Reason::kLinkStale;
+    case LinkRung::kHold: return Reason::kLinkHold;
+    case LinkRung::kClosed: return Reason::kSessionClosed;
   }
   return Reason::kNone;
 }
@@ -105,8 +100,7 @@ SessionStep next_master(SessionState state, const MasterSessionInput& in) noexce
     case kFault:
       if (in.reset) return {kOff, Reason::kNotEngaged};
       return {kFault, Reason::kNone};  // the reason stays the one that led here
-    case SessionState::kCount:
-      break;
+    case SessionState::kCount: break;
   }
   return {kFault, Reason::kNone};
 }
@@ -156,8 +150,7 @@ SessionStep next_slave(SessionState state, const SlaveSessionInput& in) noexcept
     case kFault:
       if (in.fault_released && in.robot_ready) return {kOff, Reason::kNotEngaged};
       return {kFault, Reason::kNone};
-    case SessionState::kCount:
-      break;
+    case SessionState::kCount: break;
   }
   return {kFault, Reason::kNone};
 }

@@ -214,16 +214,11 @@ TEST_P(HapticDeviceConformance, AHandThatIsSteeredArrives) {
 
 std::string name_of(const ::testing::TestParamInfo<HapticDeviceKind>& info) {
   switch (info.param) {
-    case HapticDeviceKind::kSimOmni:
-      return "SimOmni";
-    case HapticDeviceKind::kSimOmniTorque:
-      return "SimOmniTorque";
-    case HapticDeviceKind::kRecorded:
-      return "Recorded";
-    case HapticDeviceKind::kSimJoystick:
-      return "SimJoystick";
-    case HapticDeviceKind::kCount:
-      break;
+    case HapticDeviceKind::kSimOmni: return "SimOmni";
+    case HapticDeviceKind::kSimOmniTorque: return "SimOmniTorque";
+    case HapticDeviceKind::kRecorded: return "Recorded";
+    case HapticDeviceKind::kSimJoystick: return "SimJoystick";
+    case HapticDeviceKind::kCount: break;
   }
   return "Unnamed";
 }

@@ -47,20 +47,11 @@ Pose any_target(const Pose& here) {
       X.p += within(0.05);
       X.q = (rotation_exp(within(0.3)) * X.q).normalized();
       break;
-    case 1:
-      X = forward(ArmGeometry(), any_joints(1.0));
-      break;
-    case 2:
-      X = {within(2.0), rotation_exp(within(3.0))};
-      break;
-    case 3:
-      X.p[below(3)] = odd_number();
-      break;
-    case 4:
-      X.q.coeffs()[below(4)] = odd_number();
-      break;
-    default:
-      X.p += within(1e-4);
+    case 1: X = forward(ArmGeometry(), any_joints(1.0)); break;
+    case 2: X = {within(2.0), rotation_exp(within(3.0))}; break;
+    case 3: X.p[below(3)] = odd_number(); break;
+    case 4: X.q.coeffs()[below(4)] = odd_number(); break;
+    default: X.p += within(1e-4);
   }
   return X;
 }
@@ -71,26 +62,16 @@ double hostile(int kind, const GuardLimits& limits, const GuardState& s, int i, 
   const AxisLimits& l = limits.axis[static_cast<std::size_t>(i)];
   const double u = random.uniform(), on = s.q[i] + s.step[i];
   switch (kind) {
-    case 0:
-      return s.q[i] + 0.3 * random.normal();
-    case 1:
-      return limits.lower[i] + u * (limits.upper[i] - limits.lower[i]);
-    case 2:
-      return u < 0.5 ? 1e9 : -1e9;
-    case 3:
-      return u < 0.1 ? std::numeric_limits<double>::quiet_NaN() : on;
-    case 4:
-      return limits.upper[i] + 1e-3 * (u - 0.5);
-    case 5:
-      return limits.lower[i];
-    case 6:
-      return on + s.change[i] + 1.2 * (2.0 * u - 1.0) * l.jerk;
-    case 7:
-      return u < 0.01 ? 1e308 : s.q[i] + (i % 2 == 0 ? l.speed : -l.speed);
-    case 8:
-      return on + (u < 0.5 ? l.acceleration : -l.acceleration);
-    default:
-      return on + 2.2 * (u - 0.5) * l.acceleration;
+    case 0: return s.q[i] + 0.3 * random.normal();
+    case 1: return limits.lower[i] + u * (limits.upper[i] - limits.lower[i]);
+    case 2: return u < 0.5 ? 1e9 : -1e9;
+    case 3: return u < 0.1 ? std::numeric_limits<double>::quiet_NaN() : on;
+    case 4: return limits.upper[i] + 1e-3 * (u - 0.5);
+    case 5: return limits.lower[i];
+    case 6: return on + s.change[i] + 1.2 * (2.0 * u - 1.0) * l.jerk;
+    case 7: return u < 0.01 ? 1e308 : s.q[i] + (i % 2 == 0 ? l.speed : -l.speed);
+    case 8: return on + (u < 0.5 ? l.acceleration : -l.acceleration);
+    default: return on + 2.2 * (u - 0.5) * l.acceleration;
   }
 }
 

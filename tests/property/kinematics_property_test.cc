@@ -25,17 +25,10 @@ JointVector any_joints() {
   const double special =
       *rc::gen::element(0.0, 1e-12, -1e-12, 1e-9, -1e-8, 1e-6, 0.5 * std::numbers::pi);
   switch (*rc::gen::inRange(0, 12)) {
-    case 0:
-      q[4] = special;
-      break;
-    case 1:
-      q[3] = special;
-      break;
-    case 2:
-      q[3] = q[4] = q[5] = special;
-      break;
-    default:
-      break;
+    case 0: q[4] = special; break;
+    case 1: q[3] = special; break;
+    case 2: q[3] = q[4] = q[5] = special; break;
+    default: break;
   }
   return q;
 }

@@ -70,14 +70,9 @@ class Mutator {
     for (std::size_t n = 1 + below(4); n > 0 && !out.empty(); --n) {
       const std::size_t at = below(out.size());
       switch (below(4)) {
-        case 0:
-          out.resize(at);
-          break;
-        case 1:
-          out.insert(at, 1 + below(8), static_cast<char>(random_()));
-          break;
-        default:
-          out[at] = static_cast<char>(random_());
+        case 0: out.resize(at); break;
+        case 1: out.insert(at, 1 + below(8), static_cast<char>(random_())); break;
+        default: out[at] = static_cast<char>(random_());
       }
     }
     return out;
@@ -90,9 +85,7 @@ class Mutator {
         chunks.erase(chunks.begin() + static_cast<std::ptrdiff_t>(i));
         if (chunks.empty()) chunks.push_back({"IEND", ""});
         break;
-      case 1:
-        chunks.insert(chunks.begin() + static_cast<std::ptrdiff_t>(i), Chunk(chunk));
-        break;
+      case 1: chunks.insert(chunks.begin() + static_cast<std::ptrdiff_t>(i), Chunk(chunk)); break;
       case 2: {
         const std::vector<Chunk> from = chunks_of(others[below(others.size())]);
         if (!from.empty())
@@ -108,8 +101,7 @@ class Mutator {
                                                                               : 18));
         }
         break;
-      default:
-        chunk.contents = bytes(chunk.contents);
+      default: chunk.contents = bytes(chunk.contents);
     }
   }
 

@@ -85,8 +85,7 @@ RC_GTEST_PROP(World, ThePushIsNoHarderThanTheArmAndNeverAPull, ()) {
 using Thing = std::variant<Plane, Box, Cylinder>;
 Thing any_thing() {
   switch (below(3)) {
-    case 0:
-      return Plane({within(2e-3), rotation_exp(within(2.0)) * Vec3::UnitZ(), any_surface()});
+    case 0: return Plane({within(2e-3), rotation_exp(within(2.0)) * Vec3::UnitZ(), any_surface()});
     case 1:
       return Box({{within(2e-3), rotation_exp(within(2.0))},
                   Vec3::Constant(1e-4) + within(9e-5),

@@ -54,11 +54,8 @@ Status Cell::start(Who who) {
       robot_port_ = number_after(said, "robot_port=");
       sensor_port_ = number_after(said, "sensor_port=");
       break;
-    case Who::kSlave:
-      slave_port_ = number_after(said, "link_port=");
-      break;
-    default:
-      master_port_ = number_after(said, "link_port=");
+    case Who::kSlave: slave_port_ = number_after(said, "link_port="); break;
+    default: master_port_ = number_after(said, "link_port=");
   }
   return Status::ok();
 }

@@ -124,10 +124,8 @@ void Run::apply(const Act& act) {
       live(now + act.lasts);
       return cell_.send(Who::kRig, SIGUSR2);
     case What::kKill:
-    case What::kTerm:
-      return restart(act);
-    case What::kStop:
-      return stop();
+    case What::kTerm: return restart(act);
+    case What::kStop: return stop();
   }
 }
 

@@ -52,14 +52,10 @@ Act draw_act(Random& random, Nanos budget) {
 
 const char* name(Who who) {
   switch (who) {
-    case Who::kRig:
-      return "rig";
-    case Who::kSlave:
-      return "slave";
-    case Who::kMaster:
-      return "master";
-    case Who::kComputer:
-      return "master and slave";
+    case Who::kRig: return "rig";
+    case Who::kSlave: return "slave";
+    case Who::kMaster: return "master";
+    case Who::kComputer: return "master and slave";
   }
   return "?";
 }
@@ -84,16 +80,13 @@ std::string text(const Act& act) {
   const auto lasts = fmt::format("{:.1f} ms", 1e3 * to_seconds(act.lasts));
   const std::string then = act.recover ? ", recover" : "";
   switch (act.what) {
-    case What::kPause:
-      return when + "pause " + name(act.who) + " " + lasts + then;
-    case What::kUnplug:
-      return when + "unplug the rig " + lasts + then;
+    case What::kPause: return when + "pause " + name(act.who) + " " + lasts + then;
+    case What::kUnplug: return when + "unplug the rig " + lasts + then;
     case What::kKill:
       return when + "kill " + name(act.who) + ", new start " + lasts + " later" + then;
     case What::kTerm:
       return when + "terminate " + name(act.who) + ", new start " + lasts + " later" + then;
-    case What::kStop:
-      return when + "stop" + then;
+    case What::kStop: return when + "stop" + then;
   }
   return "?";
 }

@@ -112,12 +112,9 @@ class Crowd {
     if (client.fd < 0 && !enter(client)) return;
     switch (client.kind) {
       case Kind::kIdle:
-      case Kind::kComesAndGoes:
-        return;
-      case Kind::kAsks:
-        return ask(client, status_);
-      case Kind::kRefusedOrders:
-        return ask(client, client.order);
+      case Kind::kComesAndGoes: return;
+      case Kind::kAsks: return ask(client, status_);
+      case Kind::kRefusedOrders: return ask(client, client.order);
       case Kind::kHalfAFrame:
         if (!std::exchange(client.said, true)) say(client, status_.substr(0, 5));
         return;

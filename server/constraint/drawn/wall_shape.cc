@@ -82,9 +82,7 @@ std::vector<OutlinePiece> border_of(const WallShape& shape) {
     case WallShape::Kind::kDisc:
       append_arc(border, shape.centre, shape.radius, 0.0, 2.0 * kPi, +1);
       break;
-    case WallShape::Kind::kArc:
-      append_arc_aisle(border, shape);
-      break;
+    case WallShape::Kind::kArc: append_arc_aisle(border, shape); break;
   }
   return border;
 }

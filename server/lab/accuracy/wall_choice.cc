@@ -83,12 +83,9 @@ std::vector<WallSetting> wall_settings() {
 
 const char* name_of(WallMethod method) noexcept {
   switch (method) {
-    case WallMethod::kPublished:
-      return "published";
-    case WallMethod::kSubpixel:
-      return "subpixel";
-    case WallMethod::kExact:
-      break;
+    case WallMethod::kPublished: return "published";
+    case WallMethod::kSubpixel: return "subpixel";
+    case WallMethod::kExact: break;
   }
   return "exact";
 }

@@ -165,14 +165,9 @@ FaultOutcome s3a(const RowRun& row) {
       case 0:
         if (at < from + kCycle) f.force[axis] += 200.0;  // one that a cycle reads
         break;
-      case 1:
-        f.force[axis] += std::min(1.5, 0.5 * to_seconds(at - from));
-        break;
-      case 2:
-        f.force *= 2.0;
-        break;
-      default:
-        std::swap(f.force[axis], f.force[(axis + 1) % 3]);
+      case 1: f.force[axis] += std::min(1.5, 0.5 * to_seconds(at - from)); break;
+      case 2: f.force *= 2.0; break;
+      default: std::swap(f.force[axis], f.force[(axis + 1) % 3]);
     }
   };
   double away = 0.0;

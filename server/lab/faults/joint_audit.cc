@@ -17,32 +17,19 @@ void add(BreachCounts& breaches, Breach kind) { ++breaches[static_cast<std::size
 
 const char* name_of(Breach breach) noexcept {
   switch (breach) {
-    case Breach::kNotFinite:
-      return "not finite";
-    case Breach::kRange:
-      return "joint range";
-    case Breach::kWorkspace:
-      return "outside the workspace";
-    case Breach::kSpeed:
-      return "joint speed";
-    case Breach::kAcceleration:
-      return "joint acceleration";
-    case Breach::kJerk:
-      return "joint jerk";
-    case Breach::kUnled:
-      return "moved without being led";
-    case Breach::kLateStop:
-      return "stopped late";
-    case Breach::kUnasked:
-      return "went where nobody asked";
-    case Breach::kOffTool:
-      return "off the tool";
-    case Breach::kForce:
-      return "force on the hand";
-    case Breach::kBackward:
-      return "applied backward";
-    case Breach::kCount:
-      break;
+    case Breach::kNotFinite: return "not finite";
+    case Breach::kRange: return "joint range";
+    case Breach::kWorkspace: return "outside the workspace";
+    case Breach::kSpeed: return "joint speed";
+    case Breach::kAcceleration: return "joint acceleration";
+    case Breach::kJerk: return "joint jerk";
+    case Breach::kUnled: return "moved without being led";
+    case Breach::kLateStop: return "stopped late";
+    case Breach::kUnasked: return "went where nobody asked";
+    case Breach::kOffTool: return "off the tool";
+    case Breach::kForce: return "force on the hand";
+    case Breach::kBackward: return "applied backward";
+    case Breach::kCount: break;
   }
   return "unknown";
 }

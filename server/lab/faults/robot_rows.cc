@@ -139,9 +139,7 @@ FaultOutcome r1b(const RowRun& row) {
   LinkFaults replies, commands;
   bool far = false, in_bursts = false;
   switch (row.index % kLevels) {
-    case 0:
-      replies.delay = replies.jitter = kPeriod / 2;
-      break;
+    case 0: replies.delay = replies.jitter = kPeriod / 2; break;
     case 1:
       replies.duplicate = 0.1;
       commands.duplicate = options.queues ? 0.0 : 0.1;
@@ -155,12 +153,8 @@ FaultOutcome r1b(const RowRun& row) {
       replies.duplicate = 0.05;
       replies.delay = replies.jitter = kPeriod / 4;
       break;
-    case 4:
-      commands.delay = commands.jitter = kPeriod / 4;
-      break;
-    case 5:
-      in_bursts = true;
-      break;
+    case 4: commands.delay = commands.jitter = kPeriod / 4; break;
+    case 5: in_bursts = true; break;
     default:
       far = row.index / kLevels % 4 % 3 != 0;  // of four lots two
       // Over a way that is longer by 2 ms an answer is given up in any case.

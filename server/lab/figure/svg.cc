@@ -22,16 +22,11 @@ std::string attribute(std::string_view name, double value) {
 
 std::string_view pattern_of(Dash dash) {
   switch (dash) {
-    case Dash::kSolid:
-      return "";
-    case Dash::kDashed:
-      return "6 3";
-    case Dash::kDotted:
-      return "1 3";
-    case Dash::kDashDot:
-      return "7 3 1 3";
-    case Dash::kLongDash:
-      return "12 4";
+    case Dash::kSolid: return "";
+    case Dash::kDashed: return "6 3";
+    case Dash::kDotted: return "1 3";
+    case Dash::kDashDot: return "7 3 1 3";
+    case Dash::kLongDash: return "12 4";
   }
   return "";
 }
@@ -83,18 +78,14 @@ void Svg::marker(const Point& at, const Style& style) {
     shapes_ += "<polygon" + attribute("points", joined(corners)) + paint;
   };
   switch (style.marker) {
-    case Marker::kNone:
-      return;
+    case Marker::kNone: return;
     case Marker::kCircle:
       shapes_ += "<circle" + attribute("cx", at.x) + attribute("cy", at.y) +
                  attribute("r", kMarker) + paint;
       return;
-    case Marker::kSquare:
-      return polygon({{-0.9, -0.9}, {0.9, -0.9}, {0.9, 0.9}, {-0.9, 0.9}});
-    case Marker::kTriangle:
-      return polygon({{0.0, -1.15}, {1.1, 0.85}, {-1.1, 0.85}});
-    case Marker::kDiamond:
-      return polygon({{0.0, -1.4}, {1.4, 0.0}, {0.0, 1.4}, {-1.4, 0.0}});
+    case Marker::kSquare: return polygon({{-0.9, -0.9}, {0.9, -0.9}, {0.9, 0.9}, {-0.9, 0.9}});
+    case Marker::kTriangle: return polygon({{0.0, -1.15}, {1.1, 0.85}, {-1.1, 0.85}});
+    case Marker::kDiamond: return polygon({{0.0, -1.4}, {1.4, 0.0}, {0.0, 1.4}, {-1.4, 0.0}});
     case Marker::kCross:
       for (const double side : {-kMarker, kMarker}) {
         line({at.x - kMarker, at.y - side}, {at.x + kMarker, at.y + side}, style.colour, 1.6);

@@ -26,20 +26,13 @@ const LinearFigureInfo& info_of(LinearFigure figure) noexcept {
 double value_of(const TrialResult& result, LinearFigure figure) noexcept {
   if (result.end != TrialEnd::kDone) return std::numeric_limits<double>::infinity();
   switch (figure) {
-    case LinearFigure::kTime:
-      return result.execution_time;
-    case LinearFigure::kPath:
-      return result.path;
-    case LinearFigure::kPosition:
-      return result.position_error;
-    case LinearFigure::kOrientation:
-      return result.orientation_error;
-    case LinearFigure::kPositionOnLines:
-      return result.position_error_on_lines;
-    case LinearFigure::kOrientationToReference:
-      return result.orientation_error_to_reference;
-    case LinearFigure::kOrientationToNominal:
-      return result.orientation_error_to_nominal;
+    case LinearFigure::kTime: return result.execution_time;
+    case LinearFigure::kPath: return result.path;
+    case LinearFigure::kPosition: return result.position_error;
+    case LinearFigure::kOrientation: return result.orientation_error;
+    case LinearFigure::kPositionOnLines: return result.position_error_on_lines;
+    case LinearFigure::kOrientationToReference: return result.orientation_error_to_reference;
+    case LinearFigure::kOrientationToNominal: return result.orientation_error_to_nominal;
   }
   return 0.0;
 }

@@ -30,8 +30,7 @@ HapticOrder n_rotation_order() {
 
 std::array<HapticOrder, kOrders> orders_of(const LinearTask& task, LinearPhase phase) {
   switch (phase) {
-    case LinearPhase::kToB:
-      return {line_order(task.p_SA, task.p_SB), n_rotation_order()};
+    case LinearPhase::kToB: return {line_order(task.p_SA, task.p_SB), n_rotation_order()};
     case LinearPhase::kTurn: {
       HapticOrder point;
       point.kind = OrderKind::kTool;
@@ -43,8 +42,7 @@ std::array<HapticOrder, kOrders> orders_of(const LinearTask& task, LinearPhase p
       release.drop_position = false;
       return {point, release};
     }
-    case LinearPhase::kToC:
-      return {line_order(task.p_SB, task.p_SC), n_rotation_order()};
+    case LinearPhase::kToC: return {line_order(task.p_SB, task.p_SC), n_rotation_order()};
   }
   return {};
 }
@@ -163,14 +161,10 @@ const char* name_of(StudyMode mode) noexcept { return mode == StudyMode::kFree ?
 
 const char* name_of(TrialEnd end) noexcept {
   switch (end) {
-    case TrialEnd::kDone:
-      return "done";
-    case TrialEnd::kTimeOut:
-      return "time-out";
-    case TrialEnd::kOffTarget:
-      return "off target";
-    case TrialEnd::kSession:
-      return "session lost";
+    case TrialEnd::kDone: return "done";
+    case TrialEnd::kTimeOut: return "time-out";
+    case TrialEnd::kOffTarget: return "off target";
+    case TrialEnd::kSession: return "session lost";
   }
   return "?";
 }

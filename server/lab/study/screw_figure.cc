@@ -26,18 +26,12 @@ const ScrewFigureInfo& info_of(ScrewFigure figure) noexcept {
 
 double measured_of(const ScrewResult& result, ScrewFigure figure) noexcept {
   switch (figure) {
-    case ScrewFigure::kTime:
-      return result.completion_time;
-    case ScrewFigure::kPath:
-      return result.measured.path;
-    case ScrewFigure::kMeanForce:
-      return result.measured.mean_force;
-    case ScrewFigure::kMaxForce:
-      return result.measured.max_force;
-    case ScrewFigure::kImpulse:
-      return result.measured.impulse;
-    case ScrewFigure::kContactTime:
-      return result.measured.contact_time;
+    case ScrewFigure::kTime: return result.completion_time;
+    case ScrewFigure::kPath: return result.measured.path;
+    case ScrewFigure::kMeanForce: return result.measured.mean_force;
+    case ScrewFigure::kMaxForce: return result.measured.max_force;
+    case ScrewFigure::kImpulse: return result.measured.impulse;
+    case ScrewFigure::kContactTime: return result.measured.contact_time;
   }
   return 0.0;
 }

@@ -331,16 +331,11 @@ const char* name_of(ScrewMode mode) noexcept {
 
 const char* name_of(ScrewEnd end) noexcept {
   switch (end) {
-    case ScrewEnd::kDone:
-      return "done";
-    case ScrewEnd::kForce:
-      return "too hard";
-    case ScrewEnd::kKeyLost:
-      return "key lost";
-    case ScrewEnd::kTimeOut:
-      return "time-out";
-    case ScrewEnd::kSession:
-      return "session lost";
+    case ScrewEnd::kDone: return "done";
+    case ScrewEnd::kForce: return "too hard";
+    case ScrewEnd::kKeyLost: return "key lost";
+    case ScrewEnd::kTimeOut: return "time-out";
+    case ScrewEnd::kSession: return "session lost";
   }
   return "?";
 }

@@ -58,12 +58,9 @@ class GearJudge {
 
 const char* name_of(GearEvent::Kind kind) noexcept {
   switch (kind) {
-    case GearEvent::Kind::kLock:
-      return "lock";
-    case GearEvent::Kind::kUnlock:
-      return "unlock";
-    case GearEvent::Kind::kReturn:
-      break;
+    case GearEvent::Kind::kLock: return "lock";
+    case GearEvent::Kind::kUnlock: return "unlock";
+    case GearEvent::Kind::kReturn: break;
   }
   return "return";
 }

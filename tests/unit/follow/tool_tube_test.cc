@@ -27,14 +27,10 @@ ToolDefinition of_epoch(ToolDefinition tool, std::uint32_t epoch) {
 double off(const ToolDefinition& tool, const Vec3& p) {
   const Vec3 d = p - tool.p_SA;
   switch (tool.kind) {
-    case ToolKind::kPoint:
-      return d.norm();
-    case ToolKind::kLine:
-      return d.cross(tool.direction_S).norm();
-    case ToolKind::kPlane:
-      return std::abs(d.dot(tool.normal_S));
-    default:
-      return 0.0;
+    case ToolKind::kPoint: return d.norm();
+    case ToolKind::kLine: return d.cross(tool.direction_S).norm();
+    case ToolKind::kPlane: return std::abs(d.dot(tool.normal_S));
+    default: return 0.0;
   }
 }
 

@@ -22,18 +22,10 @@ ToolCall any_tool(Dice& dice, const HapticRig& rig) {
   const Vec3 away = rig.command().p + dice.between(0.0, 0.05) * dice.unit();
   ToolCall call;
   switch (static_cast<int>(dice.between(0.0, 5.0))) {
-    case 0:
-      call = at(call_of(ToolKind::kPoint), away);
-      break;
-    case 1:
-      call = at(line_call(dice.unit(), dice.between(0, 1) < 0.5), away);
-      break;
-    case 2:
-      call = at(plane_call(dice.unit()), away);
-      break;
-    case 3:
-      call = call_of(ToolKind::kNRotation);
-      break;
+    case 0: call = at(call_of(ToolKind::kPoint), away); break;
+    case 1: call = at(line_call(dice.unit(), dice.between(0, 1) < 0.5), away); break;
+    case 2: call = at(plane_call(dice.unit()), away); break;
+    case 3: call = call_of(ToolKind::kNRotation); break;
     default:
       call = call_of(ToolKind::kFRotation);
       call.has_axis = true;

@@ -29,32 +29,15 @@ void push_on_line(HapticRig& rig) {
 TEST(HapticInput, NoBadHandReadingEverReachesForceOrCommand) {
   const auto spoilt = [](int what, Pose X, Vec3& v) {
     switch (what) {
-      case 0:
-        X.p.x() = kNaN;
-        break;
-      case 1:
-        X.p.z() = -kInfinity;
-        break;
-      case 2:
-        X.p.y() = kHuge;
-        break;
-      case 3:
-        X.q.w() = kNaN;
-        break;
-      case 4:
-        X.q = Quat(0, 0, 0, 0);
-        break;
-      case 5:
-        X.q = Quat(2, 0, 0, 0);
-        break;
-      case 6:
-        v = Vec3(kNaN, 0, 0);
-        break;
-      case 7:
-        v = Vec3(0, kHuge, 0);
-        break;
-      default:
-        X.p.x() = 50.0;
+      case 0: X.p.x() = kNaN; break;
+      case 1: X.p.z() = -kInfinity; break;
+      case 2: X.p.y() = kHuge; break;
+      case 3: X.q.w() = kNaN; break;
+      case 4: X.q = Quat(0, 0, 0, 0); break;
+      case 5: X.q = Quat(2, 0, 0, 0); break;
+      case 6: v = Vec3(kNaN, 0, 0); break;
+      case 7: v = Vec3(0, kHuge, 0); break;
+      default: X.p.x() = 50.0;
     }
     return X;
   };

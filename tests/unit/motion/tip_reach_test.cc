@@ -145,8 +145,7 @@ class PushedFor60Seconds : public testing::TestWithParam<int> {
       case 2:
         return {"the wrist over the base axis", joints_deg(0, -30, 150, 0, 60, 0),
                 joints_deg(0, -30, 150, 0, 60, 0), Vec3(-0.6, 0.02, 0.2)};
-      default:
-        return {"out of reach", kHome, kHome, Vec3(1.5, 0.3, 0.3)};
+      default: return {"out of reach", kHome, kHome, Vec3(1.5, 0.3, 0.3)};
     }
   }
 };

@@ -23,18 +23,13 @@ bool master_may(SessionState from, SessionState to) {
   using enum SessionState;
   switch (from) {
     case kOff:
-    case kHoming:
-      return one_of(to, {kOff, kHoming, kAligning, kFault});
-    case kAligning:
-      return one_of(to, {kAligning, kOff, kEngaged, kClutched, kFault});
+    case kHoming: return one_of(to, {kOff, kHoming, kAligning, kFault});
+    case kAligning: return one_of(to, {kAligning, kOff, kEngaged, kClutched, kFault});
     case kEngaged:
     case kClutched:
-    case kHold:
-      return one_of(to, {kOff, kEngaged, kClutched, kHold, kFault});
-    case kFault:
-      return one_of(to, {kFault, kOff});
-    case kCount:
-      break;
+    case kHold: return one_of(to, {kOff, kEngaged, kClutched, kHold, kFault});
+    case kFault: return one_of(to, {kFault, kOff});
+    case kCount: break;
   }
   return false;
 }
@@ -43,18 +38,13 @@ bool slave_may(SessionState from, SessionState to) {
   using enum SessionState;
   switch (from) {
     case kOff:
-    case kHoming:
-      return one_of(to, {kOff, kHoming, kAligning, kFault});
-    case kAligning:
-      return one_of(to, {kAligning, kOff, kEngaged, kFault});
+    case kHoming: return one_of(to, {kOff, kHoming, kAligning, kFault});
+    case kAligning: return one_of(to, {kAligning, kOff, kEngaged, kFault});
     case kEngaged:
     case kClutched:
-    case kHold:
-      return one_of(to, {kOff, kEngaged, kClutched, kHold, kFault});
-    case kFault:
-      return one_of(to, {kFault, kOff});
-    case kCount:
-      break;
+    case kHold: return one_of(to, {kOff, kEngaged, kClutched, kHold, kFault});
+    case kFault: return one_of(to, {kFault, kOff});
+    case kCount: break;
   }
   return false;
 }
