@@ -143,6 +143,26 @@ class HapticThread {
   std::thread thread_;  // last: it uses the others
 };
 
+OrderDeskOptions desk_of(const pb::MasterConfig& config, const HapticCapabilities& capabilities) {
+  OrderDeskOptions out;
+  out.identity.device = capabilities.name;
+  out.identity.device_simulated = capabilities.simulated;
+  out.presence = presence_of(config, capabilities);
+  out.user = own_user_name();
+  out.slave_at = config.slave_address() + ":" + std::to_string(config.slave_port());
+  return out;
+}
+
+MasterServerOptions server_of(const pb::MasterConfig& config) {
+  MasterServerOptions out;
+  out.address = config.link_address();
+  out.port = static_cast<std::uint16_t>(config.link_port());
+  out.slave_address = config.slave_address();
+  out.slave_port = static_cast<std::uint16_t>(config.slave_port());
+  out.operator_socket = config.operator_socket();
+  return out;
+}
+
 int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
   auto device = make_haptic_device(device_options(config.device()));
   if (!device) return fail(device.message());
@@ -172,25 +192,14 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
   Errand<Result<Scene>> scenes;
   raise_descriptor_limit();
   auto boxes = std::make_unique<MasterMailboxes>();
-  OrderDeskOptions desk_options;
-  desk_options.identity.device = capabilities.name;
-  desk_options.identity.device_simulated = capabilities.simulated;
-  desk_options.presence = presence_of(config, capabilities);
-  desk_options.user = own_user_name();
-  desk_options.slave_at = config.slave_address() + ":" + std::to_string(config.slave_port());
+  OrderDeskOptions desk_options = desk_of(config, capabilities);
   desk_options.identity.log_lost = [&log] { return log.lost(); };
   desk_options.load_scene = [&scenes, library](const std::string& name) {
     return scenes.poll([library, name] { return library->load(name); });
   };
   desk_options.loop_scene = loop_scene;
   OrderDesk desk(*boxes, *scene, desk_options);
-  MasterServerOptions options;
-  options.address = config.link_address();
-  options.port = static_cast<std::uint16_t>(config.link_port());
-  options.slave_address = config.slave_address();
-  options.slave_port = static_cast<std::uint16_t>(config.slave_port());
-  options.operator_socket = config.operator_socket();
-  MasterServer server(*boxes, desk, options);
+  MasterServer server(*boxes, desk, server_of(config));
   hold_endings();
   if (const Status opened = server.open(); !opened) return fail(opened.message());
   if (const Status opened = (*device)->open(); !opened) return fail(opened.message());

@@ -44,6 +44,58 @@ std::string robot_reason(const HapticReport& report, const SlaveState& slave,
   return describe(known ? slave.reason : Reason::kNoPeer);
 }
 
+void set_loop(const HapticReport& report, pb::Status& s) {
+  s.set_ticks(report.ticks);
+  s.set_overruns(report.overruns);
+  pb::Lateness* late = s.mutable_loop_lateness_us();
+  late->set_p50(static_cast<double>(report.late_p50) * 1e-3);
+  late->set_p99(static_cast<double>(report.late_p99) * 1e-3);
+  late->set_p999(static_cast<double>(report.late_p999) * 1e-3);
+  late->set_max(static_cast<double>(report.late_max) * 1e-3);
+}
+
+// `known`: a slave has been heard, and takes part.
+void set_link(const LinkSnapshot& link, bool known, Nanos now, pb::Status& s) {
+  s.set_packet_age_ms(milliseconds(link.age(now)));
+  s.set_loop_age_ms(milliseconds(link.loop_age(now)));
+  const LinkView view = link.view(now);
+  s.set_link_quality(known ? name_of(view.grade) : "none");
+  s.set_peer_quality(known ? name_of(view.peer_grade) : "none");
+  s.set_loss_share(link.loss_share);
+  s.set_round_trip_ms(milliseconds(link.round_trip));
+  s.set_datagrams_accepted(link.accepted);
+  s.set_datagrams_rejected(link.rejected);
+}
+
+void set_slave(const SlaveState& slave, bool known, pb::Status& s) {
+  s.set_slave_state(known ? name_of(slave.state) : "none");
+  s.set_slave_reason(known ? describe(slave.reason) : describe(Reason::kNoPeer));
+  s.set_slave_scene(known ? std::string(text_of(slave.scene)) : "");
+  s.set_slave_log_lost(known && slave.log_lost);
+  s.set_oldest_applied_ms(milliseconds(slave.oldest_applied));
+  s.set_slave_overruns(slave.silences);
+  if (known && slave.has_pose) {
+    set_pose(s.mutable_slave_command(), slave.X_ST_command);
+    set_pose(s.mutable_tip(), slave.X_ST);
+  }
+  s.set_has_contact_force(known && slave.has_wrench);
+  if (known && slave.has_wrench) {
+    set_vector(s.mutable_contact_force_n(), slave.f_E_S.force, 1.0);
+    set_vector(s.mutable_contact_torque_n_m(), slave.f_E_S.torque, 1.0);
+    s.set_payload_removed(slave.payload_removed);
+  }
+}
+
+void set_walls(const WallReport& walls, pb::WallStatus& s) {
+  s.set_stage(static_cast<std::uint32_t>(walls.stage));
+  s.set_touching(walls.contact.touching);
+  s.set_penetration_mm(walls.penetration / kMm);
+  s.add_proxy_mm(walls.contact.proxy.x() / kMm);
+  s.add_proxy_mm(walls.contact.proxy.y() / kMm);
+  s.set_region(walls.contact.region);
+  s.set_locked(walls.locked);
+}
+
 }  // namespace
 
 std::string reason_text(Reason reason, Reason peer_fault) {
@@ -84,34 +136,15 @@ pb::Status status_report(const MasterIdentity& identity, const HapticReport& rep
   s.set_desired(name_of(out.link.desired));
   s.set_state(name_of(out.link.state));
   s.set_reason(robot_reason(report, slave, link, known, now));
-  s.set_slave_state(known ? name_of(slave.state) : "none");
-  s.set_slave_reason(known ? describe(slave.reason) : describe(Reason::kNoPeer));
   s.set_scene(std::string(text_of(out.link.scene)));
-  s.set_slave_scene(known ? std::string(text_of(slave.scene)) : "");
   s.set_device(identity.device);
   s.set_device_simulated(identity.device_simulated);
   s.set_realtime(identity.realtime);
   s.set_log_lost(identity.log_lost ? identity.log_lost() : 0);
-  s.set_slave_log_lost(known && slave.log_lost);
-  s.set_ticks(report.ticks);
-  s.set_overruns(report.overruns);
-  pb::Lateness* late = s.mutable_loop_lateness_us();
-  late->set_p50(static_cast<double>(report.late_p50) * 1e-3);
-  late->set_p99(static_cast<double>(report.late_p99) * 1e-3);
-  late->set_p999(static_cast<double>(report.late_p999) * 1e-3);
-  late->set_max(static_cast<double>(report.late_max) * 1e-3);
-  s.set_packet_age_ms(milliseconds(link.age(now)));
-  s.set_loop_age_ms(milliseconds(link.loop_age(now)));
-  const LinkView view = link.view(now);
-  s.set_link_quality(known ? name_of(view.grade) : "none");
-  s.set_peer_quality(known ? name_of(view.peer_grade) : "none");
+  set_loop(report, s);
+  set_link(link, known, now, s);
+  set_slave(slave, known, s);
   set_ledger(s.mutable_ledger(), report, slave, link, now);
-  s.set_loss_share(link.loss_share);
-  s.set_round_trip_ms(milliseconds(link.round_trip));
-  s.set_datagrams_accepted(link.accepted);
-  s.set_datagrams_rejected(link.rejected);
-  s.set_oldest_applied_ms(milliseconds(slave.oldest_applied));
-  s.set_slave_overruns(slave.silences);
   set_tool(s.mutable_position_tool(), out.link.position_tool, out);
   set_tool(s.mutable_orientation_tool(), out.link.orientation_tool, out);
   set_share(s.mutable_tool_force(), out.shares.tool);
@@ -119,31 +152,12 @@ pb::Status status_report(const MasterIdentity& identity, const HapticReport& rep
   set_share(s.mutable_limited_force(), out.shares.limited);
   set_share(s.mutable_device_force(), out.shares.device);
   if (out.link.has_command) set_pose(s.mutable_command(), out.link.X_SU);
-  if (known && slave.has_pose) {
-    set_pose(s.mutable_slave_command(), slave.X_ST_command);
-    set_pose(s.mutable_tip(), slave.X_ST);
-  }
   set_pose(s.mutable_hand(), report.X_MH);
   s.set_hand_moving(report.hand_moving);
   if (known) {
     for (const std::string& text : hash_mismatches(out.link, slave)) s.add_hash_mismatch(text);
   }
-  s.set_has_contact_force(known && slave.has_wrench);
-  if (known && slave.has_wrench) {
-    set_vector(s.mutable_contact_force_n(), slave.f_E_S.force, 1.0);
-    set_vector(s.mutable_contact_torque_n_m(), slave.f_E_S.torque, 1.0);
-    s.set_payload_removed(slave.payload_removed);
-  }
-  if (report.walls.present) {
-    pb::WallStatus* walls = s.mutable_walls();
-    walls->set_stage(static_cast<std::uint32_t>(report.walls.stage));
-    walls->set_touching(report.walls.contact.touching);
-    walls->set_penetration_mm(report.walls.penetration / kMm);
-    walls->add_proxy_mm(report.walls.contact.proxy.x() / kMm);
-    walls->add_proxy_mm(report.walls.contact.proxy.y() / kMm);
-    walls->set_region(report.walls.contact.region);
-    walls->set_locked(report.walls.locked);
-  }
+  if (report.walls.present) set_walls(report.walls, *s.mutable_walls());
   for (int i = 1; i < static_cast<int>(Reason::kCount); ++i) {
     const auto reason = static_cast<Reason>(i);
     if (out.reasons.has(reason)) s.add_interventions(describe(reason));

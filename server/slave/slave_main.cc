@@ -142,6 +142,16 @@ SettingsOf settings_of(const pb::SlaveConfig& config, Nanos period, bool has_sen
   };
 }
 
+void say_counters(const MelfaRobot& robot, const NetFtSensor* sensor) {
+  const MxtCounters& packets = robot.counters();
+  spdlog::info("controller: {} replies taken, {} rejected, {} late; {} packets sent",
+               packets.replies, packets.rejected, packets.late, packets.sent);
+  if (sensor == nullptr) return;
+  const RdtCounters& records = sensor->counters();
+  spdlog::info("force sensor: {} records taken, {} rejected, {} out of order", records.records,
+               records.rejected, records.stale);
+}
+
 int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
   MelfaRobot robot(robot_options(config.robot()));
   const std::unique_ptr<NetFtSensor> sensor = make_sensor(config.force_sensor());
@@ -193,14 +203,8 @@ int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
       [&loop] { return loop.finished(); },
       [&notice](Nanos now, bool runs) { notice.tick(now, runs); });
   loop.finish();
-  const MxtCounters& packets = robot.counters();
-  spdlog::info("controller: {} replies taken, {} rejected, {} late; {} packets sent",
-               packets.replies, packets.rejected, packets.late, packets.sent);
-  if (!sensor) return 0;
-  sensor->stop();
-  const RdtCounters& records = sensor->counters();
-  spdlog::info("force sensor: {} records taken, {} rejected, {} out of order", records.records,
-               records.rejected, records.stale);
+  if (sensor) sensor->stop();
+  say_counters(robot, sensor.get());
   return 0;
 }
 
