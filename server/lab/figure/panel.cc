@@ -104,6 +104,31 @@ void Panel::reference(double y, std::string label) {
 
 void Panel::note(const Point& at, std::string text) { notes_.push_back({at, std::move(text)}); }
 
+void Panel::mark(const Point& at, std::string name) {
+  points({at}, kPlaceStyle);
+  note(at, std::move(name));
+}
+
+void Panel::show(const Range& x, const Range& y) {
+  if (x_axis_.categories.empty()) {
+    x_axis_.low = x.low;
+    x_axis_.high = x.high;
+  }
+  y_axis_.low = y.low;
+  y_axis_.high = y.high;
+}
+
+void share_axes(const std::vector<Panel*>& panels) {
+  if (panels.empty()) return;
+  Range x = panels.front()->x_range(), y = panels.front()->y_range();
+  for (const Panel* panel : panels) {
+    const Range px = panel->x_range(), py = panel->y_range();
+    x = {std::min(x.low, px.low), std::max(x.high, px.high)};
+    y = {std::min(y.low, py.low), std::max(y.high, py.high)};
+  }
+  for (Panel* panel : panels) panel->show(x, y);
+}
+
 std::vector<LegendEntry> Panel::legend() const {
   std::vector<LegendEntry> out;
   for (const Series& s : series_) out.push_back({s.name, s.style, s.joined, !s.joined, false});

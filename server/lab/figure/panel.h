@@ -28,7 +28,8 @@ struct Box {
   Style style = {};
   std::string name = {};  // in the legend; empty: not there
   std::optional<Published> published = {};
-  double width = 0.4;  // in units of the x axis
+  std::string median = {};  // the median in words, beside it; empty: not there
+  double width = 0.4;       // in units of the x axis
 };
 
 // What the figure's legend says of a series. Series of the same name share an entry.
@@ -57,12 +58,20 @@ class Panel {
   void points(std::vector<Point> points, const Style& style, std::string name = "",
               std::vector<Range> bars = {});
   void box(Box box);
+  // A place of its own with its name beside it, as A.
+  void mark(const Point& at, std::string name);
   // A dashed line across the frame.
   void reference(double y, std::string label);
   // Text beside a point, where there is room.
   void note(const Point& at, std::string text);
 
   std::vector<LegendEntry> legend() const;
+
+  // What the axes show: their fixed ends, or the data with a margin.
+  Range x_range() const;
+  Range y_range() const;
+  // From here on the axes end there.
+  void show(const Range& x, const Range& y);
   // Left and right, for a panel of that size, margins included.
   Margins side_margins(double width, double height) const;
   // Top and bottom, for a frame of that width.
@@ -91,8 +100,6 @@ class Panel {
     Point place(const Point& p) const { return {x(p.x), y(p.y)}; }
   };
 
-  Range x_range() const;
-  Range y_range() const;
   Layout layout_for(const Rect& frame) const;
   std::vector<std::string> title_lines(double frame_width) const;
   std::vector<std::string> y_label_lines(double frame_height) const;
@@ -115,5 +122,13 @@ class Panel {
   std::vector<Text> references_;
   std::vector<Text> notes_;
 };
+
+// Panels that are to be compared: each shows what all of them do.
+void share_axes(const std::vector<Panel*>& panels);
+inline std::vector<Panel*> each(std::vector<Panel>& panels) {
+  std::vector<Panel*> out;
+  for (Panel& panel : panels) out.push_back(&panel);
+  return out;
+}
 
 }  // namespace handrail::figure

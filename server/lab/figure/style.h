@@ -35,6 +35,9 @@ constexpr Style style_of(std::size_t index) {
           .marker = static_cast<Marker>(1 + index % n)};
 }
 
+// For places that have a name.
+inline constexpr Style kPlaceStyle = {.colour = kInk, .marker = Marker::kSquare};
+
 // For what was expected or published, beside what was found.
 inline constexpr Style kReferenceStyle = {.colour = kInk,
                                           .width = 1.2,

@@ -26,6 +26,9 @@ Panel path_panel(const std::string& title, const LinearTask& task, const TrialRe
   const auto seen = [&](const Vec3& p) { return Point{p.dot(across) / kMm, p.dot(up) / kMm}; };
   panel.line({seen(task.p_SA), seen(task.p_SB), seen(task.p_SC)}, figure::kReferenceStyle,
              "desired");
+  panel.mark(seen(task.p_SA), "A, start");
+  panel.mark(seen(task.p_SB), "B");
+  panel.mark(seen(task.p_SC), "C, end");
   std::vector<Point> path;
   for (const TracePoint& point : trial.trace) path.push_back(seen(point.p_ST));
   figure::Style style = figure::style_of(0);
@@ -43,7 +46,7 @@ Figure measures_figure(const StudyHeader& header, const LinearStudy& study) {
     out.add(measure_panel(
         info.title, info.unit, info.per_si, {"NV: without tools", "V: with tools"},
         {values_of(study, StudyMode::kFree, figure), values_of(study, StudyMode::kTools, figure)},
-        info.published, "published median, 7 people"));
+        info.published, "published", "published median, 7 people"));
   }
   return out;
 }
@@ -51,14 +54,21 @@ Figure measures_figure(const StudyHeader& header, const LinearStudy& study) {
 Figure trajectories_figure(const StudyHeader& header, const LinearStudy& study,
                            const LinearTask& task) {
   Figure out("Desired and actual path of the tip, one operator", origin_of(header, kFitted));
+  std::vector<Panel> seen, above;
   for (const StudyMode mode : {StudyMode::kFree, StudyMode::kTools}) {
     const TrialResult* trial = first_traced(study, mode);
     if (trial == nullptr) continue;
     const std::string name = mode == StudyMode::kFree ? "NV, " : "V, ";
-    out.add(path_panel(name + "as the operator sees it", task, *trial, -Vec3::UnitY(),
-                       Vec3::UnitZ(), "to the right, -y", "up, z"));
-    out.add(path_panel(name + "from above", task, *trial, -Vec3::UnitY(), Vec3::UnitX(),
-                       "to the right, -y", "away, x"));
+    seen.push_back(path_panel(name + "as the operator sees it", task, *trial, -Vec3::UnitY(),
+                              Vec3::UnitZ(), "to the right, -y", "up, z"));
+    above.push_back(path_panel(name + "from above, the operator below", task, *trial,
+                               -Vec3::UnitY(), Vec3::UnitX(), "to the right, -y", "away, x"));
+  }
+  share_axes(figure::each(seen));
+  share_axes(figure::each(above));
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    out.add(std::move(seen[i]));
+    out.add(std::move(above[i]));
   }
   return out;
 }

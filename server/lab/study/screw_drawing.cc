@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <numbers>
+#include <utility>
 
 #include "server/base/units.h"
 #include "server/lab/figure/figure.h"
@@ -36,6 +37,13 @@ Style thin(std::size_t index, Dash dash = Dash::kSolid) {
   return style;
 }
 
+// What is compared stands on the same axes.
+Figure with_shared_axes(Figure figure, std::vector<Panel> panels) {
+  share_axes(figure::each(panels));
+  for (Panel& panel : panels) figure.add(std::move(panel));
+  return figure;
+}
+
 Figure measures_figure(const StudyHeader& header, const ScrewStudy& study) {
   Figure out("Screw fastening", origin_of(header, kFitted));
   for (int i = 0; i < kComparedFigures; ++i) {
@@ -48,7 +56,8 @@ Figure measures_figure(const StudyHeader& header, const ScrewStudy& study) {
       values.push_back(values_of(study, mode, figure));
     }
     out.add(measure_panel(info.title, info.unit, info.per_si, names, std::move(values),
-                          info.implied, "implied by the dissertation's savings, 7 people"));
+                          info.implied, "implied",
+                          "implied by the dissertation's savings, 7 people"));
   }
   return out;
 }
@@ -91,6 +100,10 @@ Panel path_panel(ScrewMode mode, const ScrewResult& trial, const HexSocketSpec& 
   std::vector<Point> path;
   for (const ScrewTracePoint& point : trial.trace) path.push_back(seen(point.p_ST));
   panel.line(profile(socket), figure::kReferenceStyle, "socket, cut");
+  if (!path.empty()) {
+    panel.mark(path.front(), "start");
+    panel.mark(path.back(), "end");
+  }
   panel.line(std::move(path), thin(0), "tip");
   return panel;
 }
@@ -98,11 +111,12 @@ Panel path_panel(ScrewMode mode, const ScrewResult& trial, const HexSocketSpec& 
 Figure trajectories_figure(const StudyHeader& header, const ScrewStudy& study,
                            const HexSocketSpec& socket) {
   Figure out("Path of the key's tip, one operator", origin_of(header, kFitted));
+  std::vector<Panel> panels;
   for (const ScrewMode mode : kModes) {
     const ScrewResult* trial = first_traced(study, mode);
-    if (trial != nullptr) out.add(path_panel(mode, *trial, socket));
+    if (trial != nullptr) panels.push_back(path_panel(mode, *trial, socket));
   }
-  return out;
+  return with_shared_axes(std::move(out), std::move(panels));
 }
 
 // The force along the screw, of the contact or the virtual spring, without protection and with.
@@ -131,13 +145,14 @@ Panel force_panel(const ScrewStudy& study, const HexSocketSpec& socket, bool too
 Figure forces_figure(const StudyHeader& header, const ScrewStudy& study,
                      const HexSocketSpec& socket) {
   Figure out("Forces along the screw, one operator", origin_of(header, kFitted));
-  for (const bool tools : {false, true}) {
-    out.add(
-        force_panel(study, socket, tools, &ScrewTracePoint::contact, "contact, on the tip [N]"));
-  }
-  for (const bool tools : {false, true}) {
-    out.add(force_panel(study, socket, tools, &ScrewTracePoint::spring,
-                        "virtual spring, on the hand [N]"));
+  for (const auto& [force, label] :
+       {std::pair{&ScrewTracePoint::contact, "contact, on the tip [N]"},
+        std::pair{&ScrewTracePoint::spring, "virtual spring, on the hand [N]"}}) {
+    std::vector<Panel> panels;
+    for (const bool tools : {false, true}) {
+      panels.push_back(force_panel(study, socket, tools, force, label));
+    }
+    out = with_shared_axes(std::move(out), std::move(panels));
   }
   return out;
 }

@@ -2,10 +2,20 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <system_error>
 
+#include "server/lab/figure/box.h"
+
 namespace handrail {
+namespace {
+
+// So many times the smallest median, the largest leaves that no room on a linear axis.
+constexpr double kReadable = 10.0;
+
+}  // namespace
 
 Status make_folder(const std::string& folder) {
   std::error_code error;
@@ -22,11 +32,22 @@ std::string origin_of(const StudyHeader& header, const std::string& fitted) {
 
 figure::Panel measure_panel(const char* title, const char* unit, double per_si,
                             const std::vector<std::string>& modes, std::vector<ByPerson> values,
-                            const double* known, const std::string& known_name) {
+                            const double* known, const char* known_word,
+                            const std::string& known_name) {
   figure::Axis x, y;
   x.categories = modes;
   y.label = fmt::format("{} [{}]", title, unit);
-  y.low = 0.0;
+  std::vector<double> medians;
+  for (const ByPerson& mode : values) {
+    medians.push_back(per_si * figure::box_stats(pooled(mode)).median);
+  }
+  const auto [least, most] = std::minmax_element(medians.begin(), medians.end());
+  // What is much smaller in one mode would be a line at the axis.
+  if (*least > 0.0 && *most > kReadable * *least) {
+    y.scale = figure::Scale::kLog;
+  } else {
+    y.low = 0.0;
+  }
   figure::Panel panel("", x, y);
   for (std::size_t i = 0; i < values.size(); ++i) {
     figure::Box box;
@@ -34,8 +55,10 @@ figure::Panel measure_panel(const char* title, const char* unit, double per_si,
     box.style = figure::style_of(i);
     box.values = pooled(values[i]);
     for (double& value : box.values) value *= per_si;
+    if (std::isfinite(medians[i])) box.median = fmt::format("ours {:.3g}", medians[i]);
     if (known[i] > 0.0) {
-      box.published = figure::Published{known[i], fmt::format("{:.4g}", known[i]), known_name};
+      box.published =
+          figure::Published{known[i], fmt::format("{} {:.4g}", known_word, known[i]), known_name};
     }
     panel.box(std::move(box));
   }

@@ -17,10 +17,11 @@ Status make_folder(const std::string& folder);
 std::string origin_of(const StudyHeader& header, const std::string& fitted);
 
 // Box plots of one measure, side by side: `values` of each mode [SI], `known` medians in the
-// measure's unit, 0 for none, and what they are called.
+// measure's unit, 0 for none, and what they are called at the number and in the legend.
 figure::Panel measure_panel(const char* title, const char* unit, double per_si,
                             const std::vector<std::string>& modes, std::vector<ByPerson> values,
-                            const double* known, const std::string& known_name);
+                            const double* known, const char* known_word,
+                            const std::string& known_name);
 
 // The first successful trial of a mode that has a trace; null if none.
 template <typename Study>

@@ -137,7 +137,7 @@ int run_gearshift_command(const GearshiftCommand& command, const std::atomic<boo
   const std::string text =
       command.json ? gearshift_json(header, people) : gearshift_table(header, people);
   return finish(command, text, people[0].trace, [&] {
-    return draw_gearshift(command.figures, header, *setup->scene.walls, people);
+    return draw_gearshift(command.figures, header, *setup->scene.walls, *gate, people);
   });
 }
 

@@ -95,6 +95,7 @@ Panel plane_panel(const std::string& title, const Walls& walls,
   for (std::size_t i = 0; i < trace.size(); i += kEvery) {
     hand.push_back({trace[i].hand.x() / kMm, trace[i].hand.y() / kMm});
   }
+  if (!hand.empty()) panel.mark(hand.front(), "start");
   panel.line(std::move(hand), thin(0), "handle");
   return panel;
 }
@@ -195,10 +196,14 @@ Status draw_wrench(const std::string& folder, const WallHeader& header, const Wa
 }
 
 Status draw_gearshift(const std::string& folder, const WallHeader& header, const Walls& walls,
-                      const std::vector<GearshiftResult>& people) {
+                      const GearGate& gate, const std::vector<GearshiftResult>& people) {
   const std::vector<WallTick>& trace = people.front().trace;
   Figure out("Manual gearshift", origin_of(header, kFirst));
-  out.add(plane_panel("Aisles and way of the lever", walls, trace));
+  Panel plane = plane_panel("Aisles and way of the lever", walls, trace);
+  for (std::size_t i = 0; i < gate.places().size(); ++i) {
+    plane.mark({gate.places()[i].x() / kMm, gate.places()[i].y() / kMm}, gate.names()[i]);
+  }
+  out.add(std::move(plane));
   out.add(time_panel("Lever along x", "x [mm]",
                      over_time(trace, [](const WallTick& t) { return t.hand.x() / kMm; }), 0,
                      "handle"));

@@ -15,6 +15,6 @@ namespace handrail {
 Status draw_wrench(const std::string& folder, const WallHeader& header, const Walls& walls,
                    const WrenchPath& path, const std::vector<WrenchResult>& people);
 Status draw_gearshift(const std::string& folder, const WallHeader& header, const Walls& walls,
-                      const std::vector<GearshiftResult>& people);
+                      const GearGate& gate, const std::vector<GearshiftResult>& people);
 
 }  // namespace handrail

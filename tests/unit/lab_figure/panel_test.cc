@@ -122,6 +122,41 @@ TEST(PanelBox, MarksAPublishedValueWithItsLabel) {
   EXPECT_EQ(legend[1].name, "published");
 }
 
+TEST(PanelBox, SaysItsMedianInTheWordsGiven) {
+  Panel panel("", categories({"A"}), kY);
+  panel.box({.values = {1, 2, 3}, .style = kRed, .median = "ours 2"});
+  EXPECT_NE(drawn(panel).find(">ours 2<"), std::string::npos);
+}
+
+TEST(Panel, AMarkStandsWhereItsPlaceIs) {
+  Panel panel("", kX, kY);
+  panel.mark({10, 5}, "B");
+  const std::string svg = drawn(panel);
+  EXPECT_NE(svg.find(">B<"), std::string::npos);
+  const auto squares = elements(svg, "polygon");
+  ASSERT_EQ(squares.size(), 1u);
+  const std::vector<Point> at = corners(squares[0]);
+  ASSERT_EQ(at.size(), 4u);
+  EXPECT_NEAR((at[0].x + at[2].x) / 2, 200, 0.01);
+  EXPECT_NEAR((at[0].y + at[2].y) / 2, 100, 0.01);
+  EXPECT_TRUE(panel.legend().front().name.empty());
+}
+
+TEST(Panel, SharedAxesShowWhatAnyOfThemDoes) {
+  std::vector<Panel> panels;
+  for (const double size : {1.0, 10.0, 3.0}) {
+    panels.emplace_back("", Axis{.label = "x"}, Axis{.label = "y"});
+    panels.back().line({{-size, 0.0}, {1.0, 2.0 * size}}, kRed);
+  }
+  share_axes(each(panels));
+  for (const Panel& panel : panels) {
+    EXPECT_LE(panel.x_range().low, -10.0);
+    EXPECT_GE(panel.y_range().high, 20.0);
+    EXPECT_EQ(panel.x_range().low, panels[0].x_range().low);
+    EXPECT_EQ(panel.y_range().high, panels[0].y_range().high);
+  }
+}
+
 TEST(PanelLine, GoesThroughItsPoints) {
   Panel panel("", kX, kY);
   panel.line({{0, 0}, {10, 5}, {20, 0}}, kRed);
