@@ -47,6 +47,14 @@ constexpr int kGone = 14;  // [cycles]
 // that ask for the target instead: what comes later than 28 ms is not reckoned with.
 constexpr int kDoubt = 3;  // [packets]
 
+// The packet's first block of that type; null: there is none.
+const MxtBlock* first_of(const MxtPacket& packet, MxtType type) {
+  for (std::size_t b = 0; b < packet.block.size(); ++b) {
+    if (packet.type[b] == type) return &packet.block[b];
+  }
+  return nullptr;
+}
+
 }  // namespace
 
 Nanos MxtClientOptions::longest_way() const noexcept {
@@ -197,14 +205,10 @@ std::optional<RobotEvent> MxtClient::on_datagram(Bytes bytes, Nanos now,
                                                  RobotReply& reply) noexcept {
   if (!open_) return RobotEvent::kLost;
   MxtPacket packet;
-  const MxtBlock* measured = nullptr;
-  const MxtBlock* commanded = nullptr;
-  if (bytes.size() == options_.packet_bytes && decode_mxt_reply(bytes, packet) == MxtParse::kOk) {
-    for (std::size_t b = packet.block.size(); b-- > 0;) {
-      if (packet.type[b] == MxtType::kFeedbackJoint) measured = &packet.block[b];
-      if (packet.type[b] == MxtType::kJoint) commanded = &packet.block[b];
-    }
-  }
+  const bool whole =
+      bytes.size() == options_.packet_bytes && decode_mxt_reply(bytes, packet) == MxtParse::kOk;
+  const MxtBlock* measured = whole ? first_of(packet, MxtType::kFeedbackJoint) : nullptr;
+  const MxtBlock* commanded = whole ? first_of(packet, MxtType::kJoint) : nullptr;
   const bool asked = short_form() && (answered_ || has_measured_);
   if (measured == nullptr && !(commanded != nullptr && asked)) {
     ++counters_.rejected;

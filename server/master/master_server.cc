@@ -6,6 +6,7 @@
 
 #include "server/link/link_server.h"
 #include "server/link/session_watch.h"
+#include "server/master/loop_news.h"
 
 namespace handrail {
 
@@ -14,9 +15,10 @@ struct MasterServer::Impl {
       : boxes(mailboxes), desk(order_desk), options(std::move(opts)) {}
 
   void tick(Nanos now) {
-    desk.tick(now, link.newest(), link.snapshot());
-    if (!desk.report()) return;
-    const HapticReport& report = *desk.report();
+    loop.take(boxes);
+    desk.tick(now, loop, link.newest(), link.snapshot());
+    if (!loop.report()) return;
+    const HapticReport& report = *loop.report();
     if (alive) alive(now, now <= report.good_until);
     const HapticOutput& out = report.out;
     const auto why = [&out](Reason reason) { return reason_text(reason, out.peer_fault); };
@@ -37,6 +39,7 @@ struct MasterServer::Impl {
   MasterServerOptions options;
   LinkServer<MasterState, SlaveState> link{"haptic", "slave", boxes.doorbell};
   OperatorServer operators{link.io(), desk};
+  LoopNews loop;
   SessionWatch session;
   std::function<void(Nanos, bool)> alive;
 };

@@ -188,12 +188,13 @@ void OrderDesk::feed_loop() {
   }
 }
 
-void OrderDesk::tick(Nanos now, const SlaveState& slave, const LinkSnapshot& link) {
+void OrderDesk::tick(Nanos now, const LoopNews& loop, const SlaveState& slave,
+                     const LinkSnapshot& link) {
   now_ = now;
   slave_ = slave;
   link_ = link;
-  take_report();
-  take_answers();
+  report_ = loop.report();
+  for (const OrderAnswer& answer : loop.answers()) take(answer);
   if (!report_) return;
   watch_lease();
   if (now_ > report_->good_until) {
@@ -228,25 +229,14 @@ void OrderDesk::end_engagement(Reason why) {
   order(gone, [](pb::Reply) {});
 }
 
-void OrderDesk::take_report() {
-  HapticReport report;
-  if (boxes_.report.take(report)) report_ = report;
-}
-
-void OrderDesk::take_answers() {
-  OrderAnswer answer;
-  while (boxes_.answers.pop(answer)) {
-    take_report();  // the loop publishes before it answers: no answer is judged by an older report
-    --in_loop_;
-    const auto its = [&](const Pending& p) {
-      return p.place == Place::kInLoop && p.id == answer.id;
-    };
-    for (auto found = std::find_if(pending_.begin(), pending_.end(), its); found != pending_.end();
-         found = std::find_if(pending_.begin(), pending_.end(), its)) {
-      Pending order = std::move(*found);
-      pending_.erase(found);
-      settle(answer, std::move(order));
-    }
+void OrderDesk::take(const OrderAnswer& answer) {
+  --in_loop_;
+  const auto its = [&](const Pending& p) { return p.place == Place::kInLoop && p.id == answer.id; };
+  for (auto found = std::find_if(pending_.begin(), pending_.end(), its); found != pending_.end();
+       found = std::find_if(pending_.begin(), pending_.end(), its)) {
+    Pending order = std::move(*found);
+    pending_.erase(found);
+    settle(answer, std::move(order));
   }
 }
 

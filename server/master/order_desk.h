@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/master/lease_desk.h"
+#include "server/master/loop_news.h"
 #include "server/master/mailboxes.h"
 #include "server/master/operator_server.h"
 #include "server/master/status_report.h"
@@ -54,11 +55,8 @@ class OrderDesk : public OperatorHandler {
   void handle(const pb::Request& request, std::function<void(pb::Reply)> reply) override;
   bool may_drive(const std::optional<std::string>& as) const override;
 
-  // A millisecond has passed: takes the loop's answers and reports, answers who waits.
-  void tick(Nanos now, const SlaveState& slave, const LinkSnapshot& link);
-
-  // The newest report of the haptic loop; nothing before its first tick.
-  const std::optional<HapticReport>& report() const { return report_; }
+  // A millisecond has passed: hears what the loop has said, answers who waits.
+  void tick(Nanos now, const LoopNews& loop, const SlaveState& slave, const LinkSnapshot& link);
 
  private:
   using ReplyTo = std::function<void(pb::Reply)>;
@@ -99,8 +97,7 @@ class OrderDesk : public OperatorHandler {
   void load(const std::string& name, const std::string& who, ReplyTo reply);
   void push(OrderTicket ticket, Pending order);
   void feed_loop();
-  void take_report();
-  void take_answers();
+  void take(const OrderAnswer& answer);
   void settle(const OrderAnswer& answer, Pending order);
   // Whether one waits for this, at that place of its way.
   bool waits(Until until, Place place) const;

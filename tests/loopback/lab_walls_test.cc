@@ -57,6 +57,13 @@ class LabWalls : public ::testing::Test {
   TempFolder folder;
 };
 
+TEST_F(LabWalls, ThePictureOfTheFirstPageIsWhatItsCommandGives) {
+  EXPECT_EQ(run({"gearshift", "--operators", "1", "--figures", folder.path()}).code, 0);
+  const std::string drawn = text_of(file("gearshift.svg"));
+  EXPECT_FALSE(drawn.empty());
+  EXPECT_TRUE(drawn == text_of(HANDRAIL_SOURCE_DIR "/server/lab/gearshift.svg"));
+}
+
 TEST_F(LabWalls, TheWrenchPrintsAPeakAndAnAngleForEachTurn) {
   const Run lab = run({"wrench", "--c", "15", "--turns", "4", "--loosen", "4", "--json"});
   ASSERT_EQ(lab.code, 0) << lab.output;

@@ -130,7 +130,8 @@ class StageOrder : public ::testing::Test {
     const Vec3 before = device_.written.force;
     loop_->tick(now_);
     largest_step_ = std::max(largest_step_, (device_.written.force - before).norm());
-    desk_->tick(now_, SlaveState(), LinkSnapshot());
+    news_.take(boxes_);
+    desk_->tick(now_, news_, SlaveState(), LinkSnapshot());
     io_.restart();
     io_.poll();
     moving_ = x != goal_;
@@ -156,6 +157,7 @@ class StageOrder : public ::testing::Test {
   ScriptedDevice device_;
   WallRuns runs_;
   Nanos now_ = 1000 * kSecond;
+  LoopNews news_;
   std::optional<OrderDesk> desk_;
   std::optional<HapticLoop> loop_;
   std::optional<OperatorServer> server_;

@@ -16,7 +16,7 @@ namespace handrail::figure {
 // A value from elsewhere, marked on a box.
 struct Published {
   double value = 0.0;
-  std::string label;  // short, beside the mark, such as "14.6"
+  std::string label;  // short, beside the mark, such as "14.6"; empty: none
   std::string name;   // in the legend
 };
 
@@ -28,8 +28,7 @@ struct Box {
   Style style = {};
   std::string name = {};  // in the legend; empty: not there
   std::optional<Published> published = {};
-  std::string median = {};  // the median in words, beside it; empty: not there
-  double width = 0.4;       // in units of the x axis
+  double width = 0.4;  // in units of the x axis
 };
 
 // What the figure's legend says of a series. Series of the same name share an entry.

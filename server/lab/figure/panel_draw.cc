@@ -241,14 +241,12 @@ void Panel::label_box(Svg& svg, const Layout& layout, const Box& box, LabelPlace
     }
     write_in(svg, placer.place(rows), text);
   }
+  if (!box.published || box.published->label.empty()) return;
+  const Point at = layout.place({box.at, box.published->value});
+  if (!frame.contains(at)) return;
   const double half = (layout.x(box.at + box.width / 2.0) - layout.x(box.at - box.width / 2.0)) / 2;
-  const auto label = [&](double value, const std::string& text) {
-    const Point at = layout.place({box.at, value});
-    if (text.empty() || !frame.contains(at)) return;
-    write_in(svg, placer.place_beside(at, note_width(text), kNoteHeight, half + 3.0), text);
-  };
-  if (box.published) label(box.published->value, box.published->label);
-  label(box_stats(box.values).median, box.median);
+  write_in(svg, placer.place_beside(at, note_width(box.published->label), kNoteHeight, half + 3.0),
+           box.published->label);
 }
 
 }  // namespace handrail::figure

@@ -89,8 +89,9 @@ double text_width(std::string_view text, double size) {
 std::vector<std::string> wrap(std::string_view text, double size, double width) {
   std::vector<std::string> lines(1);
   while (!text.empty()) {
-    const std::size_t space = text.find(' ');
+    const std::size_t space = text.find_first_of(" \n");
     const std::string word(text.substr(0, space));
+    const bool ends = space != std::string_view::npos && text[space] == '\n';
     text.remove_prefix(space == std::string_view::npos ? text.size() : space + 1);
     std::string& line = lines.back();
     const std::string longer = line.empty() ? word : line + " " + word;
@@ -99,6 +100,7 @@ std::vector<std::string> wrap(std::string_view text, double size, double width) 
     } else {
       lines.push_back(word);
     }
+    if (ends) lines.emplace_back();
   }
   return lines;
 }

@@ -17,8 +17,8 @@ std::string escape(std::string_view text);
 // Estimated width of UTF-8 text in a sans-serif font of `size` pixels, rather too wide [px].
 double text_width(std::string_view text, double size);
 
-// Breaks text at spaces into lines no wider than `width` [px]; a longer word has its own line. At
-// least one line.
+// Breaks text at newlines, and at spaces into lines no wider than `width` [px]; a longer word has
+// its own line. At least one line.
 std::vector<std::string> wrap(std::string_view text, double size, double width);
 
 }  // namespace handrail::figure

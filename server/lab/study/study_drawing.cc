@@ -35,7 +35,6 @@ figure::Panel measure_panel(const char* title, const char* unit, double per_si,
                             const double* known, const char* known_word,
                             const std::string& known_name) {
   figure::Axis x, y;
-  x.categories = modes;
   y.label = fmt::format("{} [{}]", title, unit);
   std::vector<double> medians;
   for (const ByPerson& mode : values) {
@@ -48,6 +47,12 @@ figure::Panel measure_panel(const char* title, const char* unit, double per_si,
   } else {
     y.low = 0.0;
   }
+  for (std::size_t i = 0; i < modes.size(); ++i) {
+    std::string text = modes[i];
+    if (std::isfinite(medians[i])) text += fmt::format("\nours\u00a0{:.3g}", medians[i]);
+    if (known[i] > 0.0) text += fmt::format("\n{}\u00a0{:.4g}", known_word, known[i]);
+    x.categories.push_back(std::move(text));
+  }
   figure::Panel panel("", x, y);
   for (std::size_t i = 0; i < values.size(); ++i) {
     figure::Box box;
@@ -55,11 +60,7 @@ figure::Panel measure_panel(const char* title, const char* unit, double per_si,
     box.style = figure::style_of(i);
     box.values = pooled(values[i]);
     for (double& value : box.values) value *= per_si;
-    if (std::isfinite(medians[i])) box.median = fmt::format("ours {:.3g}", medians[i]);
-    if (known[i] > 0.0) {
-      box.published =
-          figure::Published{known[i], fmt::format("{} {:.4g}", known_word, known[i]), known_name};
-    }
+    if (known[i] > 0.0) box.published = figure::Published{known[i], "", known_name};
     panel.box(std::move(box));
   }
   return panel;

@@ -23,6 +23,7 @@ using figure::Panel;
 using figure::Point;
 using figure::Style;
 
+constexpr double kBesideAisle = 8.0;  // from a gear's place to free paper [mm]
 constexpr std::size_t kEvery = 10;  // ticks between points drawn
 constexpr Style kWallStyle = {.colour = figure::kInk, .width = 1.4, .dash = Dash::kSolid};
 
@@ -201,7 +202,9 @@ Status draw_gearshift(const std::string& folder, const WallHeader& header, const
   Figure out("Manual gearshift", origin_of(header, kFirst));
   Panel plane = plane_panel("Aisles and way of the lever", walls, trace);
   for (std::size_t i = 0; i < gate.places().size(); ++i) {
-    plane.mark({gate.places()[i].x() / kMm, gate.places()[i].y() / kMm}, gate.names()[i]);
+    const Point at{gate.places()[i].x() / kMm, gate.places()[i].y() / kMm};
+    plane.points({at}, figure::kPlaceStyle);
+    plane.note({at.x + kBesideAisle, at.y}, gate.names()[i]);
   }
   out.add(std::move(plane));
   out.add(time_panel("Lever along x", "x [mm]",

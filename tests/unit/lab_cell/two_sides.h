@@ -129,6 +129,7 @@ class TwoSides {
     desk_.reset();
     loop_.reset();
     boxes_ = std::make_unique<MasterMailboxes>();
+    news_ = LoopNews();
     if (now() > 1000 * kSecond) net_.restart_master();
     const Result<Scene> scene = library_.load(scene_);
     ASSERT_TRUE(scene.is_ok()) << scene.message();
@@ -238,10 +239,11 @@ class TwoSides {
   }
   void master_io() {
     boxes_->slave.publish({net_.master().newest(), net_.master().snapshot()});
-    desk_->tick(now(), net_.master().newest(), net_.master().snapshot());
+    news_.take(*boxes_);
+    desk_->tick(now(), news_, net_.master().newest(), net_.master().snapshot());
     if (holds && now() % (50 * kMillisecond) == 0) keep_holding();
-    if (!desk_->report()) return;
-    const HapticReport& report = *desk_->report();
+    if (!news_.report()) return;
+    const HapticReport& report = *news_.report();
     if (report.walls.present || other_master) return;
     net_.send_master(now(), report.out.link, report.good_until - kStateStands);
   }
@@ -259,6 +261,7 @@ class TwoSides {
   CellNet net_{CellNetOptions()};
   Codec codec_;
   std::unique_ptr<MasterMailboxes> boxes_;
+  LoopNews news_;
   std::unique_ptr<OrderDesk> desk_;
   std::unique_ptr<HapticLoop> loop_;
   std::unique_ptr<SlaveMailboxes> slave_boxes_;

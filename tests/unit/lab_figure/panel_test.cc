@@ -122,12 +122,6 @@ TEST(PanelBox, MarksAPublishedValueWithItsLabel) {
   EXPECT_EQ(legend[1].name, "published");
 }
 
-TEST(PanelBox, SaysItsMedianInTheWordsGiven) {
-  Panel panel("", categories({"A"}), kY);
-  panel.box({.values = {1, 2, 3}, .style = kRed, .median = "ours 2"});
-  EXPECT_NE(drawn(panel).find(">ours 2<"), std::string::npos);
-}
-
 TEST(Panel, AMarkStandsWhereItsPlaceIs) {
   Panel panel("", kX, kY);
   panel.mark({10, 5}, "B");

@@ -61,6 +61,7 @@ TEST(Wrap, BreaksAtSpacesOnly) {
               ElementsAre("one two", "three"));
   EXPECT_THAT(wrap("one two three", 10, 0), ElementsAre("one", "two", "three"));
   EXPECT_THAT(wrap("", 10, 100), ElementsAre(""));
+  EXPECT_THAT(wrap("one two\nthree", 10, 1000), ElementsAre("one two", "three"));
 }
 
 // CIE L* of "#rrggbb". Source: IEC 61966-2-1 and CIE 15.

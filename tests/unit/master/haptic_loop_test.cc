@@ -174,7 +174,7 @@ TEST_F(HapticLoopTest, ATickThatComesTwiceAtATimeStillMovesOn) {
 TEST_F(HapticLoopTest, TwoStartsOfAMasterHaveNoEpochInCommon) {
   tick();
   const MasterState first = report.out.link;
-  loop.emplace(device, settings, boxes, now);
+  loop.emplace(device, LoopScene{settings}, boxes, now);
   tick();
   const MasterState second = report.out.link;
   constexpr std::uint64_t kLifetime = 1ULL << 40;  // stops of one start

@@ -319,7 +319,8 @@ TEST_F(OrderDeskTest, JudgesAnAnswerByTheReportThatCameWithIt) {
   while (boxes.orders.pop(ticket)) taken.push_back(ticket);
   ASSERT_EQ(taken.size(), 2u);
   ASSERT_TRUE(boxes.answers.push({taken.back().id, Reason::kNone}));
-  desk->tick(now, slave, link);
+  hear();
+  hear();
   EXPECT_FALSE(engaging->has_value()) << text(engaging);
 }
 
