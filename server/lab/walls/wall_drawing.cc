@@ -24,7 +24,7 @@ using figure::Point;
 using figure::Style;
 
 constexpr double kBesideAisle = 8.0;  // from a gear's place to free paper [mm]
-constexpr std::size_t kEvery = 10;  // ticks between points drawn
+constexpr std::size_t kEvery = 10;    // ticks between points drawn
 constexpr Style kWallStyle = {.colour = figure::kInk, .width = 1.4, .dash = Dash::kSolid};
 
 Style thin(std::size_t index) {
