@@ -1,5 +1,6 @@
 #include "client/api/operator_client.h"
 
+#include <fcntl.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -11,6 +12,7 @@
 #include <boost/asio/local/stream_protocol.hpp>
 #include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
+#include <boost/system/system_error.hpp>
 
 #include <algorithm>
 #include <array>
@@ -53,7 +55,8 @@ Status OperatorClient::await(Nanos deadline, Start start) {
     if (gave_up.empty()) {
       if (left <= 0) gave_up = "no answer in time";
       if (cancelled_ != nullptr && cancelled_()) gave_up = "interrupted";
-      if (!gave_up.empty()) connection_->stream.close();  // ends what was begun
+      boost::system::error_code ignored;
+      if (!gave_up.empty()) connection_->stream.close(ignored);  // ends what was begun
     }
     io.restart();
     // Asio runs nothing at all in a time of zero, not even what is ready.
@@ -119,14 +122,19 @@ Status OperatorClient::connect(Nanos deadline) {
                    std::to_string(sizeof(address.sun_path) - 1));
   }
   std::copy(path_.begin(), path_.end(), address.sun_path);
-  connection_ = std::make_unique<Connection>();
   boost::system::error_code error;
-  connection_->stream.open({}, error);
+  try {
+    connection_ = std::make_unique<Connection>();
+  } catch (const boost::system::system_error& none) {  // no descriptors are left for its reactor
+    error = none.code();
+  }
+  if (!error) connection_->stream.open({}, error);
   if (!error) connection_->stream.non_blocking(true, error);
   if (error) return failure(error.message());
   // Not by Asio: it takes the full queue of a busy master, for which there is nothing to poll, for
   // a connection on its way.
   const int fd = connection_->stream.native_handle();
+  ::fcntl(fd, F_SETFD, FD_CLOEXEC);  // Asio does not: a program started now would keep it open
   while (::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
     if (errno != EAGAIN && errno != EINTR) {
       const int cause = errno;

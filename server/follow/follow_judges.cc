@@ -9,7 +9,7 @@ namespace handrail {
 namespace {
 
 // One bad reading costs nothing, a third in a row is a sensor not to be worked with.
-constexpr int kInvalidWrenches = 3;
+constexpr int kInvalidWrenches = 3;  // [readings, one a cycle of the controller]
 
 }  // namespace
 

@@ -8,8 +8,8 @@
 namespace handrail {
 namespace {
 
-// Homing and aligning take no longer [s].
-constexpr double kLongestAligning = 10.0;
+// Homing and aligning take no longer.
+constexpr double kLongestAligning = 10.0;  // [s], chosen: an operator waits no longer
 // A slave silent for longer is lost: what it said last is no fault that an operator sees.
 constexpr Nanos kInSight = 200 * kMillisecond;
 

@@ -1,6 +1,7 @@
 #include "server/haptic/haptic_step.h"
 
 #include <algorithm>
+#include <numbers>
 
 #include "server/base/deletable.h"
 #include "server/haptic/haptic_lead.h"
@@ -10,8 +11,8 @@ namespace handrail {
 namespace {
 
 // Torque per radian falls to zero between these angles: at half a turn the direction back flips.
-constexpr double kTorqueFull = 2.6;  // [rad]
-constexpr double kHalfTurn = 3.14159265358979323846;
+constexpr double kTorqueFull = 2.6;             // [rad]
+constexpr double kHalfTurn = std::numbers::pi;  // [rad]
 
 // What the session has just come to, for the hand to feel.
 Cue news_of(SessionState before, const HapticState& s) {

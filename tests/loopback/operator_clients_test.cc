@@ -1,7 +1,11 @@
 // Many clients, slow clients, clients that leave, and the command line against a served socket.
+#include <fcntl.h>
 #include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/un.h>
 
 #include <memory>
 #include <sstream>
@@ -204,6 +208,37 @@ TEST_F(OperatorClients, ADroppedReplyClosesTheConnection) {
 TEST_F(OperatorClients, GiveUpOnASilentMaster) {
   const auto reply = OperatorClient(path_).call(order(&pb::Request::set_engage), 30 * kMillisecond);
   EXPECT_EQ(reply.message(), "no master on " + path_ + ": no answer in time");
+}
+
+TEST_F(OperatorClients, SayThatNoDescriptorIsLeft) {
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  const rlimit none{0, before.rlim_max};  // of new ones
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+  OperatorClient client(path_);
+  const auto reply = client.call(order(&pb::Request::set_status), kPatience);
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
+  EXPECT_EQ(reply.message(), "no master on " + path_ + ": Too many open files");
+  EXPECT_TRUE(client.call(order(&pb::Request::set_status), kPatience).is_ok());
+}
+
+// The descriptors that lead to a named socket and that a program started now would inherit.
+int inherited() {
+  int count = 0;
+  for (int fd = 0; fd < 256; ++fd) {
+    sockaddr_un peer{};
+    socklen_t size = sizeof(peer);
+    if (::getpeername(fd, reinterpret_cast<sockaddr*>(&peer), &size) != 0) continue;
+    const bool named = peer.sun_family == AF_UNIX && peer.sun_path[0] != '\0';
+    count += named && (::fcntl(fd, F_GETFD) & FD_CLOEXEC) == 0;
+  }
+  return count;
+}
+
+TEST_F(OperatorClients, AreNotInheritedByAProgramThatIsStartedMeanwhile) {
+  OperatorClient client(path_);
+  ASSERT_TRUE(client.call(order(&pb::Request::set_status), kPatience).is_ok());
+  EXPECT_EQ(inherited(), 0);
 }
 
 TEST_F(OperatorClients, ConnectAgainAfterTheMasterRestarted) {

@@ -12,7 +12,7 @@
 namespace handrail {
 namespace {
 
-// So many times the smallest median, the largest leaves that no room on a linear axis.
+// Largest to smallest median [1]. Beyond it the smallest has less than a tenth of a linear axis.
 constexpr double kReadable = 10.0;
 
 }  // namespace
