@@ -18,8 +18,8 @@
 namespace handrail {
 namespace {
 
-constexpr int kRefreshMs = 20;
-constexpr Nanos kPatience = 2 * kSecond;
+constexpr int kSampleRefreshMs = 20;
+constexpr Nanos kCalibratePatience = 2 * kSecond;
 constexpr double kOldest_ms = 100.0;  // of what the slave says
 constexpr double kMostPoses = 50.0;
 
@@ -111,7 +111,7 @@ ExitCode watch(const Options& options, const Console& console, std::size_t wante
   Progress progress(console);
   bool told = false;
   for (;;) {
-    const Result<pb::Reply> reply = client.call(request, kPatience);
+    const Result<pb::Reply> reply = client.call(request, kCalibratePatience);
     if (interrupted() || !console.err) {
       progress.line(text_of("stopped after %zu of %zu orientations", out.size(), wanted));
       return kExitInterrupted;
@@ -150,7 +150,7 @@ ExitCode watch(const Options& options, const Console& console, std::size_t wante
       }
       progress.now(advice(state, sampler, alike));
     }
-    ::poll(nullptr, 0, kRefreshMs);
+    ::poll(nullptr, 0, kSampleRefreshMs);
   }
 }
 

@@ -17,7 +17,7 @@ namespace {
 constexpr double kLeg = 75.0 * kMm;       // A to B and B to C, at the robot
 constexpr double kOvershoot = 2.0 * kMm;  // the hand goes past the end, as hands do
 constexpr double kTurn = 45.0;            // about the vertical through B [deg]
-constexpr Nanos kPatience = 2 * kSecond;
+constexpr Nanos kDemoPatience = 2 * kSecond;
 constexpr const char* kScene = "linear-movement";
 // Where the rig's arm stands when it starts, and its tip points down: A.
 const Pose kA{Vec3(350.0, 0.0, 429.0) * kMm, Quat(0.0, 0.0, 1.0, 0.0)};
@@ -202,7 +202,7 @@ bool disengage(const Options& options) {
   OperatorClient client(options.socket, options.as);
   pb::Request request;
   request.set_disengage(true);
-  return exit_code(client.call(request, kPatience)) == kExitDone;
+  return exit_code(client.call(request, kDemoPatience)) == kExitDone;
 }
 
 }  // namespace

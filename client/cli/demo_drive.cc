@@ -17,10 +17,10 @@ constexpr double kMoveTime = 2.5;  // of one hand move [s]
 constexpr Nanos kSettle = 800 * kMillisecond;
 constexpr double kFollows = 5.0 * kMm;  // an arm further behind a hand at rest is held
 constexpr Nanos kSample = 7 * kMillisecond;
-constexpr Nanos kPatience = 5 * kSecond;
+constexpr Nanos kDrivePatience = 5 * kSecond;
 constexpr Nanos kMovePatience = 20 * kSecond;
 // Both sides have to hear each other well for a second before they engage.
-constexpr Nanos kEngagePatience = 20 * kSecond;
+constexpr Nanos kDriveEngages = 20 * kSecond;
 constexpr Nanos kAgain = 300 * kMillisecond;
 // Where the hand leads the arm back to a place: what the demo itself can have left, and a little.
 constexpr double kFarthestBack = 150.0 * kMm, kWidestBack = 90.0 * kDeg;
@@ -76,7 +76,7 @@ void DemoDriver::lose(const pb::Status& status) {
 }
 
 Result<pb::Reply> DemoDriver::call(const pb::Request& request, Nanos patience) {
-  const Result<pb::Reply> reply = client_.call(request, patience);
+  Result<pb::Reply> reply = client_.call(request, patience);
   if (interrupted()) fail("interrupted", kExitInterrupted);
   if (!reply) fail(reply.message(), exit_code(reply));
   return reply;
@@ -143,7 +143,7 @@ bool DemoDriver::move(const Vec3& by_mm, const Vec3& turn_deg,
 }
 
 bool DemoDriver::engage() {
-  const Nanos give_up = monotonic_now() + kEngagePatience;
+  const Nanos give_up = monotonic_now() + kDriveEngages;
   std::string refused = "the master does not engage";
   while (code_ == kExitDone && monotonic_now() < give_up) {
     pb::Status now = status();
@@ -168,7 +168,7 @@ bool DemoDriver::engage() {
       if (!wait()) return false;
     }
     const Result<pb::Reply> engaged = call(with([](pb::Request& r) { r.set_engage(true); }),
-                                           give_up - monotonic_now() + kPatience);
+                                           give_up - monotonic_now() + kDrivePatience);
     if (engaged && !engaged->done()) refused = "refused: " + engaged->reason();
     for (Nanos until = monotonic_now() + kAgain; monotonic_now() < until;) {
       if (!wait()) return false;

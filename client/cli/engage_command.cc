@@ -8,7 +8,7 @@ namespace handrail {
 namespace {
 
 // Engaging waits for a good link and for both sides to stand on the same pose.
-constexpr Nanos kPatience = 30 * kSecond;
+constexpr Nanos kEngagePatience = 30 * kSecond;
 // Four signs fit into the time after which the master takes us for gone.
 constexpr int kSignMs = 50;
 constexpr Nanos kSignPatience = 2 * kSecond;
@@ -29,11 +29,11 @@ ExitCode disengage(const Options& options, const Console& console) {
 ExitCode run_engage(const Options& options, const Console& console) {
   pb::Request request;
   request.set_engage(true);
-  if (!options.hold) return send_order(options, console, request, "engaged", kPatience);
+  if (!options.hold) return send_order(options, console, request, "engaged", kEngagePatience);
   request.set_hold(true);
   catch_interrupts();
   OperatorClient client(options.socket, options.as, interrupted);
-  const Result<pb::Reply> engaged = client.call(request, kPatience);
+  const Result<pb::Reply> engaged = client.call(request, kEngagePatience);
   if (!engaged && interrupted()) {
     // The master may be about to engage.
     (void)disengage(options, console);

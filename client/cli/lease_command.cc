@@ -8,7 +8,7 @@ namespace handrail {
 namespace {
 
 // A question to the holder is decided after ten seconds at most.
-constexpr Nanos kPatience = 15 * kSecond;
+constexpr Nanos kLeasePatience = 15 * kSecond;
 
 std::string seconds(double value) { return std::to_string(std::lround(value)) + " s"; }
 
@@ -27,7 +27,7 @@ ExitCode run_lease_show(const Options& options, const Console& console) {
   pb::Request request;
   request.mutable_lease()->set_act(pb::LeaseOrder::SHOW);
   const Result<pb::Reply> reply =
-      OperatorClient(options.socket, options.as).call(request, kPatience);
+      OperatorClient(options.socket, options.as).call(request, kLeasePatience);
   const ExitCode code = exit_code(reply);
   if (code != kExitDone) {
     console.err << "handrail: " << (reply ? "refused: " + reply->reason() : reply.message())
@@ -47,7 +47,7 @@ ExitCode send_lease(pb::LeaseOrder::Act act, const Options& options, const Conso
   if (act == pb::LeaseOrder::GRANT) done = "granted; the arm holds";
   if (act == pb::LeaseOrder::REFUSE) done = "refused; the lease stays yours";
   if (act == pb::LeaseOrder::RELEASE) done = "released; the arm holds";
-  return send_order(options, console, request, done, kPatience);
+  return send_order(options, console, request, done, kLeasePatience);
 }
 
 }  // namespace handrail

@@ -103,7 +103,7 @@ std::optional<pb::Reply> OrderDesk::check_scene(const Pending& order) {
   if (text_of(report_->out.link.scene) != scene_.name) return std::nullopt;
   load_shown_ = std::min(load_shown_, now_);
   if (report_->walls.present) return done();
-  if (link_.age(now_) > kHeard) {
+  if (link_.age(now_) > kHeardLately) {
     return done("no slave is connected: it loads the scene when it is");
   }
   const auto differences = hash_mismatches(report_->out.link, slave_);

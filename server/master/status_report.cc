@@ -3,14 +3,11 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "server/base/units.h"
+#include "server/master/set_vector.h"
 #include "server/master/why_report.h"
 
 namespace handrail {
 namespace {
-
-void set_vector(google::protobuf::RepeatedField<double>* out, const Vec3& v, double unit) {
-  for (int i = 0; i < 3; ++i) out->Add(v[i] / unit);
-}
 
 void set_pose(pb::PoseMm* out, const Pose& X) {
   set_vector(out->mutable_position_mm(), X.p, kMm);

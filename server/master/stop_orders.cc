@@ -79,7 +79,7 @@ std::optional<pb::Reply> OrderDesk::check_stop(const Pending& stop) const {
 // would be for the fault before, and the stop would stand.
 bool OrderDesk::stop_on_its_way() const {
   if (waits(Until::kSlaveStopped, Place::kInLoop)) return true;
-  if (!report_ || report_->walls.present || link_.age(now_) > kHeard) return false;
+  if (!report_ || report_->walls.present || link_.age(now_) > kHeardLately) return false;
   const MasterState& said = report_->out.link;
   return said.stop_epoch != said.released_epoch && said.stop_epoch != slave_.stop_epoch;
 }
@@ -95,7 +95,7 @@ void OrderDesk::send_reset() {
 
 std::optional<pb::Reply> OrderDesk::check_reset(const Pending& order) const {
   if (report_->walls.present) return done("the walls are felt again");
-  if (link_.age(now_) > kHeard) return done(unheard());
+  if (link_.age(now_) > kHeardLately) return done(unheard());
   if (slave_.state != SessionState::kFault) return done("engage to go on");
   if (slave_.fault_epoch == report_->out.link.fault_reset && now_ <= order.deadline) {
     return std::nullopt;

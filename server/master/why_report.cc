@@ -8,6 +8,7 @@
 
 #include "server/base/units.h"
 #include "server/kinematics/rv2a.h"
+#include "server/master/set_vector.h"
 #include "server/master/status_report.h"
 
 namespace handrail {
@@ -28,10 +29,6 @@ struct Share {
   double size() const { return std::max(mm, deg); }
 };
 using Shares = std::array<Share, MotionLedger::kStages>;
-
-void set_vector(google::protobuf::RepeatedField<double>* out, const Vec3& v, double unit) {
-  for (int i = 0; i < 3; ++i) out->Add(v[i] / unit);
-}
 
 void set_force(pb::ForceShare* out, const Vec3& force) {
   out->set_magnitude_n(force.norm());
@@ -104,7 +101,7 @@ Reason holding(const HapticReport& report, const SlaveState& slave, const LinkSn
   }
   // What would refuse an engage does so whether anybody has tried or not: the slave's own first, as
   // it knows more of it.
-  const bool idle = out.link.state == SessionState::kOff && link.age(now) <= kHeard;
+  const bool idle = out.link.state == SessionState::kOff && link.age(now) <= kHeardLately;
   const bool in_fault = idle && slave.state == SessionState::kFault;
   const Reason fault = out.reason == Reason::kPeerFault ? out.peer_fault
                        : in_fault                       ? slave.fault
@@ -124,7 +121,7 @@ Reason holding(const HapticReport& report, const SlaveState& slave, const LinkSn
 Reason still_wrong(const HapticReport& report, const SlaveState& slave, const LinkSnapshot& link,
                    Nanos now) {
   if (report.walls.present) return Reason::kNone;
-  if (link.age(now) <= kHeard) {
+  if (link.age(now) <= kHeardLately) {
     if (slave.obstacle != Reason::kNone) return slave.obstacle;
     const bool says_why = slave.state == SessionState::kOff && slave.reason != Reason::kNotEngaged;
     if (says_why && slave.reason != Reason::kNone) return slave.reason;

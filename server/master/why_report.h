@@ -7,7 +7,7 @@
 namespace handrail {
 
 // What the slave said is of the present: anything older and its link is lost.
-inline constexpr Nanos kHeard = 200 * kMillisecond;
+inline constexpr Nanos kHeardLately = 200 * kMillisecond;
 
 // Fills every field of `out` from the newest tick, at `now`.
 void set_ledger(pb::Ledger* out, const HapticReport& report, const SlaveState& slave,

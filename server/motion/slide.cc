@@ -12,7 +12,7 @@ using Matrix = Eigen::Matrix<double, kJoints, kJoints>;
 
 constexpr double kGive = 1e-6;        // what a radian off the joints' own way counts [m^2]
 constexpr double kOff = 2e-6;         // [m]
-constexpr double kFromEnd = 1e-7;     // of a range, so that rounding does not end there [rad]
+constexpr double kOffEnd = 1e-7;      // of a range, so that rounding does not end there [rad]
 constexpr double kLeastSpeed = 0.05;  // of a joint's that has little way to go
 constexpr int kIterations = 4;
 constexpr int kParts = 8;  // of a way, to see how far off it leads
@@ -29,7 +29,7 @@ StepBox step_box(const PlanLimits& limits, const GuardState& joints) {
     const AxisLimits& l = limits.axis[static_cast<std::size_t>(i)];
     const AxisLimits& g = limits.guard.axis[static_cast<std::size_t>(i)];
     const AxisState s{joints.q[i], joints.step[i], joints.change[i]};
-    const double top = limits.guard.upper[i] - kFromEnd, end = limits.guard.lower[i] + kFromEnd;
+    const double top = limits.guard.upper[i] - kOffEnd, end = limits.guard.lower[i] + kOffEnd;
     const double up = std::min(track_change(l, s, top), track_change(g, s, top));
     const double down = std::max(track_change(l, s, end), track_change(g, s, end));
     box.low[i] = joints.step[i] + std::min(up, down);

@@ -12,20 +12,20 @@
 namespace handrail {
 namespace {
 
-constexpr double kFromFace = 5e-3;      // of the workspace [m]
-constexpr double kArrived = 1e-12;      // [m], [rad]: below rounding
-constexpr double kFound = 2e-8;         // what a search for the end of reach leaves [m], [rad]
-constexpr double kOnSpace = 5e-6;       // further off a tip is not on its space [m]
-constexpr double kStanding = 0.002;     // [m/s]
-constexpr double kDetour = 2.5;         // so many times longer the straight way is none
-constexpr double kSoon = 15.0;          // cycles
-constexpr double kBehind = 1e-3;        // less to go is not worth a reason [m]
-constexpr double kTurnBehind = 1e-2;    // [rad]
-constexpr double kNearWrist = 0.05;     // |sin J5|
-constexpr double kNearShoulder = 0.02;  // [m]
-constexpr double kShare = 0.88;         // of the joints' acceleration and jerk, for a straight step
-constexpr double kShareAtEnd = 0.7;     // where the joints' share of a straight step changes much
-constexpr double kHardest = 0.915;      // for braking: a little less than a stop plan's
+constexpr double kFromFace = 5e-3;       // of the workspace [m]
+constexpr double kArrived = 1e-12;       // [m], [rad]: below rounding
+constexpr double kFound = 2e-8;          // what a search for the end of reach leaves [m], [rad]
+constexpr double kOnSpace = 5e-6;        // further off a tip is not on its space [m]
+constexpr double kStanding = 0.002;      // [m/s]
+constexpr double kDetour = 2.5;          // so many times longer the straight way is none
+constexpr double kSoon = 15.0;           // cycles
+constexpr double kBehind = 1e-3;         // less to go is not worth a reason [m]
+constexpr double kTurnBehind = 1e-2;     // [rad]
+constexpr double kStraightWrist = 0.05;  // |sin J5|
+constexpr double kNearShoulder = 0.02;   // [m]
+constexpr double kShare = 0.88;      // of the joints' acceleration and jerk, for a straight step
+constexpr double kShareAtEnd = 0.7;  // where the joints' share of a straight step changes much
+constexpr double kHardest = 0.915;   // for braking: a little less than a stop plan's
 
 // `space` as it holds now: without its room once the tip and its target are on the point, line or
 // plane itself, on the tip's side of it while it is off it and its target is not on the other;
@@ -77,7 +77,7 @@ bool blocked(Reason why) {
 
 bool near_singular(const ArmGeometry& arm, const JointVector& q) {
   const SingularityMargin margin = singularity_margin(arm, q);
-  return margin.wrist < kNearWrist || margin.shoulder < kNearShoulder;
+  return margin.wrist < kStraightWrist || margin.shoulder < kNearShoulder;
 }
 
 }  // namespace

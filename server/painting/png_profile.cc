@@ -9,8 +9,8 @@
 namespace handrail {
 namespace {
 
-constexpr std::size_t kSignature = 8;    // bytes before the first chunk
-constexpr std::size_t kChunkFrame = 12;  // length, type and checksum of a chunk
+constexpr std::size_t kSignatureSize = 8;  // bytes before the first chunk
+constexpr std::size_t kChunkFrame = 12;    // length, type and checksum of a chunk
 constexpr std::size_t kMostProfile = 1u << 16;
 constexpr std::size_t kTagTable = 128;   // of an ICC profile: count, then 12 bytes a tag
 constexpr std::uint32_t kOne = 0x10000;  // 1 as s15Fixed16
@@ -25,7 +25,7 @@ std::uint32_t number_at(std::string_view bytes, std::size_t at) {
 
 // Contents of the iCCP chunk, which stands before the pixels; empty when there is none.
 std::string_view profile_chunk(std::string_view png) {
-  for (std::size_t at = kSignature; at + kChunkFrame <= png.size();) {
+  for (std::size_t at = kSignatureSize; at + kChunkFrame <= png.size();) {
     const std::size_t length = number_at(png, at);
     const std::string_view type = png.substr(at + 4, 4);
     if (type == "IDAT" || length > png.size() - at - kChunkFrame) return {};

@@ -11,12 +11,11 @@
 #include "server/base/operator_path.h"
 #include "server/base/own_address.h"
 #include "server/base/plain_text.h"
+#include "server/scene/field_check.h"
 #include "server/scene/text_io.h"
 
 namespace handrail {
 namespace {
-
-using Problem = std::optional<FieldProblem>;
 
 Problem check_ipv4(const char* field, const std::string& address) {
   in_addr parsed{};

@@ -6,14 +6,14 @@
 
 #include "server/base/plain_text.h"
 #include "server/base/units.h"
+#include "server/scene/field_check.h"
+#include "server/scene/numbers.h"
 
 namespace handrail {
 namespace {
 
 using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
-using Numbers = google::protobuf::RepeatedField<double>;
-using Problem = std::optional<FieldProblem>;
 
 Vec2 point_of(const Numbers& v) {
   return v.size() == 2 ? Vec2(v[0] * kMm, v[1] * kMm) : Vec2(Vec2::Zero());

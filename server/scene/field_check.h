@@ -10,9 +10,12 @@
 
 namespace handrail {
 
+// What is wrong with a message; nothing when it is sound.
+using Problem = std::optional<FieldProblem>;
+
 // The first field whose value breaks its range option: outside min and max, not finite, a wrong
 // number of elements, missing though required, or a string that is not plain UTF-8 text.
-std::optional<FieldProblem> check_fields(const google::protobuf::Message& message);
+Problem check_fields(const google::protobuf::Message& message);
 
 // "field 'PATH': TEXT" in one line.
 std::string to_sentence(const FieldProblem& problem);

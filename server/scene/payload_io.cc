@@ -1,15 +1,10 @@
 #include "server/scene/payload_io.h"
+#include "server/scene/numbers.h"
 
 #include <cstdio>
 
 namespace handrail {
 namespace {
-
-using Numbers = google::protobuf::RepeatedField<double>;
-
-Vec3 vector_of(const Numbers& in) {
-  return in.size() == 3 ? Vec3(in[0], in[1], in[2]) : Vec3(Vec3::Zero());
-}
 
 void put(const Vec3& v, Numbers* out) { out->Add(v.begin(), v.end()); }
 

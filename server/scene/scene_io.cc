@@ -11,6 +11,7 @@
 #include "server/base/units.h"
 #include "server/painting/map_detent.h"
 #include "server/scene/effect_io.h"
+#include "server/scene/field_check.h"
 #include "server/scene/scene_limits_io.h"
 #include "server/scene/simulate_io.h"
 #include "server/scene/text_io.h"
@@ -20,8 +21,6 @@
 
 namespace handrail {
 namespace {
-
-using Problem = std::optional<FieldProblem>;
 
 constexpr int kPublishedSamples = 200;
 constexpr int kLowLagSamples = 105;

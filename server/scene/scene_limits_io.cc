@@ -6,14 +6,13 @@
 #include "server/base/plain_text.h"
 #include "server/base/units.h"
 #include "server/model/rv2a_limits.h"
+#include "server/scene/numbers.h"
 
 namespace handrail {
 namespace {
 
 // A joint that takes longer than 80 ms to its full acceleration could hardly be stopped [1/s].
 constexpr double kLeastJerk = 12.5;
-
-using Numbers = google::protobuf::RepeatedField<double>;
 
 JointVector joints_of(const Numbers& degrees) {
   JointVector v;

@@ -4,14 +4,11 @@
 
 #include "server/base/plain_text.h"
 #include "server/base/units.h"
+#include "server/scene/field_check.h"
+#include "server/scene/numbers.h"
 
 namespace handrail {
 namespace {
-
-using Numbers = google::protobuf::RepeatedField<double>;
-using Problem = std::optional<FieldProblem>;
-
-Vec3 vector_of(const Numbers& v) { return v.size() == 3 ? Vec3(v[0], v[1], v[2]) : Vec3::Zero(); }
 
 ToolKind kind_of(pb::Tool::Kind kind) {
   switch (kind) {

@@ -6,13 +6,12 @@
 
 #include "server/base/plain_text.h"
 #include "server/base/units.h"
+#include "server/scene/field_check.h"
+#include "server/scene/numbers.h"
 #include "server/scene/shape_reach.h"
 
 namespace handrail {
 namespace {
-
-using Numbers = google::protobuf::RepeatedField<double>;
-using Problem = std::optional<FieldProblem>;
 
 constexpr int kMostShapes = 256;
 

@@ -12,18 +12,15 @@
 #include "server/painting/coverage.h"
 #include "server/painting/coverage_check.h"
 #include "server/painting/png_io.h"
+#include "server/scene/field_check.h"
+#include "server/scene/numbers.h"
 #include "server/scene/wall_shapes_io.h"
 
 namespace handrail {
 namespace {
 
-using Numbers = google::protobuf::RepeatedField<double>;
-using Problem = std::optional<FieldProblem>;
-
 constexpr int kMostRegions = 64;
 constexpr double kSquare = 1e-3;  // pixels may be this share off square
-
-Vec2 vector_of(const Numbers& v) { return v.size() == 2 ? Vec2(v[0], v[1]) : Vec2::Zero(); }
 
 std::string at(const char* list, int i, const char* field) {
   return std::string("walls.") + list + "[" + std::to_string(i) + "]." + field;
@@ -95,7 +92,7 @@ Problem region_from(const pb::Walls& in, int i, Walls& out) {
   region.viscosity = r.viscosity_n_s_m();
   region.progressive = r.progressive();
   if (r.one_way_size() > 0) {
-    const Vec2 way = vector_of(r.one_way());
+    const Vec2 way = plane_vector_of(r.one_way());
     if (way.norm() < 1e-9) return FieldProblem{at("region", i, "one_way"), "has no direction"};
     region.one_way = way.normalized();
   }
@@ -156,7 +153,7 @@ Problem stages_from(const pb::Walls& in, Walls& out) {
     }
     WallStage& stage = out.stages.emplace_back();
     stage.name = s.name();
-    stage.pose = {vector_of(s.at_mm()) * kMm, s.turn_deg() * kDeg};
+    stage.pose = {plane_vector_of(s.at_mm()) * kMm, s.turn_deg() * kDeg};
     for (int k = 0; k < s.without_size(); ++k) {
       const std::string field = at("stage", i, "without") + "[" + std::to_string(k) + "]";
       const RegionLookup region = find_region(out, s.without(k));
@@ -258,7 +255,7 @@ std::optional<FieldProblem> walls_from(const pb::Walls& in, Walls& out) {
   if (Problem p = method_from(in, out)) return p;
   if (Problem p = regions_from(in, out)) return p;
   if (Problem p = shapes_from(in, out)) return p;
-  out.start = vector_of(in.start_mm()) * kMm;
+  out.start = plane_vector_of(in.start_mm()) * kMm;
   return stages_from(in, out);
 }
 

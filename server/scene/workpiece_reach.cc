@@ -7,11 +7,10 @@
 #include "server/base/plain_text.h"
 #include "server/base/units.h"
 #include "server/kinematics/rv2a.h"
+#include "server/scene/field_check.h"
 
 namespace handrail {
 namespace {
-
-using Problem = std::optional<FieldProblem>;
 
 constexpr double kRounding = 1e-9;  // beyond the end of a range or the workspace [rad], [m]
 constexpr int kLast = kJoints - 1;  // turns the tip about its own axis and does nothing else

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kFewestReadings = 20;
 
-Vec3 down_in_tip(const Quat& q_ST) { return q_ST.conjugate() * Vec3(0, 0, -1); }
+Vec3 down_in_turned_tip(const Quat& q_ST) { return q_ST.conjugate() * Vec3(0, 0, -1); }
 
 double angle(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
@@ -37,10 +37,10 @@ PayloadSample mean_of(const std::vector<PayloadReading>& readings) {
 }  // namespace
 
 PayloadSampler::State PayloadSampler::add(const PayloadReading& reading) {
-  const Vec3 down = down_in_tip(reading.X_ST.q);
+  const Vec3 down = down_in_turned_tip(reading.X_ST.q);
   turned_ = std::numbers::pi;
   for (const PayloadSample& s : samples_) {
-    turned_ = std::min(turned_, angle(down, down_in_tip(s.q_ST)));
+    turned_ = std::min(turned_, angle(down, down_in_turned_tip(s.q_ST)));
   }
   if (!window_.empty()) {
     const Pose& stand = window_.front().X_ST;

@@ -221,7 +221,7 @@ BENCHMARK(follow_limited)->Name("follow_step_limited");
 BENCHMARK(guard_pass)->Name("guard_passes");
 BENCHMARK(guard_refuse)->Name("guard_brakes");
 
-[[maybe_unused]] const bool compared = [] {
+[[maybe_unused]] const bool steps_compared = [] {
   // The same targets on the machine where KDL's forward took 595 ns.
   compare("haptic_step/line and N-rotation", "interleaved/kdl_forward", 1000.0 / 595.0);
   compare("follow_step/line under limits", "interleaved/kdl_forward", kHostileTarget / 595.0);

@@ -10,7 +10,7 @@
 namespace handrail::bench {
 namespace {
 
-constexpr int kBatch = 20;
+constexpr int kEffectsBatch = 20;
 
 // A hand in and out of wall and aisle at up to 0.2 m/s.
 struct WallTick {
@@ -41,13 +41,13 @@ struct JoystickTick {
 DeviceEffects no_device_effects() { return device_effects({}); }
 
 void no_effect(benchmark::State& s) {
-  run(s, "wall_step/no effect", kBatch, 0.0, WallTick(std::vector<EffectSpec>{}));
+  run(s, "wall_step/no effect", kEffectsBatch, 0.0, WallTick(std::vector<EffectSpec>{}));
 }
 void walls_only(benchmark::State& s) {
-  run(s, "wall_step/wall", kBatch, 0.0, WallTick({test::effect(EffectKind::kWall)}));
+  run(s, "wall_step/wall", kEffectsBatch, 0.0, WallTick({test::effect(EffectKind::kWall)}));
 }
 void all_effects(benchmark::State& s) {
-  run(s, "wall_step/all seven effects", kBatch, 0.0, WallTick(test::every_effect()));
+  run(s, "wall_step/all seven effects", kEffectsBatch, 0.0, WallTick(test::every_effect()));
 }
 void joystick_all(benchmark::State& s) {
   run(s, "joystick/tick", 1, 0.0, JoystickTick(DeviceEffects()));

@@ -81,7 +81,7 @@ BENCHMARK(large)->Name("subpixel_concave_8000");
 BENCHMARK(fast)->Name("subpixel_concave_fast");
 BENCHMARK(build)->Name("subpixel_build_2000")->Iterations(3);
 
-[[maybe_unused]] const bool compared = [] {
+[[maybe_unused]] const bool walls_compared = [] {
   compare("subpixel/concave 8000 x 8000", "subpixel/concave", 1.2);
   return true;
 }();

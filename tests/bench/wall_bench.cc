@@ -10,7 +10,7 @@
 namespace handrail::bench {
 namespace {
 
-constexpr int kBatch = 20;
+constexpr int kWallBatch = 20;
 
 // A proxy and a hand that moves 0.1 mm a tick along a wavy way around the middle.
 struct Update {
@@ -38,13 +38,13 @@ Walls published(double radius) {
 }
 
 void exact_lanes(benchmark::State& s) {
-  run(s, "wall/exact, gear lanes", kBatch, 0.0, Update(test::gear_lanes(), 0.045));
+  run(s, "wall/exact, gear lanes", kWallBatch, 0.0, Update(test::gear_lanes(), 0.045));
 }
 void exact_rounded_lanes(benchmark::State& s) {
-  run(s, "wall/exact, rounded gear lanes", kBatch, 0.0, Update(test::gear_lanes(2e-3), 0.045));
+  run(s, "wall/exact, rounded gear lanes", kWallBatch, 0.0, Update(test::gear_lanes(2e-3), 0.045));
 }
 void exact_ring(benchmark::State& s) {
-  run(s, "wall/exact, ring", kBatch, 0.0,
+  run(s, "wall/exact, ring", kWallBatch, 0.0,
       Update(test::drawn({test::ring({0, 0}, 0.03, 0.01)}), 0.03));
 }
 void exact_stairs(benchmark::State& s) {
@@ -57,10 +57,10 @@ void exact_stairs(benchmark::State& s) {
   });
 }
 void published_1_5(benchmark::State& s) {
-  run(s, "wall/published, radius 1.5", kBatch, 0.0, Update(published(1.5), 0.019));
+  run(s, "wall/published, radius 1.5", kWallBatch, 0.0, Update(published(1.5), 0.019));
 }
 void published_4(benchmark::State& s) {
-  run(s, "wall/published, radius 4", kBatch, 0.0, Update(published(4.0), 0.019));
+  run(s, "wall/published, radius 4", kWallBatch, 0.0, Update(published(4.0), 0.019));
 }
 
 BENCHMARK(exact_lanes)->Name("wall_exact_lanes");

@@ -11,7 +11,7 @@ namespace handrail::bench {
 namespace {
 
 constexpr double kWorldTarget = 2000.0;  // [ns]
-constexpr int kBatch = 20;
+constexpr int kWorldBatch = 20;
 
 const Quat kDown(0.0, 1.0, 0.0, 0.0);
 
@@ -93,26 +93,30 @@ RigOptions with_floor(double z) {
   return rig_of(list);
 }
 
-void one(benchmark::State& s) { run(s, "world/1 contact", kBatch, kWorldTarget, Press(corner(1))); }
+void one(benchmark::State& s) {
+  run(s, "world/1 contact", kWorldBatch, kWorldTarget, Press(corner(1)));
+}
 void two(benchmark::State& s) {
-  run(s, "world/2 contacts", kBatch, kWorldTarget, Press(corner(2)));
+  run(s, "world/2 contacts", kWorldBatch, kWorldTarget, Press(corner(2)));
 }
 void four(benchmark::State& s) {
-  run(s, "world/4 contacts", kBatch, kWorldTarget, Press(corner(4)));
+  run(s, "world/4 contacts", kWorldBatch, kWorldTarget, Press(corner(4)));
 }
-void socket(benchmark::State& s) { run(s, "world/key and screw", kBatch, kWorldTarget, Fasten()); }
+void socket(benchmark::State& s) {
+  run(s, "world/key and screw", kWorldBatch, kWorldTarget, Fasten());
+}
 void as_configured(benchmark::State& s) {
-  run(s, "rig/ms as configured", kBatch, 0.0, RigTick(RigOptions()));
+  run(s, "rig/ms as configured", kWorldBatch, 0.0, RigTick(RigOptions()));
 }
 void no_contact(benchmark::State& s) {
-  run(s, "rig/ms nothing to touch", kBatch, 0.0, RigTick(rig_of(arm_and_tool())));
+  run(s, "rig/ms nothing to touch", kWorldBatch, 0.0, RigTick(rig_of(arm_and_tool())));
   compare("rig/ms nothing to touch", "rig/ms as configured", 1.1);
 }
 void far(benchmark::State& s) {
-  run(s, "rig/ms floor out of reach", kBatch, 0.0, RigTick(with_floor(-1.0)));
+  run(s, "rig/ms floor out of reach", kWorldBatch, 0.0, RigTick(with_floor(-1.0)));
 }
 void pressed(benchmark::State& s) {
-  run(s, "rig/ms on the floor", kBatch, 0.0, RigTick(with_floor(0.43)));
+  run(s, "rig/ms on the floor", kWorldBatch, 0.0, RigTick(with_floor(0.43)));
 }
 
 BENCHMARK(one)->Name("world_one_contact");

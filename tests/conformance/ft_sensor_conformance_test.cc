@@ -12,7 +12,7 @@
 namespace handrail {
 namespace {
 
-constexpr Nanos kPatience = 20 * kSecond;
+constexpr Nanos kSensorPatience = 20 * kSecond;
 
 struct SensorCase {
   const char* name;
@@ -47,7 +47,7 @@ class FtSensorConformance : public ::testing::TestWithParam<SensorCase> {
   // Polls until a new record satisfies `wanted`.
   template <typename F>
   bool take_until(F wanted) {
-    const Nanos give_up = monotonic_now() + kPatience;
+    const Nanos give_up = monotonic_now() + kSensorPatience;
     while (monotonic_now() < give_up) {
       if (sensor_->poll(monotonic_now(), sample_) && wanted(sample_)) return true;
       std::this_thread::yield();

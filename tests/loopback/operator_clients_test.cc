@@ -18,7 +18,7 @@
 namespace handrail {
 namespace {
 
-constexpr Nanos kPatience = 20 * kSecond;
+constexpr Nanos kClientPatience = 20 * kSecond;
 
 class OperatorClients : public testing::Test {
  protected:
@@ -54,7 +54,7 @@ class OperatorClients : public testing::Test {
 TEST_F(OperatorClients, HalfAFrameDelaysNobodyAndIsCutOff) {
   RawClient slow(path_);
   ASSERT_TRUE(slow.send(status_frame().substr(0, 5)));
-  EXPECT_TRUE(OperatorClient(path_).call(order(&pb::Request::set_status), kPatience).is_ok());
+  EXPECT_TRUE(OperatorClient(path_).call(order(&pb::Request::set_status), kClientPatience).is_ok());
   EXPECT_EQ(slow.receive().reason(), "(closed)");
 }
 
@@ -173,7 +173,7 @@ TEST_F(OperatorClients, TheMasterMayAnswerLaterFromAnyThread) {
   ASSERT_TRUE(waiting.send(framed(order(&pb::Request::set_engage).SerializeAsString())));
   auto replies = kept(1);
   ASSERT_EQ(replies.size(), 1U);
-  EXPECT_TRUE(OperatorClient(path_).call(order(&pb::Request::set_status), kPatience).is_ok());
+  EXPECT_TRUE(OperatorClient(path_).call(order(&pb::Request::set_status), kClientPatience).is_ok());
   pb::Reply reply;
   reply.set_done(true);
   reply.set_reason("at last");
@@ -188,7 +188,7 @@ TEST_F(OperatorClients, AnAnswerToAClientThatLeftHarmsNobody) {
     while (bench_->master.requests < 1) std::this_thread::yield();
   }
   for (const auto& reply : kept(1)) reply(pb::Reply());
-  EXPECT_TRUE(OperatorClient(path_).call(order(&pb::Request::set_status), kPatience).is_ok());
+  EXPECT_TRUE(OperatorClient(path_).call(order(&pb::Request::set_status), kClientPatience).is_ok());
 }
 
 TEST_F(OperatorClients, AnAnswerAfterTheServerStoppedHarmsNobody) {
@@ -200,7 +200,7 @@ TEST_F(OperatorClients, AnAnswerAfterTheServerStoppedHarmsNobody) {
 }
 
 TEST_F(OperatorClients, ADroppedReplyClosesTheConnection) {
-  const auto reply = OperatorClient(path_).call(order(&pb::Request::set_stop), kPatience);
+  const auto reply = OperatorClient(path_).call(order(&pb::Request::set_stop), kClientPatience);
   EXPECT_EQ(reply.message(), "no master on " + path_ + ": it closed the connection");
   EXPECT_EQ(exit_code(reply), kExitNoMaster);
 }
@@ -243,13 +243,13 @@ TEST_F(OperatorClients, AreNotInheritedByAProgramThatIsStartedMeanwhile) {
 
 TEST_F(OperatorClients, ConnectAgainAfterTheMasterRestarted) {
   OperatorClient client(path_);
-  ASSERT_TRUE(client.call(order(&pb::Request::set_status), kPatience).is_ok());
+  ASSERT_TRUE(client.call(order(&pb::Request::set_status), kClientPatience).is_ok());
   bench_.reset();
-  EXPECT_FALSE(client.call(order(&pb::Request::set_status), kPatience).is_ok());
-  EXPECT_EQ(client.call(order(&pb::Request::set_status), kPatience).message(),
+  EXPECT_FALSE(client.call(order(&pb::Request::set_status), kClientPatience).is_ok());
+  EXPECT_EQ(client.call(order(&pb::Request::set_status), kClientPatience).message(),
             "no master on " + path_ + ": no such socket; start handrail-master");
   bench_ = std::make_unique<OperatorBench>(path_);
-  EXPECT_TRUE(client.call(order(&pb::Request::set_status), kPatience).is_ok());
+  EXPECT_TRUE(client.call(order(&pb::Request::set_status), kClientPatience).is_ok());
 }
 
 TEST_F(OperatorClients, CliExitsWithOneAndTheMastersReasonWhenRefused) {

@@ -7,24 +7,17 @@
 
 #include "server/base/random.h"
 #include "server/motion/guard.h"
+#include "tests/property/draws.h"
 #include "tests/unit/follow/follow_rig.h"
 
 namespace handrail {
 namespace {
 
+using test::below;
+using test::between;
+using test::within;
+
 using test::FollowRig;
-
-// Below `n`, at full size: the default starts with the low ends of all ranges.
-int below(int n) { return *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(0, n)); }
-
-double between(double low, double high) {
-  constexpr int kSteps = 1'000'000;
-  return low + (high - low) * below(kSteps + 1) / kSteps;
-}
-
-Vec3 within(double size) {
-  return {between(-size, size), between(-size, size), between(-size, size)};
-}
 
 JointVector any_joints(double share) {
   const JointLimits& limits = rv2a_limits();

@@ -5,21 +5,14 @@
 #include <memory>
 
 #include "server/haptic/guide.h"
+#include "tests/property/draws.h"
 
 namespace handrail {
 namespace {
 
-// Below `n`, at full size: the default starts with the low ends of all ranges.
-int below(int n) { return *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(0, n)); }
-
-double between(double low, double high) {
-  constexpr int kSteps = 1'000'000;
-  return low + (high - low) * below(kSteps + 1) / kSteps;
-}
-
-Vec3 within(double size) {
-  return {between(-size, size), between(-size, size), between(-size, size)};
-}
+using test::below;
+using test::between;
+using test::within;
 
 Vec3 any_unit() {
   const Vec3 v = within(1.0);

@@ -3,22 +3,18 @@
 
 #include <numbers>
 
+#include "tests/property/draws.h"
 #include "tests/support/arm_samples.h"
 
 namespace handrail {
 namespace {
 
+using test::between;
+
 using test::turn_free_distance;
 
-double between(double low, double high) {
-  constexpr int kSteps = 1'000'000;
-  // At full size: the default starts with the low ends of all ranges.
-  return low + (high - low) * *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(0, kSteps + 1)) /
-                   kSteps;
-}
-
 // Joints within their ranges; every fourth or so has J5 or J4 at a round or singular value.
-JointVector any_joints() {
+JointVector special_joints() {
   const JointLimits& limits = rv2a_limits();
   JointVector q;
   for (int i = 0; i < kJoints; ++i) q[i] = between(limits.lower[i], limits.upper[i]);
@@ -33,7 +29,7 @@ JointVector any_joints() {
   return q;
 }
 
-Vec3 any_unit() {
+Vec3 even_unit() {
   const double height = between(-1.0, 1.0), angle = between(0.0, 2.0 * std::numbers::pi);
   const double radius = std::sqrt(1.0 - height * height);
   return {radius * std::cos(angle), radius * std::sin(angle), height};
@@ -44,7 +40,7 @@ bool well_away(const SingularityMargin& m) {
 }
 
 RC_GTEST_PROP(KinematicsProperty, EverySolutionMapsBackToThePose, ()) {
-  const JointVector q = any_joints(), seed = any_joints();
+  const JointVector q = special_joints(), seed = special_joints();
   const Pose X = forward({}, q);
   InverseSolutions found;
   inverse_all({}, X, seed, found);
@@ -57,7 +53,7 @@ RC_GTEST_PROP(KinematicsProperty, EverySolutionMapsBackToThePose, ()) {
 }
 
 RC_GTEST_PROP(KinematicsProperty, TheSeedIsInItsOwnSet, ()) {
-  const JointVector seed = any_joints();
+  const JointVector seed = special_joints();
   const SingularityMargin m = singularity_margin({}, seed);
   InverseSolutions found;
   inverse_all({}, forward({}, seed), seed, found);
@@ -72,7 +68,7 @@ RC_GTEST_PROP(KinematicsProperty, TheSeedIsInItsOwnSet, ()) {
 }
 
 RC_GTEST_PROP(KinematicsProperty, NearAgreesWithTheSetOnTheSeedsBranch, ()) {
-  const JointVector q = any_joints(), seed = any_joints();
+  const JointVector q = special_joints(), seed = special_joints();
   RC_PRE(well_away(singularity_margin({}, seed)));
   RC_PRE(singularity_margin({}, q).wrist > 1e-9);
   const Pose X = forward({}, q);
@@ -91,13 +87,13 @@ RC_GTEST_PROP(KinematicsProperty, NearAgreesWithTheSetOnTheSeedsBranch, ()) {
 }
 
 RC_GTEST_PROP(KinematicsProperty, SmallTwistsMoveTheJointsLittleAwayFromSingularPoses, ()) {
-  const JointVector seed = any_joints();
+  const JointVector seed = special_joints();
   const SingularityMargin m = singularity_margin({}, seed);
   RC_PRE(well_away(m));
   const double size = *rc::gen::element(1e-4, 1e-6, 1e-9);
   Pose X = forward({}, seed);
-  X.p += size * any_unit();
-  X.q = rotation_exp(size * any_unit()) * X.q;
+  X.p += size * even_unit();
+  X.q = rotation_exp(size * even_unit()) * X.q;
   JointVector q;
   RC_ASSERT(inverse_near({}, X, seed, q) == InverseStatus::kOk);
   // The wrist centre moves at most 1.3 sizes; elbow lever arms are at least 0.07 m times the sine.
@@ -108,7 +104,7 @@ RC_GTEST_PROP(KinematicsProperty, SmallTwistsMoveTheJointsLittleAwayFromSingular
 }
 
 RC_GTEST_PROP(KinematicsProperty, AnExactlyStraightWristStaysWhereItIs, ()) {
-  JointVector seed = any_joints();
+  JointVector seed = special_joints();
   seed[4] = 0.0;
   const SingularityMargin m = singularity_margin({}, seed);
   RC_PRE(m.shoulder > 1e-3);
@@ -119,7 +115,7 @@ RC_GTEST_PROP(KinematicsProperty, AnExactlyStraightWristStaysWhereItIs, ()) {
 }
 
 RC_GTEST_PROP(KinematicsProperty, AStraightWristBendsEitherWayWithoutTurningJ4, ()) {
-  JointVector seed = any_joints();
+  JointVector seed = special_joints();
   seed[4] = 0.0;
   RC_PRE(singularity_margin({}, seed).shoulder > 1e-3);
   JointVector next = seed;
@@ -132,7 +128,7 @@ RC_GTEST_PROP(KinematicsProperty, AStraightWristBendsEitherWayWithoutTurningJ4, 
 
 RC_GTEST_PROP(KinematicsProperty, AJointPathIsFollowedAlsoThroughTheWristSingularity, ()) {
   constexpr int kSteps = 100;
-  const JointVector from = any_joints(), to = any_joints();
+  const JointVector from = special_joints(), to = special_joints();
   // While J5 lingers within 1e-9 of zero, J4 stays behind the path and must catch up afterwards.
   RC_PRE(std::abs(to[4] - from[4]) > 1e-4);
   JointVector q = from;

@@ -6,19 +6,14 @@
 
 #include "server/base/random.h"
 #include "server/task/payload_fit.h"
+#include "tests/property/draws.h"
 
 namespace handrail {
 namespace {
 
-// Below `n`, at full size: the default starts with the low ends of all ranges.
-int below(int n) { return *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(0, n)); }
-double between(double low, double high) {
-  constexpr int kSteps = 1'000'000;
-  return low + (high - low) * below(kSteps + 1) / kSteps;
-}
-Vec3 within(double size) {
-  return {between(-size, size), between(-size, size), between(-size, size)};
-}
+using test::below;
+using test::between;
+using test::within;
 
 // Standard deviations of the fit, from the orientations alone: the biases are free, so only what
 // gravity differs from its mean tells anything.

@@ -19,19 +19,19 @@ struct Row {
   int x_um = 0, y_um = 0, z_um = 0;
 };
 
-int between(int low, int high) {
+int int_between(int low, int high) {
   return *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(low, high + 1));
 }
 
 // Rates from 100 kHz to below 2 Hz, now and then a coordinate that does not change.
 std::vector<Row> any_rows() {
-  std::vector<Row> rows(static_cast<std::size_t>(between(2, 40)));
+  std::vector<Row> rows(static_cast<std::size_t>(int_between(2, 40)));
   const int widest = *rc::gen::element(100, 5'000, 100'000, 600'000);
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    rows[i] = {between(10, widest), between(-90'000, 90'000), between(-90'000, 90'000),
-               between(-90'000, 90'000)};
-    if (between(0, 9) == 0) rows[i].spacing_us = 250'000;
-    if (i > 0 && between(0, 3) == 0) rows[i].x_um = rows[i - 1].x_um;
+    rows[i] = {int_between(10, widest), int_between(-90'000, 90'000), int_between(-90'000, 90'000),
+               int_between(-90'000, 90'000)};
+    if (int_between(0, 9) == 0) rows[i].spacing_us = 250'000;
+    if (i > 0 && int_between(0, 3) == 0) rows[i].x_um = rows[i - 1].x_um;
   }
   return rows;
 }
@@ -94,12 +94,12 @@ RC_GTEST_PROP(RecordedHand, GapsAreTheSpacingsOver250Milliseconds, ()) {
 // Whatever the bytes: an answer or an error naming the file, never a crash.
 RC_GTEST_PROP(RecordedHand, AnyBytesGiveAMotionOrAnErrorWithItsLine, ()) {
   std::string text = csv_of(any_rows());
-  const int changes = between(0, 4);
+  const int changes = int_between(0, 4);
   for (int i = 0; i < changes; ++i) {
-    const auto at = static_cast<std::size_t>(between(0, static_cast<int>(text.size()) - 1));
-    text[at] = static_cast<char>(between(0, 255));
+    const auto at = static_cast<std::size_t>(int_between(0, static_cast<int>(text.size()) - 1));
+    text[at] = static_cast<char>(int_between(0, 255));
   }
-  if (between(0, 3) == 0) text.resize(static_cast<std::size_t>(between(0, 200)));
+  if (int_between(0, 3) == 0) text.resize(static_cast<std::size_t>(int_between(0, 200)));
   std::istringstream in(text);
   const auto motion = read_recorded_motion(in, "any.csv");
   if (motion.is_ok()) {

@@ -11,23 +11,19 @@
 
 #include "devices/hand/recorded_hand.h"
 #include "server/constraint/painted/subpixel_wall.h"
+#include "tests/property/draws.h"
 #include "tests/support/wall_samples.h"
 
 namespace handrail {
 namespace {
 
-constexpr double kPixel = 1e-4;
+using test::between;
+using test::within_square;
+
+constexpr double kMapPixel = 1e-4;
 constexpr int kSide = 240;         // of the map [pixels]
 constexpr double kRoom = 0.014;    // the hand stays this near the map's middle [m]
 constexpr double kFastest = 5e-3;  // a tick of 1 ms at 5 m/s [m]
-
-double between(double low, double high) {
-  constexpr int kSteps = 1'000'000;
-  const int i = *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(0, kSteps + 1));
-  return low + (high - low) * i / kSteps;
-}
-
-Vec2 within(double size) { return {between(-size, size), between(-size, size)}; }
 
 // About nine samples a second, uneven, with rests and now and then a gap, as pointers record. Of a
 // seed, so that a long recording costs rapidcheck one number.
@@ -70,23 +66,25 @@ RC_GTEST_PROP(RecordedWallProperty, NoRecordedHandTakesTheProxyOutOfTheFarFace, 
   const RecordedMotion recording = any_recording();
   const double step = kFastest * std::pow(10.0, between(-1.5, 0.0));
   const std::vector<Vec2> hand = played(recording, step);
-  const double thickness = between(1.0, 4.0) * kPixel;
+  const double thickness = between(1.0, 4.0) * kMapPixel;
   const bool ring = *rc::gen::arbitrary<bool>();
   const double angle = between(0.0, 2.0 * std::numbers::pi), r = between(2e-3, 9e-3);
-  const Vec2 off = within(5e-3), n(-std::sin(angle), std::cos(angle));
+  const Vec2 off = within_square(5e-3), n(-std::sin(angle), std::cos(angle));
   const auto above = [&](const Vec2& p) { return ring ? (p - off).norm() - r : (p - off).dot(n); };
   RC_PRE(std::abs(above(hand[0])) > thickness);
   // From the wall's middle toward the side where the hand begins.
   const double sign = above(hand[0]) > 0.0 ? 1.0 : -1.0;
 
-  test::WallPainter painter(kSide, kSide, kPixel);
+  test::WallPainter painter(kSide, kSide, kMapPixel);
   if (ring) {
     painter.wall_disc(off, r + 0.5 * thickness).open_disc(off, r - 0.5 * thickness);
   } else {
     painter.wall(test::rectangle(off, 1.0, thickness, angle));
   }
-  const double edge = 0.5 * kSide * kPixel;
-  const auto on_map = [&](const Vec2& p) { return p.cwiseAbs().maxCoeff() < edge - 2.0 * kPixel; };
+  const double edge = 0.5 * kSide * kMapPixel;
+  const auto on_map = [&](const Vec2& p) {
+    return p.cwiseAbs().maxCoeff() < edge - 2.0 * kMapPixel;
+  };
   RC_PRE(on_map(hand[0]));
   // As an editor exports it, or exactly.
   const int levels = *rc::gen::arbitrary<bool>() ? 256 : 0;
@@ -96,8 +94,8 @@ RC_GTEST_PROP(RecordedWallProperty, NoRecordedHandTakesTheProxyOutOfTheFarFace, 
   bool crossed = false;
   for (const Vec2& p : hand) {
     const WallContact contact = proxy->advance(p);
-    RC_ASSERT(sign * above(contact.proxy) > -0.5 * kPixel);
-    RC_ASSERT(contact.proxy.cwiseAbs().maxCoeff() < edge + 0.5 * kPixel);
+    RC_ASSERT(sign * above(contact.proxy) > -0.5 * kMapPixel);
+    RC_ASSERT(contact.proxy.cwiseAbs().maxCoeff() < edge + 0.5 * kMapPixel);
     crossed |= sign * above(p) < -0.5 * thickness;
   }
   RC_CLASSIFY(crossed, "the hand went through the wall");

@@ -7,22 +7,17 @@
 #include <numbers>
 
 #include "server/constraint/painted/subpixel_wall.h"
+#include "tests/property/draws.h"
 #include "tests/support/wall_samples.h"
 
 namespace handrail {
 namespace {
 
+using test::below;
+using test::between;
+using test::within_square;
+
 constexpr double kPixel = 1e-4;
-
-// Below `n`, at full size: the default starts with the low ends of all ranges.
-int below(int n) { return *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(0, n)); }
-
-double between(double low, double high) {
-  constexpr int kSteps = 1'000'000;
-  return low + (high - low) * below(kSteps + 1) / kSteps;
-}
-
-Vec2 within(double size) { return {between(-size, size), between(-size, size)}; }
 
 Vec2 unit(double angle) { return {std::cos(angle), std::sin(angle)}; }
 
@@ -43,7 +38,7 @@ struct Hand {
   double speed, room;
 
   const Vec2& next() {
-    if (below(10) == 0) v = within(speed);
+    if (below(10) == 0) v = within_square(speed);
     p = (p + v).cwiseMax(Vec2(-room, -room)).cwiseMin(Vec2(room, room));
     return p;
   }
@@ -54,7 +49,7 @@ RC_GTEST_PROP(SubpixelProperty, NoMotionTakesTheProxyThroughAWallOfOnePixel, ())
   const double speed = std::pow(10.0, between(-4.5, std::log10(5e-3)));  // [m a tick]
   const int kind = below(3);  // a straight wall from border to border, a ring, a fence with corners
   const double angle = between(0.0, 2.0 * std::numbers::pi), r = between(2e-3, 8e-3);
-  const Vec2 off = within(1e-3), n = unit(angle + 0.5 * std::numbers::pi);
+  const Vec2 off = within_square(1e-3), n = unit(angle + 0.5 * std::numbers::pi);
   const int corners = 3 + below(3);
   test::WallPainter painter(240, 240, kPixel);
   const auto fence = [&](double reach) {
@@ -116,7 +111,7 @@ Vec2 nearest_in(const test::Polygon& room, const Vec2& p) {
 RC_GTEST_PROP(SubpixelProperty, InAConvexRoomTheProxyIsWhereTheNearestFreePointIs, ()) {
   // There that is the only local minimum, whatever the path: no other is made by pixels. Corners of
   // down to 30 deg are round by half a pixel.
-  const test::Polygon room = room_of(3 + below(4), within(3e-4), between(4e-3, 1e-2));
+  const test::Polygon room = room_of(3 + below(4), within_square(3e-4), between(4e-3, 1e-2));
   const double depth = below(2) == 0 ? 1e-4 : 1e-3;
   const Walls walls = test::WallPainter(240, 240, kPixel, false).open(room).finish();
   const auto proxy = make_subpixel_proxy(walls);
@@ -136,7 +131,7 @@ RC_GTEST_PROP(SubpixelProperty, InAConvexRoomTheProxyIsWhereTheNearestFreePointI
 RC_GTEST_PROP(SubpixelProperty, AHandPassingAWallsTipTakesTheProxyRoundIt, ()) {
   const double thickness = between(1.0, 6.0) * kPixel, angle = between(0.0, 2.0 * std::numbers::pi);
   const double depth = between(0.5, 3.0) * thickness;
-  const Vec2 t = unit(angle), n = unit(angle + 0.5 * std::numbers::pi), off = within(kPixel);
+  const Vec2 t = unit(angle), n = unit(angle + 0.5 * std::numbers::pi), off = within_square(kPixel);
   const Walls walls = test::WallPainter(240, 240, kPixel)
                           .wall(test::rectangle(off - 4e-3 * t, 8e-3, thickness, angle))
                           .finish(off + 2e-3 * n);
@@ -169,7 +164,7 @@ RC_GTEST_PROP(SubpixelProperty, AWaitingHandsProxyComesToRestAndNeverGoesAway, (
   const auto proxy = make_subpixel_proxy(walls);
   proxy->start(walls.start);
   for (int jump = 0; jump < 10; ++jump) {
-    const Vec2 hand = within(0.013);
+    const Vec2 hand = within_square(0.013);
     WallContact contact = proxy->advance(hand);
     double distance = (contact.proxy - hand).norm();
     for (int i = 0; i < 60; ++i) {
@@ -188,7 +183,7 @@ RC_GTEST_PROP(SubpixelProperty, AWaitingHandsProxyComesToRestAndNeverGoesAway, (
 RC_GTEST_PROP(SubpixelProperty, AwayFromCornersASmallStepOfTheHandIsASmallStepOfTheProxy, ()) {
   // Behind a wall that is convex with radius r, at depth r/2, the proxy goes twice as far.
   const double r = between(2e-3, 8e-3);
-  const Vec2 c = within(1e-4);
+  const Vec2 c = within_square(1e-4);
   const Walls walls = test::WallPainter(240, 240, kPixel).wall_disc(c, r).finish({0.0, 0.011});
   const auto proxy = make_subpixel_proxy(walls);
   proxy->start({0.0, 0.011});
@@ -197,7 +192,7 @@ RC_GTEST_PROP(SubpixelProperty, AwayFromCornersASmallStepOfTheHandIsASmallStepOf
   proxy->start(c + (r + 2e-4) * unit(a));
   WallContact contact = proxy->advance(hand);
   for (int i = 0; i < 50; ++i) {
-    const Vec2 before = contact.proxy, step = within(2e-5);
+    const Vec2 before = contact.proxy, step = within_square(2e-5);
     if ((hand + step - c).norm() < 0.5 * r) continue;
     hand += step;
     contact = proxy->advance(hand);
@@ -208,7 +203,7 @@ RC_GTEST_PROP(SubpixelProperty, AwayFromCornersASmallStepOfTheHandIsASmallStepOf
 RC_GTEST_PROP(SubpixelProperty, MapAndHandTurnedTogetherGiveTheSameProxyTurned, ()) {
   // The same room, its walls at another angle to the pixels.
   const double angle = between(0.0, 2.0 * std::numbers::pi);
-  const Vec2 shift = within(3e-4);
+  const Vec2 shift = within_square(3e-4);
   const auto room = [](double by, const Vec2& at) {
     return test::WallPainter(260, 260, kPixel, false)
         .open(test::rectangle(at, 1.2e-2, 8e-3, by))

@@ -9,22 +9,18 @@
 
 #include "devices/hand/recorded_hand_io.h"
 #include "server/haptic/wall_proxies.h"
+#include "tests/property/draws.h"
 #include "tests/unit/constraint_drawn/shape_samples.h"
 
 namespace handrail {
 namespace {
 
+using test::between;
+using test::within_square;
+
 using namespace test;
 
 constexpr double kRounding = 1e-9;  // [m]
-
-double between(double low, double high) {
-  constexpr int kSteps = 1'000'000;
-  const int i = *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(0, kSteps + 1));
-  return low + (high - low) * i / kSteps;
-}
-
-Vec2 within(double size) { return {between(-size, size), between(-size, size)}; }
 
 // Of a seed, so that long motions cost rapidcheck one number.
 class Motion {
@@ -33,7 +29,7 @@ class Motion {
   double between(double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random_);
   }
-  Vec2 within(double size) { return {between(-size, size), between(-size, size)}; }
+  Vec2 within_square(double size) { return {between(-size, size), between(-size, size)}; }
 
  private:
   std::mt19937_64 random_;
@@ -43,7 +39,7 @@ std::vector<WallShape> any_shapes() {
   std::vector<WallShape> shapes;
   const int count = static_cast<int>(between(1.0, 7.0));
   for (int i = 0; i < count; ++i) {
-    const Vec2 c = within(0.04);
+    const Vec2 c = within_square(0.04);
     const double kind = between(0.0, 3.0), from = between(-7.0, 7.0);
     if (kind < 1.0) {
       shapes.push_back(box(c, {between(1e-3, 0.04), between(1e-3, 0.02)}, from));
@@ -71,7 +67,7 @@ RC_GTEST_PROP(WallProperty, TheProxyIsAlwaysInTheSetAndAtALocalMinimum, ()) {
   Motion motion;
   Vec2 hand = walls.start;
   for (int i = 0; i < 30; ++i) {
-    hand = i % 5 == 0 ? motion.within(0.08) : Vec2(hand + motion.within(2e-3));
+    hand = i % 5 == 0 ? motion.within_square(0.08) : Vec2(hand + motion.within_square(2e-3));
     const WallContact contact = settle(*proxy, hand);
     RC_ASSERT(holds(walls, contact.proxy, kRounding));
     if (contact.touching) {
@@ -88,7 +84,7 @@ RC_GTEST_PROP(WallProperty, AWaitingHandNeverGetsAFartherProxy, ()) {
   const Walls walls = *rc::gen::arbitrary<bool>() ? stairs(100) : drawn(any_shapes());
   const auto proxy = make_wall_proxy(walls);
   proxy->start(walls.start);
-  const Vec2 hand = Vec2(0.1, 0.0) + within(0.3);
+  const Vec2 hand = Vec2(0.1, 0.0) + within_square(0.3);
   double distance = (proxy->advance(hand).proxy - hand).norm();
   for (int i = 0; i < 20; ++i) {
     const double now = (proxy->advance(hand).proxy - hand).norm();
@@ -121,7 +117,7 @@ RC_GTEST_PROP(WallProperty, AwayFromMedialAxesTheProxyIsTheNearestPointAndMovesA
   Motion motion;
   Vec2 hand(0, 0), last = proxy->start(hand);
   for (int i = 0; i < 2000; ++i) {
-    const Vec2 next = hand + motion.within(1e-3) + Vec2(1e-4 * std::sin(1e-2 * i), 0);
+    const Vec2 next = hand + motion.within_square(1e-3) + Vec2(1e-4 * std::sin(1e-2 * i), 0);
     if ((nearest_in_crossing(next, r) - next).norm() > 0.5 * r) continue;
     const Vec2 p = proxy->advance(next).proxy;
     RC_ASSERT((p - nearest_in_crossing(next, r)).norm() < kRounding);
@@ -133,7 +129,7 @@ RC_GTEST_PROP(WallProperty, AwayFromMedialAxesTheProxyIsTheNearestPointAndMovesA
 
 RC_GTEST_PROP(WallProperty, TurningMapAndHandTogetherChangesNothing, ()) {
   const std::vector<WallShape> shapes = any_shapes();
-  const Pose2 turn{within(0.1), between(-3.2, 3.2)};
+  const Pose2 turn{within_square(0.1), between(-3.2, 3.2)};
   std::vector<WallShape> turned = shapes;
   for (WallShape& shape : turned) {
     shape.centre = turn.to_world(shape.centre);
@@ -149,7 +145,7 @@ RC_GTEST_PROP(WallProperty, TurningMapAndHandTogetherChangesNothing, ()) {
   Motion motion;
   Vec2 hand = a.start;
   for (int i = 0; i < 100; ++i) {
-    hand = i % 10 == 0 ? motion.within(0.08) : Vec2(hand + motion.within(2e-3));
+    hand = i % 10 == 0 ? motion.within_square(0.08) : Vec2(hand + motion.within_square(2e-3));
     const WallContact u = settle(*one, hand), v = settle(*other, turn.to_world(hand));
     // A fillet between borders that nearly touch already has a place of its own only to 1e-8 m.
     RC_ASSERT((turn.to_world(u.proxy) - v.proxy).norm() < (fillet > 0.0 ? 1e-8 : kRounding));
@@ -193,7 +189,7 @@ RC_GTEST_PROP(WallProperty, AJumpingHandNeverTakesTheProxyOutOfTheFarFace, ()) {
   Vec2 hand = walls.start;
   for (int i = 0; i < 500; ++i) {
     // 5 m/s at 1 kHz are 5 mm a tick, any way; at times slower.
-    hand += motion.within(i % 3 == 0 ? 5e-4 : 5e-3);
+    hand += motion.within_square(i % 3 == 0 ? 5e-4 : 5e-3);
     if (hand.norm() > 0.08) hand = walls.start;
     const Vec2 p = proxy->advance(hand).proxy;
     RC_ASSERT(thin.contains(lane, p));
@@ -211,7 +207,7 @@ RC_GTEST_PROP(WallProperty, ARecordedHandNeverTakesTheProxyOutOfTheFarFace, ()) 
   for (int i = 0; i < 12; ++i) {
     csv << t << ',' << at.x() << ',' << at.y() << '\n';
     t += motion.between(0.1, 0.13);
-    if (motion.between(0, 1) < 0.8) at = motion.within(60.0);
+    if (motion.between(0, 1) < 0.8) at = motion.within_square(60.0);
   }
   std::istringstream in(csv.str());
   const auto recorded = read_recorded_motion(in, "generated.csv");

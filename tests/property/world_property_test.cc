@@ -11,22 +11,17 @@
 #include "devices/rig/world/cylinder.h"
 #include "devices/rig/world/plane.h"
 #include "devices/rig/world/world.h"
+#include "tests/property/draws.h"
 #include "tests/unit/rig/probe.h"
 
 namespace handrail {
 namespace {
 
-using test::Probe;
+using test::below;
+using test::between;
+using test::within;
 
-// Below `n`, at full size: the default starts with the low ends of all ranges.
-int below(int n) { return *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(0, n)); }
-double between(double low, double high) {
-  constexpr int kSteps = 1'000'000;
-  return low + (high - low) * below(kSteps + 1) / kSteps;
-}
-Vec3 within(double size) {
-  return {between(-size, size), between(-size, size), between(-size, size)};
-}
+using test::Probe;
 
 SurfaceSpec any_surface() {
   const double damping = below(2) == 0 ? 0.0 : std::pow(10.0, between(0, 6));

@@ -12,7 +12,7 @@
 namespace handrail::storm {
 namespace {
 
-constexpr Nanos kPatience = 20 * kSecond;  // for a program to start or end on a busy machine
+constexpr Nanos kStartPatience = 20 * kSecond;  // for a program to start or end on a busy machine
 
 // A fast hand with little smoothing.
 std::string scene() {
@@ -41,7 +41,7 @@ Status Cell::start(Who who) {
                                     std::vector<std::string>{"--config", file}, output, true,
                                     Streams{.error = logs_[static_cast<std::size_t>(who)]});
   p.paused = false;
-  const Nanos give_up = monotonic_now() + kPatience;
+  const Nanos give_up = monotonic_now() + kStartPatience;
   for (std::string rest; !p.child->printed("READY", rest);) {
     if (!p.child->running() || monotonic_now() > give_up) {
       return Status::error(std::string(name(who)) + " does not start: " + p.child->output());
@@ -96,7 +96,7 @@ void Cell::resume(Who who) {
 }
 
 int Cell::wait_for_end(Who who) {
-  const Nanos give_up = monotonic_now() + kPatience;
+  const Nanos give_up = monotonic_now() + kStartPatience;
   while (running(who)) {
     if (monotonic_now() > give_up) send(who, SIGKILL);
     sleep_until(monotonic_now() + kMillisecond);

@@ -27,10 +27,10 @@
 namespace handrail::storm {
 namespace {
 
-constexpr Nanos kWindow = 10 * kSecond;        // 10 000 ticks, 1400 cycles: p99.9 is among them
+constexpr Nanos kCrowdWindow = 10 * kSecond;   // 10 000 ticks, 1400 cycles: p99.9 is among them
 constexpr Nanos kSettle = 2 * kSecond;         // until all of the crowd has come
 constexpr Nanos kPeriod = 200 * kMillisecond;  // of each client: 5000 acts a second
-constexpr Nanos kPatience = 20 * kSecond;
+constexpr Nanos kCrowdPatience = 20 * kSecond;
 constexpr char kSlowScene[] = "slow";
 // Above the daemons' IO threads, with 70, so that what is on the wire is not kept; and below them.
 constexpr int kWirePriority = 75, kOperatorPriority = 60;
@@ -133,7 +133,7 @@ class Window {
     for (int i = 0; i < stops; ++i) {
       if (Status s = drive_and_stop(); !s || interrupted_()) return s;
     }
-    while (monotonic_now() < begin + kWindow) {
+    while (monotonic_now() < begin + kCrowdWindow) {
       if (Status s = drive(); !s || interrupted_()) return s;
       if (!pause(kSecond)) return Status::ok();
     }
@@ -171,7 +171,7 @@ class Window {
                                     std::vector<std::string>{"scene", "load", kSlowScene, "--as",
                                                              "ada", "--socket", cell_.socket()},
                                     cell_.folder().path() + "/load.out", true);
-    if (disk_->holds(kPatience) == cell_.pid(Who::kMaster)) return Status::ok();
+    if (disk_->holds(kCrowdPatience) == cell_.pid(Who::kMaster)) return Status::ok();
     return Status::error("the master does not read the scene: " + load_->output());
   }
 
@@ -191,11 +191,11 @@ class Window {
     if (!google::protobuf::TextFormat::ParseFromString(text, &request)) {
       return Status::error("no order: " + text);
     }
-    return driver_->call(request, kPatience);
+    return driver_->call(request, kCrowdPatience);
   }
   // Again until it is done, since both sides take their time.
   Status order_done(const std::string& text) {
-    const Nanos give_up = monotonic_now() + kPatience;
+    const Nanos give_up = monotonic_now() + kCrowdPatience;
     for (;;) {
       const auto reply = order(text);
       if (!reply) return reply.status();
@@ -227,7 +227,7 @@ class Window {
     stop.set_stop(true);
     const Nanos since = monotonic_now();
     OperatorClient stopper(cell_.socket(), "eve");
-    const auto reply = stopper.call(stop, kPatience);
+    const auto reply = stopper.call(stop, kCrowdPatience);
     const Nanos answered = monotonic_now();
     if (!reply) return reply.status();
     if (!reply->done()) return Status::error("stop: " + reply->reason());

@@ -10,8 +10,8 @@ namespace {
 
 constexpr Nanos kWindow = 10 * kSecond;
 constexpr Nanos kShortest = 20 * kMillisecond, kLongest = 500 * kMillisecond;
-constexpr Nanos kPatience = 600 * kSecond;  // ten repeated moves, and a busy machine
-constexpr Who kPrograms[] = {Who::kRig, Who::kSlave, Who::kMaster};
+constexpr Nanos kDemoPatience = 600 * kSecond;  // ten repeated moves, and a busy machine
+constexpr Who kDemoPrograms[] = {Who::kRig, Who::kSlave, Who::kMaster};
 
 Nanos between(Random& random, Nanos low, Nanos high) {
   return low + static_cast<Nanos>(random.uniform() * static_cast<double>(high - low));
@@ -24,7 +24,7 @@ DemoOutcome run_demo(std::uint64_t seed, bool (*interrupted)()) {
   Sequence calm;
   calm.seed = seed;
   Cell cell(calm, true);
-  for (const Who who : kPrograms) {
+  for (const Who who : kDemoPrograms) {
     if (const Status started = cell.start(who); !started) {
       out.complete = true;
       out.problem = started.message();
@@ -39,9 +39,9 @@ DemoOutcome run_demo(std::uint64_t seed, bool (*interrupted)()) {
   while (demo.running()) {
     if (interrupted()) return out;
     const Nanos now = monotonic_now();
-    if (now - start > kPatience) break;
+    if (now - start > kDemoPatience) break;
     if (now >= next) {
-      const Who who = kPrograms[static_cast<std::size_t>(random.uniform() * 3.0) % 3];
+      const Who who = kDemoPrograms[static_cast<std::size_t>(random.uniform() * 3.0) % 3];
       cell.pause(who);
       sleep_until(now + between(random, kShortest, kLongest));
       cell.resume(who);
@@ -60,12 +60,13 @@ DemoOutcome run_demo(std::uint64_t seed, bool (*interrupted)()) {
   } else if (!demo.printed("largest orientation error", rest)) {
     out.problem = "the demo printed no table";
   }
-  for (const Who who : kPrograms) {
+  for (const Who who : kDemoPrograms) {
     if (!cell.running(who)) out.problem += std::string("; ") + name(who) + " does not run any more";
   }
   if (out.problem.empty()) return out;
   out.problem += "; it printed:\n" + demo.output();
-  for (const Who who : kPrograms) out.problem += std::string(name(who)) + ":\n" + cell.output(who);
+  for (const Who who : kDemoPrograms)
+    out.problem += std::string(name(who)) + ":\n" + cell.output(who);
   return out;
 }
 

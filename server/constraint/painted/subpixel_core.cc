@@ -10,14 +10,14 @@ constexpr double kCore = 0.45;  // a wall one pixel thin fills this much of some
 constexpr int kMargin = 2;      // of pixels around the tile
 constexpr int kAcross = 8 + 2 * kMargin;
 
-struct Pixel {
+struct CorePixel {
   bool core = false;
   bool deep = false;  // all wall around
   Vec2 at = Vec2::Zero();
 };
 
-Pixel pixel_at(const CoverageView& view, const PixelSet& explained, int x, int y) {
-  Pixel out;
+CorePixel pixel_at(const CoverageView& view, const PixelSet& explained, int x, int y) {
+  CorePixel out;
   out.core = view.wall(x, y) >= kCore && !explained.has(x, y);
   if (!out.core) return out;
   double sum = 0.0;
@@ -45,20 +45,20 @@ double CoreSegment::distance(const Vec2& p) const noexcept {
 
 void find_cores(const CoverageView& view, const PixelSet& explained, int x, int y,
                 std::vector<CoreSegment>& out) {
-  std::array<std::array<Pixel, kAcross>, kAcross> pixels;  // [x][y]
+  std::array<std::array<CorePixel, kAcross>, kAcross> pixels;  // [x][y]
   for (int i = 0; i < kAcross; ++i) {
     for (int j = 0; j < kAcross; ++j) {
       pixels[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] =
           pixel_at(view, explained, x - kMargin + i, y - kMargin + j);
     }
   }
-  const auto join = [&](const Pixel& a, const Pixel& b) {
+  const auto join = [&](const CorePixel& a, const CorePixel& b) {
     if (a.core && b.core && !(a.deep && b.deep)) out.push_back({a.at, b.at});
   };
   for (std::size_t i = 0; i + 1 < kAcross; ++i) {
     for (std::size_t j = 0; j + 1 < kAcross; ++j) {
-      const Pixel &here = pixels[i][j], &right = pixels[i + 1][j], &above = pixels[i][j + 1],
-                  &beyond = pixels[i + 1][j + 1];
+      const CorePixel &here = pixels[i][j], &right = pixels[i + 1][j], &above = pixels[i][j + 1],
+                      &beyond = pixels[i + 1][j + 1];
       join(here, right);
       join(here, above);
       // Across a corner only where nothing else leads there: an inner corner is not filled.

@@ -15,7 +15,6 @@ constexpr double kReach = 3.0;           // distances are kept to here
 constexpr double kFineReach = 1.5;       // ... in fine tiles
 constexpr double kDelicate = 3.3;        // tiles this near a delicate piece are fine
 constexpr double kUnit = 1.0 / 8192;     // of a sample [pixels]
-constexpr double kFull = 0.997;          // a pixel this much wall is all wall
 constexpr int kCoarse = 10, kFine = 34;  // samples along a tile, one beyond each edge
 constexpr int kAround = 4;               // fine samples looked at beyond those
 constexpr int kWide = kFine + 2 * kAround;

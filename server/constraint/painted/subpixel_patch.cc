@@ -8,12 +8,11 @@ namespace handrail {
 namespace {
 
 constexpr int kTile = 8;
-constexpr int kMargin = 8;  // of the window around the tile; more than kThin at 45 deg
-constexpr int kWindow = kTile + 2 * kMargin;
-constexpr int kBeside = 3;  // columns looked at to either side of the tile's
-constexpr int kColumns = kTile + 2 * kBeside;
+constexpr int kWindowMargin = 8;  // of the window around the tile; more than kThin at 45 deg
+constexpr int kWindow = kTile + 2 * kWindowMargin;
+constexpr int kColumnsBeside = 3;  // columns looked at to either side of the tile's
+constexpr int kColumns = kTile + 2 * kColumnsBeside;
 constexpr double kProminence = 0.3;     // coverage must change by this from free to wall
-constexpr double kFull = 0.997;         // a pixel this much wall is all wall
 constexpr int kShort = 3;               // pixels a crossing takes in a column not along it
 constexpr double kMatch = 1.5;          // heights of one surface in adjacent columns
 constexpr double kSteepest = 1.25;      // slopes beyond are for the other axis
@@ -306,18 +305,19 @@ void mend(std::array<Crossings, kColumns>& columns, std::size_t u) {
 void find_along(const Window& w, int x, int y, bool across, std::vector<SurfacePatch>& out,
                 std::vector<SurfaceEnd>& ends) {
   std::array<Crossings, kColumns> columns;
-  for (std::size_t u = 0; u < kColumns; ++u) find_crossings(w[u + kMargin - kBeside], columns[u]);
+  for (std::size_t u = 0; u < kColumns; ++u)
+    find_crossings(w[u + kWindowMargin - kColumnsBeside], columns[u]);
   for (std::size_t u = 1; u + 1 < kColumns; ++u) mend(columns, u);
-  for (std::size_t u = kBeside; u < kBeside + kTile; ++u) {
+  for (std::size_t u = kColumnsBeside; u < kColumnsBeside + kTile; ++u) {
     for (std::size_t i = 0; i < columns[u].count; ++i) {
       const Crossing& c = columns[u].items[i];
-      if (c.at < kMargin || c.at >= kMargin + kTile) continue;
-      if (!along(w, u + kMargin - kBeside, static_cast<std::size_t>(c.at))) continue;
+      if (c.at < kWindowMargin || c.at >= kWindowMargin + kTile) continue;
+      if (!along(w, u + kWindowMargin - kColumnsBeside, static_cast<std::size_t>(c.at))) continue;
       SurfacePatch p = patch_of(columns, u, c);
       if (std::abs(p.slope) > kSteepest) continue;
       p.across = across;
-      p.middle = (across ? y : x) + static_cast<double>(u - kBeside) + 0.5;
-      p.height += (across ? x : y) - kMargin;
+      p.middle = (across ? y : x) + static_cast<double>(u - kColumnsBeside) + 0.5;
+      p.height += (across ? x : y) - kWindowMargin;
       out.push_back(p);
       find_ends(columns, u, c, p, ends);
     }
@@ -355,8 +355,8 @@ void find_patches(const CoverageView& view, int x, int y, std::vector<SurfacePat
   Window columns, rows;  // [u][v]
   for (std::size_t v = 0; v < kWindow; ++v) {
     for (std::size_t u = 0; u < kWindow; ++u) {
-      const double w =
-          view.wall(x - kMargin + static_cast<int>(u), y - kMargin + static_cast<int>(v));
+      const double w = view.wall(x - kWindowMargin + static_cast<int>(u),
+                                 y - kWindowMargin + static_cast<int>(v));
       columns[u][v] = w;
       rows[v][u] = w;
     }

@@ -9,6 +9,8 @@
 
 namespace handrail {
 
+inline constexpr double kFull = 0.997;  // a pixel this much wall is all wall
+
 // Pixels of a map as the builder sees them: how much of each is wall, Y up from the lower left
 // corner; outside the map all is wall. Walls of regions in `gone` (bit = region) are free.
 class CoverageView {

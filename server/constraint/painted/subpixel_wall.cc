@@ -21,7 +21,7 @@ constexpr double kMiss = 0.3;          // a slide that ends further off the surf
 constexpr double kTurn = 0.5;          // ... and one that turns the normal further (cosine)
 constexpr double kLongStride = 1.0;    // through free space, at least
 constexpr double kShortStride = 0.25;  // ... where walls may be one pixel thin
-constexpr double kNook = 0.2;          // an inner corner bends more
+constexpr double kInnerCorner = 0.2;   // an inner corner bends more
 constexpr double kOff = 0.1;           // off the surface before it is tried
 constexpr double kHop = 2.0;           // out of it
 constexpr double kGain = 0.1;          // what makes leaving it worth while
@@ -251,7 +251,7 @@ class SubpixelWall final : public WallProxy {
   // The pixels of an inner corner can hold a proxy that the corner itself would not. At rest in a
   // tight one, tries from a little way out whether the hand can be come nearer to. True if so.
   bool escape() noexcept {
-    if (!fine_ || bend_ > -kNook || hand_ == stuck_) return false;
+    if (!fine_ || bend_ > -kInnerCorner || hand_ == stuck_) return false;
     const Rest rest{p_, n_, bend_, limit_};
     const double nearest = (hand_ - p_).squaredNorm();
     const Vec2 off = rest.p + kOff * rest.n;

@@ -14,13 +14,13 @@
 namespace handrail {
 namespace {
 
-constexpr Nanos kCycle = 7'100'000;  // of the robot's controller [ns]
-constexpr double kWay = 75.0 * kMm;  // of the tip [m]
-constexpr double kTime = 1.8;        // [s]
-constexpr int kCalls = 4;
+constexpr Nanos kCycle = 7'100'000;     // of the robot's controller [ns]
+constexpr double kTipWay = 75.0 * kMm;  // of the tip [m]
+constexpr double kTime = 1.8;           // [s]
+constexpr int kLinkCalls = 4;
 
 MasterState command_at(Nanos t) {
-  static const MinJerk move(VectorMotion(), Vec3(0.0, -kWay, 0.0), kTime);
+  static const MinJerk move(VectorMotion(), Vec3(0.0, -kTipWay, 0.0), kTime);
   MasterState state;
   state.X_SU.p = Vec3(0.35, 0.0375, 0.329) + move.at(to_seconds(t)).p;
   return state;
@@ -74,9 +74,9 @@ AccuracyRows link_rows(const std::atomic<bool>& cancelled) {
   Contest contest;
   contest.add([] {},
               [&] {
-                for (int i = 0; i < kCalls; ++i) keep(exchange.run());
+                for (int i = 0; i < kLinkCalls; ++i) keep(exchange.run());
               },
-              kCalls);
+              kLinkCalls);
   contest.run(40, 128, cancelled);
   const Contest::Time time = contest.time(0);
   AccuracyRows rows;

@@ -14,13 +14,13 @@
 namespace handrail {
 namespace {
 
-constexpr double kDuration = 0.4;  // [s]
-constexpr double kWatch = 1e-4;    // force and position are compared this often [s]
-constexpr Motion1 kStart{-10.0 * kMm, 0.15};
-constexpr int kCalls = 8;
+constexpr double kRateDuration = 0.4;  // [s]
+constexpr double kRateWatch = 1e-4;    // force and position are compared this often [s]
+constexpr Motion1 kRateStart{-10.0 * kMm, 0.15};
+constexpr int kRateCalls = 8;
 
 // The joystick in a firm hand, which means to be 10 mm behind a wall of 5 N/mm.
-ContactModel contact() {
+ContactModel rate_contact() {
   ContactModel out;
   const HandOptions hand = joystick_grip();
   out.mass = hand.mass + kJoystickMass;
@@ -38,7 +38,7 @@ Scene wall_scene() {
   walls->method = WallMethod::kExact;
   walls->regions.resize(2);
   walls->regions[1].kind = RegionKind::kWall;
-  walls->regions[1].stiffness = contact().wall;
+  walls->regions[1].stiffness = rate_contact().wall;
   walls->outside = 1;
   WallShape room;
   room.centre = Vec2(-50.0, 0.0) * kMm;
@@ -65,14 +65,14 @@ class Loop {
     ErrorSum force, penetration;
   };
   Errors errors(const ExactContact& exact) {
-    const ContactModel model = contact();
+    const ContactModel model = rate_contact();
     Errors out;
-    Motion1 at = kStart;
+    Motion1 at = kRateStart;
     double force = 0.0, last = 0.0;
     int tick = -1;
-    const int ticks_watched = static_cast<int>(std::lround(kDuration / kWatch));
+    const int ticks_watched = static_cast<int>(std::lround(kRateDuration / kRateWatch));
     for (int i = 0; i < ticks_watched; ++i) {
-      const double t = i * kWatch;
+      const double t = i * kRateWatch;
       // Every tick due by now, each from the hand where it then is.
       while ((tick + 1) * period_ <= t + 1e-12) {
         ++tick;
@@ -111,9 +111,9 @@ class Loop {
 }  // namespace
 
 AccuracyRows rate_rows(const std::atomic<bool>& cancelled) {
-  const ExactContact exact(contact(), kStart, kDuration);
+  const ExactContact exact(rate_contact(), kRateStart, kRateDuration);
   std::vector<Motion1> hands;
-  for (int i = 0; i < 400; ++i) hands.push_back(exact.at(i * kDuration / 400.0));
+  for (int i = 0; i < 400; ++i) hands.push_back(exact.at(i * kRateDuration / 400.0));
   const std::vector<double> rates = {250, 500, 1000, 2000, 4000, 5000, 10000};
   AccuracyRows rows;
   std::vector<std::unique_ptr<Loop>> loops;
@@ -133,12 +133,12 @@ AccuracyRows rate_rows(const std::atomic<bool>& cancelled) {
     rows.push_back(row);
     contest.add([] {},
                 [loop = loops.back().get(), &hands, &place = places[i]] {
-                  for (int k = 0; k < kCalls; ++k) {
+                  for (int k = 0; k < kRateCalls; ++k) {
                     place = (place + 1) % hands.size();
                     keep(loop->step(hands[place]));
                   }
                 },
-                kCalls);
+                kRateCalls);
   }
   contest.run(40, 128, cancelled);
   for (std::size_t i = 0; i < rows.size(); ++i) {

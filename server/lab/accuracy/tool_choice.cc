@@ -14,7 +14,7 @@ namespace handrail {
 namespace {
 
 constexpr int kTicks = 4096;
-constexpr int kCalls = 8;
+constexpr int kToolCalls = 8;
 
 // A line and a plane across the axes, both ways.
 std::array<ToolDefinition, 2> tools() {
@@ -79,12 +79,12 @@ AccuracyRows tool_rows(const std::atomic<bool>& cancelled) {
     rows.push_back(row);
     contest.add([] {},
                 [r = runner.get(), &hands] {
-                  for (int i = 0; i < kCalls; ++i) {
+                  for (int i = 0; i < kToolCalls; ++i) {
                     r->tick = (r->tick + 1) % kTicks;
                     keep(r->tool[0].advance(hands[static_cast<std::size_t>(r->tick)]));
                   }
                 },
-                kCalls);
+                kToolCalls);
     runners.push_back(std::move(runner));
   };
   for (const double mm : {1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001}) {

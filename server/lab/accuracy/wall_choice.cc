@@ -15,12 +15,12 @@ namespace {
 
 constexpr int kTurns = 40;
 constexpr int kBatches = 128;
-constexpr int kCalls = 8;
+constexpr int kWallCalls = 8;
 constexpr int kSettle = 20;          // ticks from free space to the course
 constexpr double kBehind = 0.05e-3;  // a proxy this far from the exact one is said to be behind [m]
 
 // One setting on its way along the courses.
-struct Runner {
+struct WallRunner {
   Walls walls;
   std::unique_ptr<WallProxy> proxy;
   std::size_t course = 0;
@@ -47,7 +47,7 @@ struct Errors {
   ErrorSum proxy;    // from the exact proxy [m]
 };
 
-Errors errors_of(Runner& runner) {
+Errors errors_of(WallRunner& runner) {
   Errors sum;
   for (std::size_t k = 0; k < wall_courses().size(); ++k) {
     runner.set_out(k);
@@ -100,12 +100,12 @@ std::string describe(const WallSetting& s) {
 AccuracyRows wall_rows(const std::vector<WallSetting>& settings,
                        const std::atomic<bool>& cancelled) {
   std::map<double, Walls> paintings;
-  std::vector<std::unique_ptr<Runner>> runners;
+  std::vector<std::unique_ptr<WallRunner>> runners;
   AccuracyRows rows;
   Contest contest;
   for (const WallSetting& setting : settings) {
     if (cancelled) return {};
-    auto runner = std::make_unique<Runner>();
+    auto runner = std::make_unique<WallRunner>();
     if (setting.method == WallMethod::kExact) {
       runner->walls = course_shapes();
     } else {
@@ -131,9 +131,9 @@ AccuracyRows wall_rows(const std::vector<WallSetting>& settings,
     rows.push_back(row);
     contest.add([r = runner.get()] { r->set_out(r->course + 1); },
                 [r = runner.get()] {
-                  for (int i = 0; i < kCalls; ++i) keep(r->tick());
+                  for (int i = 0; i < kWallCalls; ++i) keep(r->tick());
                 },
-                kCalls);
+                kWallCalls);
     runners.push_back(std::move(runner));
   }
   contest.run(kTurns, kBatches, cancelled);

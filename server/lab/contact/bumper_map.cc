@@ -80,13 +80,13 @@ BumperCell push_all(const BumperMapOptions& options, const BumperCase& of) {
 }
 
 // What a map came to at one friction.
-struct Summary {
+struct MapSummary {
   int cells = 0, in = 0, swing = 0, peak = 0, held = 0, hop = 0;
   double inward = 0.0, most_swing = 0.0, over = 0.0, most = 0.0;
   double least_share = 1e9, median_share = 0.0;
   double onset = 0.0;  // softest surface that swings [N/m]; 0: none
 
-  Summary(const BumperMap& map, double friction) {
+  MapSummary(const BumperMap& map, double friction) {
     std::vector<double> shares;
     for (const BumperCell& cell : map.cells) {
       if (cell.of.friction != friction) continue;
@@ -138,7 +138,7 @@ std::string bumper_json(const std::vector<BumperMap>& maps) {
         &map == maps.data() ? "" : ",", arm_of(map), published ? "published" : "default",
         map.options.promise, map.options.noise);
     for (const double friction : kFrictions) {
-      const Summary s(map, friction);
+      const MapSummary s(map, friction);
       out += fmt::format(
           "{}\n  {{\"friction\": {:g}, \"cells\": {}, \"inward\": {}, \"swinging\": {}, "
           "\"over_bound\": {}, \"not_released\": {}, \"hopping\": {}, \"worst_inward_mm\": {:.6g}, "
@@ -170,7 +170,7 @@ std::string bumper_table(const std::vector<BumperMap>& maps) {
                                 "onset", "over the bound", "speed", "not free", "hops");
   for (const BumperMap& map : maps) {
     for (const double friction : kFrictions) {
-      const Summary s(map, friction);
+      const MapSummary s(map, friction);
       out += fmt::format(
           "  {:<6}{:<15}{:>8g}{:>7}{:>16}{:>16}{:>10}{:>16}{:>10}{:>9}{:>6}\n", arm_of(map),
           name_of(map.options), friction, s.cells, fmt::format("{} ({:.3g})", s.in, s.inward / kMm),

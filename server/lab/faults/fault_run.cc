@@ -65,12 +65,6 @@ AuditLimits audit_limits() {
   return limits;
 }
 
-HapticOrder order_of(OrderKind kind) {
-  HapticOrder order;
-  order.kind = kind;
-  return order;
-}
-
 }  // namespace
 
 void find(FaultOutcome& outcome, std::uint64_t count, const char* what) {

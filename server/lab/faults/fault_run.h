@@ -13,6 +13,12 @@
 
 namespace handrail {
 
+inline HapticOrder order_of(OrderKind kind) {
+  HapticOrder order;
+  order.kind = kind;
+  return order;
+}
+
 // What a run has come to. `worst` and `bound` are in the row's unit and mean something if
 // `measured`; violations count whatever the auditor and the row's own judge found.
 struct FaultOutcome {

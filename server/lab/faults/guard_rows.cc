@@ -10,7 +10,7 @@
 namespace handrail::rows {
 namespace {
 
-constexpr Nanos kCycle = 7'100 * kMicrosecond;
+constexpr Nanos kGuardCycle = 7'100 * kMicrosecond;
 constexpr int kSequences = 50'000;
 constexpr int kCommands = 20;
 
@@ -101,7 +101,7 @@ FaultOutcome x2a(const RowRun& row) {
       judged.high = tip + Vec3::Constant(kHalfBox);
     }
     const GuardLimits limits(judged.joints, judged.arm, {judged.low, judged.high},
-                             to_seconds(kCycle));
+                             to_seconds(kGuardCycle));
     JointAudit audit(judged);
     audit.commanded(state.q, breaches);
     HostileCommands commands(limits, random);

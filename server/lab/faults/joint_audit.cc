@@ -8,7 +8,7 @@
 namespace handrail {
 namespace {
 
-constexpr double kRounding = 1e-9;       // of a limit
+constexpr double kJointRounding = 1e-9;  // of a limit
 constexpr double kStandingStep = 1e-12;  // a smaller step is none [rad]
 
 void add(BreachCounts& breaches, Breach kind) { ++breaches[static_cast<std::size_t>(kind)]; }
@@ -61,13 +61,13 @@ bool JointAudit::commanded(const JointVector& q, BreachCounts& breaches) noexcep
   speed_ = std::max(speed_, v);
   acceleration_ = std::max(acceleration_, a);
   jerk_ = std::max(jerk_, j);
-  if (v > 1.0 + kRounding) add(breaches, Breach::kSpeed);
-  if (a > 1.0 + kRounding) add(breaches, Breach::kAcceleration);
-  if (j > 1.0 + kRounding) add(breaches, Breach::kJerk);
+  if (v > 1.0 + kJointRounding) add(breaches, Breach::kSpeed);
+  if (a > 1.0 + kJointRounding) add(breaches, Breach::kAcceleration);
+  if (j > 1.0 + kJointRounding) add(breaches, Breach::kJerk);
   const double inside = std::min((q - joints.lower).minCoeff(), (joints.upper - q).minCoeff());
-  if (inside < -kRounding) add(breaches, Breach::kRange);
+  if (inside < -kJointRounding) add(breaches, Breach::kRange);
   const double room = std::min((tip_ - limits_.low).minCoeff(), (limits_.high - tip_).minCoeff());
-  if (room < -kRounding) add(breaches, Breach::kWorkspace);
+  if (room < -kJointRounding) add(breaches, Breach::kWorkspace);
   return true;
 }
 

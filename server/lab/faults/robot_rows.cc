@@ -20,12 +20,6 @@ FaultOptions robot_options(const RowRun& row, std::size_t levels) {
   return options;
 }
 
-HapticOrder order_of(OrderKind kind) {
-  HapticOrder order;
-  order.kind = kind;
-  return order;
-}
-
 // What the controller accepted, as a share of what it may be asked.
 FaultOutcome judge_controller(FaultRun& run) {
   FaultOutcome out = run.outcome();

@@ -8,12 +8,6 @@
 namespace handrail::rows {
 namespace {
 
-HapticOrder order_of(OrderKind kind) {
-  HapticOrder order;
-  order.kind = kind;
-  return order;
-}
-
 ToolCall point_at(const Vec3& p_SA) {
   ToolCall call;
   call.kind = ToolKind::kPoint;

@@ -11,7 +11,7 @@
 namespace handrail {
 namespace {
 
-constexpr int kTurns = 10, kBatches = 3;
+constexpr int kRigTurns = 10, kRigBatches = 3;
 
 // What a rig without effect `i` would run; a thread goes with its socket.
 Scene without(const Scene& scene, std::size_t i) {
@@ -62,7 +62,7 @@ Result<RigPrice> price_of_rig(const Scene& scene, const std::atomic<bool>& cance
   };
   add(scene);
   for (const RigWithout& rig : rigs) add(rig.scene);
-  contest.run(kTurns, kBatches, cancelled);
+  contest.run(kRigTurns, kRigBatches, cancelled);
   RigPrice out;
   if (cancelled) return out;
   out.step_ns = contest.time(0).median;

@@ -12,13 +12,13 @@
 namespace handrail {
 namespace {
 
-constexpr double kTick = 1e-3;    // [s]
-constexpr double kWander = 8.0;   // [s]
-constexpr double kMargin = 5e-3;  // beyond drawn shapes [m]
+constexpr double kWallTick = 1e-3;  // [s]
+constexpr double kWander = 8.0;     // [s]
+constexpr double kMargin = 5e-3;    // beyond drawn shapes [m]
 // A price depends by some nanoseconds on where in memory things happen to lie: the median over
 // several builds.
 constexpr int kRounds = 7;
-constexpr int kTurns = 60, kBatches = 64, kCalls = 16;
+constexpr int kWallTurns = 60, kWallBatches = 64, kWallCalls = 16;
 
 // The hand of the first stage at `t`, frame M.
 Vec2 target_at(const Scene& scene, const View& view, double t) {
@@ -38,10 +38,10 @@ class Stepper {
   Stepper(const Scene& scene, const std::vector<HandReading>& hands)
       : hands_(hands), run_(make_wall_run(scene, joystick_capabilities())) {}
   void batch() {
-    for (int i = 0; i < kCalls; ++i) {
+    for (int i = 0; i < kWallCalls; ++i) {
       in_.hand = hands_[next_];
       next_ = (next_ + 1) % hands_.size();
-      wall_step(run_->settings, in_, kTick, run_->state, out_);
+      wall_step(run_->settings, in_, kWallTick, run_->state, out_);
     }
     keep(out_);
   }
@@ -63,7 +63,7 @@ class Stick {
   }
   void batch() {
     Wrench wrench;
-    for (int i = 0; i < kCalls; ++i) {
+    for (int i = 0; i < kWallCalls; ++i) {
       const Vec3& p = hands_[next_].X_MH.p;
       next_ = (next_ + 1) % hands_.size();
       device_.follow(Vec2(p.x(), p.y()), Vec2::Zero());
@@ -87,7 +87,7 @@ std::vector<PricedEffect> price_once(const Scene& scene, const std::vector<HandR
                                      const std::atomic<bool>& cancelled) {
   Contest steps, sticks;
   const auto enter = [&hands](Contest& contest, auto entrant) {
-    contest.add([] {}, [entrant] { entrant->batch(); }, kCalls);
+    contest.add([] {}, [entrant] { entrant->batch(); }, kWallCalls);
   };
   enter(steps, std::make_shared<Stepper>(scene, hands));
   enter(sticks, std::make_shared<Stick>(scene, hands));
@@ -107,8 +107,8 @@ std::vector<PricedEffect> price_once(const Scene& scene, const std::vector<HandR
     place.push_back(effect.on_rig ? stick_count++ : step_count++);
     out.push_back(effect);
   }
-  if (step_count > 1) steps.run(kTurns, kBatches, cancelled);
-  if (stick_count > 1) sticks.run(kTurns, kBatches, cancelled);
+  if (step_count > 1) steps.run(kWallTurns, kWallBatches, cancelled);
+  if (stick_count > 1) sticks.run(kWallTurns, kWallBatches, cancelled);
   if (cancelled) return {};
   for (std::size_t i = 0; i < out.size(); ++i) {
     const Contest& contest = out[i].on_rig ? sticks : steps;
@@ -128,11 +128,11 @@ std::vector<HandReading> wander_through(const Scene& scene, double seconds) {
   WallOutput out;
   std::vector<HandReading> hands;
   Nanos now = 0;
-  for (double t = 0.0; t < seconds; t += kTick, now += kMillisecond) {
+  for (double t = 0.0; t < seconds; t += kWallTick, now += kMillisecond) {
     const Vec2 p = target_at(scene, view, t);
-    stick.follow(p, (target_at(scene, view, t + kTick) - p) / kTick);
+    stick.follow(p, (target_at(scene, view, t + kWallTick) - p) / kWallTick);
     in.hand = hand_reading(stick.read(now));
-    wall_step(run->settings, in, kTick, run->state, out);
+    wall_step(run->settings, in, kWallTick, run->state, out);
     stick.write(out.f_H_M);
     hands.push_back(in.hand);
   }

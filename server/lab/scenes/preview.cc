@@ -15,12 +15,12 @@
 namespace handrail {
 namespace {
 
-constexpr double kMargin = 6e-3;     // around drawn shapes [m]
-constexpr double kWandering = 12.0;  // [s]
-constexpr double kTick = 1e-3;       // [s]
-constexpr int kGrid = 32;            // arrows along the longer side
-constexpr double kNear = 12e-3;      // a proxy further from the hand is not what it would feel [m]
-constexpr double kLeast = 0.05;      // a force below this is not drawn [N]
+constexpr double kPreviewMargin = 6e-3;  // around drawn shapes [m]
+constexpr double kWandering = 12.0;      // [s]
+constexpr double kPreviewTick = 1e-3;    // [s]
+constexpr int kGrid = 32;                // arrows along the longer side
+constexpr double kNear = 12e-3;  // a proxy further from the hand is not what it would feel [m]
+constexpr double kLeast = 0.05;  // a force below this is not drawn [N]
 
 // Between the walls' frame and the picture.
 struct Scale {
@@ -106,13 +106,13 @@ class Hand {
     in_.hand.X_MH.p = Vec3(p.x(), p.y(), 0.0);
     in_.hand.v_MH = Vec3(v.x(), v.y(), 0.0);
     in_.hand.valid = true;
-    wall_step(run_->settings, in_, kTick, run_->state, out_);
+    wall_step(run_->settings, in_, kPreviewTick, run_->state, out_);
     return out_;
   }
   // The hand is gone long enough to start anew where it comes back.
   void lift() {
     in_.hand.valid = false;
-    for (int i = 0; i < 30; ++i) wall_step(run_->settings, in_, kTick, run_->state, out_);
+    for (int i = 0; i < 30; ++i) wall_step(run_->settings, in_, kPreviewTick, run_->state, out_);
   }
 
  private:
@@ -147,7 +147,7 @@ void draw_ways(const Scene& scene, const Scale& scale, Canvas& canvas) {
   };
   Hand hand(scene);
   std::vector<Place> ways;
-  for (double t = 0.0; t < kWandering; t += kTick) {
+  for (double t = 0.0; t < kWandering; t += kPreviewTick) {
     const Vec2 p = wander(*scene.walls, scale.view, t);
     ways.push_back({p, hand.at(p).contact.proxy});
   }
@@ -172,7 +172,7 @@ Result<Canvas> preview_scene(const Scene& scene) {
   if (!scene.walls) {
     return Status::error(scene.file + ": the scene has no walls to draw");
   }
-  const Scale scale(view_of(*scene.walls, kMargin));
+  const Scale scale(view_of(*scene.walls, kPreviewMargin));
   Canvas canvas(scale.width(), scale.height(), {255, 255, 255});
   draw_ground(*scene.walls, scale, canvas);
   draw_forces(scene, scale, canvas);

@@ -16,9 +16,9 @@
 namespace handrail {
 namespace {
 
-constexpr double kShare = 0.15;     // of the price that a saving may differ by, and
-constexpr double kNanoseconds = 5;  // at least
-constexpr double kWander = 8.0;     // of the hand, through the scene [s]
+constexpr double kShare = 0.15;       // of the price that a saving may differ by, and
+constexpr double kNanoseconds = 5;    // at least
+constexpr double kPriceWander = 8.0;  // of the hand, through the scene [s]
 
 }  // namespace
 
@@ -50,7 +50,7 @@ int run_price_command(const PriceCommand& command, const std::atomic<bool>& canc
   const auto listed = explain_scene(*scene, cancelled);
   if (!listed) return complain(listed.status(), kCancelled);
   const StepPrice saved =
-      price_effects(*scene, joystick_capabilities(), wander_through(*scene, kWander));
+      price_effects(*scene, joystick_capabilities(), wander_through(*scene, kPriceWander));
   if (cancelled) return complain(Status::error("cancelled"), kCancelled);
   std::vector<CheckedPrice> prices;
   for (std::size_t i = 0; i < saved.effects.size(); ++i) {

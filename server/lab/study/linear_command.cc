@@ -8,7 +8,7 @@
 namespace handrail {
 namespace {
 
-Status suits(const StudySetup& setup) {
+Status suits_linear(const StudySetup& setup) {
   const Scene& scene = setup.machine.scene;
   if (scene.task) return Status::ok();
   return Status::error(scene.file + ": the scene has no task block");
@@ -18,7 +18,7 @@ Status suits(const StudySetup& setup) {
 
 int run_linear_command(const StudyCommand& command, const std::atomic<bool>& cancelled) {
   StudyJob<LinearStudy> job;
-  job.suits = suits;
+  job.suits = suits_linear;
   job.run = [](const StudySetup& setup, const StudyPlan& plan) {
     return run_linear_study(setup.machine, setup.population, {plan});
   };
@@ -31,7 +31,7 @@ int run_linear_command(const StudyCommand& command, const std::atomic<bool>& can
 
 int run_linear_fit(const FitCommand& command, const std::atomic<bool>& cancelled) {
   FitJob job;
-  job.suits = suits;
+  job.suits = suits_linear;
   job.mode = name_of(StudyMode::kFree);
   job.known = "published";
   for (int i = 0; i < kPublishedFigures; ++i) {

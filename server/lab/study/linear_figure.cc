@@ -7,7 +7,7 @@
 namespace handrail {
 namespace {
 
-constexpr LinearFigureInfo kInfo[kLinearFigures] = {
+constexpr LinearFigureInfo kLinearInfo[kLinearFigures] = {
     {"execution_time_s", "execution time", "s", 1.0, {14.6, 14.8}},
     {"path_mm", "path of the tip", "mm", 1.0 / kMm, {215.3, 166.9}},
     {"max_position_error_mm", "largest position error", "mm", 1.0 / kMm, {7.79, 0.56}},
@@ -20,7 +20,7 @@ constexpr LinearFigureInfo kInfo[kLinearFigures] = {
 }  // namespace
 
 const LinearFigureInfo& info_of(LinearFigure figure) noexcept {
-  return kInfo[static_cast<int>(figure)];
+  return kLinearInfo[static_cast<int>(figure)];
 }
 
 double value_of(const TrialResult& result, LinearFigure figure) noexcept {

@@ -8,7 +8,7 @@
 namespace handrail {
 namespace {
 
-Status suits(const StudySetup& setup) {
+Status suits_screw(const StudySetup& setup) {
   const Scene& scene = setup.machine.scene;
   if (!scene.screw) return Status::error(scene.file + ": the scene has no screw block");
   if (setup.population.knows_screws()) return Status::ok();
@@ -19,7 +19,7 @@ Status suits(const StudySetup& setup) {
 
 int run_screw_command(const ScrewCommand& command, const std::atomic<bool>& cancelled) {
   StudyJob<ScrewStudy> job;
-  job.suits = suits;
+  job.suits = suits_screw;
   job.run = [&](const StudySetup& setup, const StudyPlan& plan) {
     return run_screw_study(setup.machine, setup.population, {plan, command.bumper});
   };
@@ -36,7 +36,7 @@ int run_screw_command(const ScrewCommand& command, const std::atomic<bool>& canc
 
 int run_screw_fit(const FitCommand& command, const std::atomic<bool>& cancelled) {
   FitJob job;
-  job.suits = suits;
+  job.suits = suits_screw;
   job.mode = name_of(ScrewMode::kNCNV);
   job.known = "implied";
   for (int i = 0; i < kImpliedFigures; ++i) {

@@ -20,7 +20,7 @@ using figure::Panel;
 using figure::Point;
 using figure::Style;
 
-constexpr const char* kFitted = "the medians implied for NC-NV";
+constexpr const char* kImpliedMedians = "the medians implied for NC-NV";
 constexpr ScrewMode kModes[] = {ScrewMode::kNCNV, ScrewMode::kNCV, ScrewMode::kCNV, ScrewMode::kCV};
 
 // In words, below an axis or above a panel.
@@ -45,7 +45,7 @@ Figure with_shared_axes(Figure figure, std::vector<Panel> panels) {
 }
 
 Figure measures_figure(const StudyHeader& header, const ScrewStudy& study) {
-  Figure out("Screw fastening", origin_of(header, kFitted));
+  Figure out("Screw fastening", origin_of(header, kImpliedMedians));
   for (int i = 0; i < kComparedFigures; ++i) {
     const auto figure = static_cast<ScrewFigure>(i);
     const ScrewFigureInfo& info = info_of(figure);
@@ -110,7 +110,7 @@ Panel path_panel(ScrewMode mode, const ScrewResult& trial, const HexSocketSpec& 
 
 Figure trajectories_figure(const StudyHeader& header, const ScrewStudy& study,
                            const HexSocketSpec& socket) {
-  Figure out("Path of the key's tip, one operator", origin_of(header, kFitted));
+  Figure out("Path of the key's tip, one operator", origin_of(header, kImpliedMedians));
   std::vector<Panel> panels;
   for (const ScrewMode mode : kModes) {
     const ScrewResult* trial = first_traced(study, mode);
@@ -144,7 +144,7 @@ Panel force_panel(const ScrewStudy& study, const HexSocketSpec& socket, bool too
 
 Figure forces_figure(const StudyHeader& header, const ScrewStudy& study,
                      const HexSocketSpec& socket) {
-  Figure out("Forces along the screw, one operator", origin_of(header, kFitted));
+  Figure out("Forces along the screw, one operator", origin_of(header, kImpliedMedians));
   for (const auto& [force, label] :
        {std::pair{&ScrewTracePoint::contact, "contact, on the tip [N]"},
         std::pair{&ScrewTracePoint::spring, "virtual spring, on the hand [N]"}}) {

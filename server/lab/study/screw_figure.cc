@@ -9,7 +9,7 @@
 namespace handrail {
 namespace {
 
-constexpr ScrewFigureInfo kInfo[kScrewFigures] = {
+constexpr ScrewFigureInfo kScrewInfo[kScrewFigures] = {
     {"completion_time_s", "completion time", "s", 1.0, {42.1, 33.3, 36.6, 28.7}},
     {"path_mm", "path of the tip", "mm", 1.0 / kMm, {271.0, 153.4, 257.0, 166.5}},
     {"mean_contact_force_n", "mean contact force", "N", 1.0, {50.2, 48.6, 26.7, 26.0}},
@@ -21,7 +21,7 @@ constexpr ScrewFigureInfo kInfo[kScrewFigures] = {
 }  // namespace
 
 const ScrewFigureInfo& info_of(ScrewFigure figure) noexcept {
-  return kInfo[static_cast<int>(figure)];
+  return kScrewInfo[static_cast<int>(figure)];
 }
 
 double measured_of(const ScrewResult& result, ScrewFigure figure) noexcept {

@@ -29,7 +29,7 @@ HapticOrder tool_order(ToolKind kind) {
 }
 
 // A line both ways along the screw's axis.
-HapticOrder line_order(const Vec3& p_SA, const Vec3& axis) {
+HapticOrder screw_line_order(const Vec3& p_SA, const Vec3& axis) {
   HapticOrder order = tool_order(ToolKind::kLine);
   order.tool.at_present = false;
   order.tool.p_SA = p_SA;
@@ -44,10 +44,10 @@ HapticOrder tools_off() {
 }
 
 // A trial on the bench: the procedure and its clock.
-class Trial {
+class ScrewTrialRun {
  public:
-  Trial(const StudyMachine& machine, const Workpiece& work, const ScrewTrialOptions& options,
-        StudyBench& bench)
+  ScrewTrialRun(const StudyMachine& machine, const Workpiece& work,
+                const ScrewTrialOptions& options, StudyBench& bench)
       : task_(*machine.scene.screw),
         work_(work),
         options_(options),
@@ -213,7 +213,7 @@ class Trial {
     for (;;) {
       if (!line_found_) {
         if (!align()) return false;
-        if (tools() && !call({line_order(bench_.cell().slave().X_ST.p, work_.out),
+        if (tools() && !call({screw_line_order(bench_.cell().slave().X_ST.p, work_.out),
                               tool_order(ToolKind::kNRotation)})) {
           return false;
         }
@@ -261,7 +261,7 @@ class Trial {
       // Where the key stands, less what it is bent: the line is not to load it.
       const Vec3 straight = bench_.cell().slave().X_ST.p + give_.at(bench_.cell().slave().X_ST.q) *
                                                                bench_.cell().slave().f_E_S.force;
-      if (!line_found_ && !call({line_order(straight, work_.out)})) return false;
+      if (!line_found_ && !call({screw_line_order(straight, work_.out)})) return false;
       line_found_ = true;
       if (!free_to_turn_ && !call({tool_order(ToolKind::kFRotation)})) return false;
       free_to_turn_ = false;
@@ -360,7 +360,7 @@ Result<ScrewResult> run_screw_trial(const StudyMachine& given, const ScrewTrialO
                                "screw.start_mm", options.arm_seed, options.seed + 2);
   if (!cell) return cell.status();
   const auto bench = std::make_unique<StudyBench>(machine, **cell, options.person, options.seed);
-  return Trial(machine, work, options, *bench).run();
+  return ScrewTrialRun(machine, work, options, *bench).run();
 }
 
 }  // namespace handrail

@@ -9,7 +9,7 @@
 namespace handrail {
 namespace {
 
-constexpr double kFitted = 0.30;  // NC-NV medians are this near to what is implied
+constexpr double kNearFit = 0.30;  // NC-NV medians are this near to what is implied
 constexpr double kLeastForce = 0.30, kMostForce = 0.70;  // lowered by protection
 constexpr double kHardest = 400.0, kGentlest = 200.0;    // worst trial without and with it [N]
 constexpr double kLeastPath = 0.20;                      // lowered by tools
@@ -53,7 +53,7 @@ ScrewTarget fitted(const ScrewStudy& study, ScrewFigure figure) {
   const double found = median(pooled(values_of(study, ScrewMode::kNCNV, figure))) * info.per_si;
   return {fmt::format("NC-NV: {} within 30 % of {:.4g} {}", info.title, info.implied[0], info.unit),
           fmt::format("{:.3g} {}", found, info.unit),
-          std::abs(found / info.implied[0] - 1.0) <= kFitted};
+          std::abs(found / info.implied[0] - 1.0) <= kNearFit};
 }
 
 ScrewTarget size(const ScrewEffect& effect) {

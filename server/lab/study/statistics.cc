@@ -13,11 +13,11 @@ namespace handrail {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kFailed = std::numeric_limits<double>::infinity();
+constexpr double kWorstRank = std::numeric_limits<double>::infinity();
 
 // Puts everything that is not finite into the worst rank.
 void rank_failures_last(std::vector<double>& values) {
-  for (double& v : values) v = std::isfinite(v) ? v : kFailed;
+  for (double& v : values) v = std::isfinite(v) ? v : kWorstRank;
 }
 
 // The median of ranked values; changes their order.
@@ -72,7 +72,7 @@ Summary summarise(const std::vector<double>& values) {
   std::vector<double> sorted = values;
   rank_failures_last(sorted);
   std::sort(sorted.begin(), sorted.end());
-  const auto first_failure = std::lower_bound(sorted.begin(), sorted.end(), kFailed);
+  const auto first_failure = std::lower_bound(sorted.begin(), sorted.end(), kWorstRank);
   out.failures = static_cast<std::size_t>(sorted.end() - first_failure);
   out.q1 = quantile_of_sorted(sorted, 0.25);
   out.median = quantile_of_sorted(sorted, 0.5);

@@ -7,7 +7,7 @@
 namespace handrail {
 namespace {
 
-constexpr double kReach = 0.4;        // a move takes this and [s]
+constexpr double kGearReach = 0.4;    // a move takes this and [s]
 constexpr double kSpeed = 0.11;       // its length over this [m/s]
 constexpr double kRest = 0.5;         // in gear [s]
 constexpr double kPatience = 3.0;     // for a lock to close, for the lever to come along [s]
@@ -27,7 +27,7 @@ void GearDriver::set_out(Phase phase, const Vec2& from, const Vec2& to, double t
   way_ = gate_.way(from, to);
   length_ = 0.0;
   for (std::size_t i = 1; i < way_.size(); ++i) length_ += (way_[i] - way_[i - 1]).norm();
-  duration_ = (kReach + length_ / kSpeed) / pace_;
+  duration_ = (kGearReach + length_ / kSpeed) / pace_;
   phase_ = phase;
   since_ = t;
 }

@@ -7,7 +7,7 @@ namespace handrail {
 namespace {
 
 constexpr double kJunctionReach = 1.5;  // widths of the aisle
-constexpr double kSettle = 1.0;         // after the ball's or the recording's end [s]
+constexpr double kWrenchSettle = 1.0;   // after the ball's or the recording's end [s]
 
 bool turning(const Walls& walls, const WallTick& tick) {
   return walls.regions[tick.contact.region].progressive;
@@ -68,7 +68,7 @@ WrenchResult turn_wrench(const Scene& scene, const WrenchPath& path, const Joyst
   WrenchResult result;
   result.turns.resize(static_cast<std::size_t>(options.turns + options.loosen));
   const int last = static_cast<int>(result.turns.size()) - 1;
-  const double end = ball.duration() + kSettle;
+  const double end = ball.duration() + kWrenchSettle;
   while (bench.now().t < end && !options.is_cancelled()) {
     const WallTick& before = bench.now();
     ball.move(before.t, before.hand);
@@ -92,7 +92,7 @@ WrenchResult turn_wrench(const Scene& scene, const WrenchPath& path, const Joyst
   WallJudge judge = judge_of(scene, path, bench, options);
   Visits visits(0.25 * path.turn_length() / path.radius());
   WrenchResult result;
-  const double end = recording.duration() + kSettle;
+  const double end = recording.duration() + kWrenchSettle;
   while (bench.now().t < end && !options.is_cancelled()) {
     WallTick tick = bench.step();
     tick.ball = tick.hand;

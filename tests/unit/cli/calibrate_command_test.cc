@@ -20,8 +20,8 @@ using test::samples_of;
 
 constexpr char kHeader[] = "qw,qx,qy,qz,fx_n,fy_n,fz_n,tx_n_m,ty_n_m,tz_n_m\n";
 
-struct CliRun {
-  explicit CliRun(std::vector<std::string> args) {
+struct CalibrateRun {
+  explicit CalibrateRun(std::vector<std::string> args) {
     args.insert(args.begin(), {"calibrate", "payload"});
     std::ostringstream out_stream, err_stream;
     code = run_cli(args, Console{out_stream, err_stream});
@@ -47,7 +47,7 @@ TEST(Calibrate, FindsThePayloadOfARecordingAndWritesItsBlock) {
   const auto samples = samples_of(half_a_kilogram(), leaning(5, 0.6));
   const std::string csv = folder.write("a.csv", payload_samples_text(samples));
   const std::string block = folder.path() + "/payload.conf";
-  const CliRun run({"--from", csv, "--out", block});
+  const CalibrateRun run({"--from", csv, "--out", block});
   EXPECT_EQ(run.code, kExitDone) << run.err;
   EXPECT_EQ(run.err, "");
   EXPECT_NE(run.out.find("mass      0.5000 kg\ncentre    4.00 -2.00 60.00 mm from the tip\n"
@@ -68,7 +68,7 @@ TEST(Calibrate, ARecordingGivesTheSameAgain) {
   samples[2].force_noise = 0.01;
   const std::string first = folder.write("a.csv", payload_samples_text(samples));
   const std::string second = folder.path() + "/b.csv";
-  EXPECT_EQ(CliRun({"--from", first, "--record", second}).code, kExitDone);
+  EXPECT_EQ(CalibrateRun({"--from", first, "--record", second}).code, kExitDone);
   EXPECT_EQ(text_in(second), text_in(first));
 }
 
@@ -76,7 +76,7 @@ TEST(Calibrate, JsonHasPayloadResidualsAndSamples) {
   const TempFolder folder;
   const std::string csv =
       folder.write("a.csv", payload_samples_text(samples_of(half_a_kilogram(), leaning(5, 0.6))));
-  const CliRun run({"--from", csv, "--json"});
+  const CalibrateRun run({"--from", csv, "--json"});
   EXPECT_EQ(run.code, kExitDone);
   for (const char* key :
        {"\"payload\": {", "\"mass_kg\": 0.", "\"centre_mm\": [", "\"bias_n\": [", "\"bias_n_m\": [",
@@ -104,7 +104,7 @@ TEST(Calibrate, WhatIsNoCalibrationIsRefusedAndNothingWritten) {
     const std::string csv =
         folder.write(std::to_string(++i) + ".csv", payload_samples_text(samples));
     const std::string block = folder.path() + "/payload.conf";
-    const CliRun run({"--from", csv, "--out", block, "--json"});
+    const CalibrateRun run({"--from", csv, "--out", block, "--json"});
     EXPECT_EQ(run.code, kExitRefused) << what;
     EXPECT_NE(run.err.find(what), std::string::npos) << run.err;
     EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
@@ -128,7 +128,7 @@ TEST(Calibrate, UsageErrorsExitWithTwoAndOneLine) {
       {{"--from", csv, "--out", "/nowhere/x/p"},
        "/nowhere/x/p: cannot write: No such file or directory"}};
   for (const auto& [args, what] : cases) {
-    const CliRun run(args);
+    const CalibrateRun run(args);
     EXPECT_EQ(run.code, kExitUsage) << what;
     EXPECT_EQ(run.err, "handrail: " + what + '\n');
     EXPECT_EQ(run.out, "");
@@ -136,7 +136,7 @@ TEST(Calibrate, UsageErrorsExitWithTwoAndOneLine) {
 }
 
 TEST(Calibrate, WithoutAMasterExitsWithThree) {
-  const CliRun run({"--socket", "/nowhere/operator.sock"});
+  const CalibrateRun run({"--socket", "/nowhere/operator.sock"});
   EXPECT_EQ(run.code, kExitNoMaster);
   EXPECT_EQ(
       run.err,

@@ -6,11 +6,11 @@
 #include <utility>
 #include <vector>
 
+#include "server/base/units.h"
 #include "server/model/walls.h"
 
 namespace handrail::test {
 
-inline constexpr double kMm = 1e-3;
 inline constexpr double kQuarter = 0.5 * std::numbers::pi;
 
 inline WallShape box(const Vec2& centre, const Vec2& half, double angle = 0.0) {

@@ -10,8 +10,8 @@
 namespace handrail {
 namespace {
 
-constexpr double kPixel = 1e-4;
-constexpr double kStiffness = 5000.0;
+constexpr double kSurfacePixel = 1e-4;
+constexpr double kSurfaceStiffness = 5000.0;
 
 Vec2 unit(double angle) { return {std::cos(angle), std::sin(angle)}; }
 
@@ -26,7 +26,7 @@ struct Errors {
     squares += off * off;
     worst = std::max(worst, off);
     turn = std::max(turn, std::acos(std::min(contact.normal.dot(normal), 1.0)));
-    const double force = kStiffness * (contact.proxy - hand).norm();
+    const double force = kSurfaceStiffness * (contact.proxy - hand).norm();
     least_force = std::min(least_force, force);
     greatest_force = std::max(greatest_force, force);
     ++count;
@@ -38,13 +38,13 @@ struct Errors {
 // Along both faces of a straight wall, `depth` inside it.
 Errors along_line(double angle, double thickness, double depth) {
   const Vec2 n = unit(angle + 0.5 * std::numbers::pi), t = unit(angle);
-  const double off = 0.37 * kPixel;
+  const double off = 0.37 * kSurfacePixel;
   Errors errors;
   for (const double side : {1.0, -1.0}) {
-    const Walls walls = test::straight_wall(100, kPixel, thickness, angle, off);
+    const Walls walls = test::straight_wall(100, kSurfacePixel, thickness, angle, off);
     const auto proxy = make_subpixel_proxy(walls);
     const Vec2 face = (off + 0.5 * side * thickness) * n;
-    proxy->start(face + side * 10.0 * kPixel * n);
+    proxy->start(face + side * 10.0 * kSurfacePixel * n);
     for (double s = -2.5e-3; s < 2.5e-3; s += 0.173e-4) {
       const Vec2 hand = face + s * t - side * depth * n;
       errors.add(proxy->advance(hand), hand, face + s * t, side * n);
@@ -55,9 +55,9 @@ Errors along_line(double angle, double thickness, double depth) {
 
 // Around a disc of wall (`solid`), or inside a hole in it, `depth` inside the wall.
 Errors around_circle(double r, bool solid, double depth, int levels = 0) {
-  const int size = static_cast<int>(2.0 * r / kPixel) + 60;
-  const Vec2 c(0.31 * kPixel, 0.17 * kPixel);
-  test::WallPainter painter(size, size, kPixel, solid);
+  const int size = static_cast<int>(2.0 * r / kSurfacePixel) + 60;
+  const Vec2 c(0.31 * kSurfacePixel, 0.17 * kSurfacePixel);
+  test::WallPainter painter(size, size, kSurfacePixel, solid);
   if (solid) {
     painter.wall_disc(c, r);
   } else {
@@ -78,7 +78,7 @@ Errors around_circle(double r, bool solid, double depth, int levels = 0) {
 TEST(SubpixelSurface, LinesAtAnyAngleAreWithinHalfAMicrometre) {
   for (int i = 0; i <= 90; ++i) {
     const double angle = 2.0 * std::numbers::pi * i / 181.0;
-    const Errors errors = along_line(angle, 3.0 * kPixel, 1e-4);
+    const Errors errors = along_line(angle, 3.0 * kSurfacePixel, 1e-4);
     EXPECT_LT(errors.rms(), 0.5e-6) << angle;
     EXPECT_LT(errors.ripple(), 0.01) << angle;
     EXPECT_LT(errors.turn, 1.0 * std::numbers::pi / 180.0) << angle;
@@ -88,7 +88,7 @@ TEST(SubpixelSurface, LinesAtAnyAngleAreWithinHalfAMicrometre) {
 TEST(SubpixelSurface, WallsOfTwoPixelsAreWithinHalfAMicrometreToo) {
   for (int i = 0; i <= 60; ++i) {
     const double angle = 2.0 * std::numbers::pi * i / 121.0;
-    const Errors errors = along_line(angle, 2.0 * kPixel, 0.5e-4);
+    const Errors errors = along_line(angle, 2.0 * kSurfacePixel, 0.5e-4);
     EXPECT_LT(errors.rms(), 0.5e-6) << angle;
     EXPECT_LT(errors.ripple(), 0.01) << angle;
     EXPECT_LT(errors.turn, 1.0 * std::numbers::pi / 180.0) << angle;
@@ -97,7 +97,7 @@ TEST(SubpixelSurface, WallsOfTwoPixelsAreWithinHalfAMicrometreToo) {
 
 TEST(SubpixelSurface, LinesOfSlopeOneHalfThroughHalfPixelsAreExactToo) {
   const double angle = std::atan(0.5);
-  EXPECT_LT(along_line(angle, 4.0 * kPixel, 1e-4).rms(), 0.1e-6);
+  EXPECT_LT(along_line(angle, 4.0 * kSurfacePixel, 1e-4).rms(), 0.1e-6);
 }
 
 TEST(SubpixelSurface, CirclesAreWithinAMicrometre) {
@@ -131,7 +131,7 @@ TEST(SubpixelSurface, TheCornerOfAnAisleHoldsTheProxyWithinHalfAPixel) {
   // A hand pushed out past the corner of a turned rectangle is nearest to the corner itself.
   for (int i = 0; i < 12; ++i) {
     const double angle = 0.13 * i;
-    const Walls walls = test::WallPainter(160, 160, kPixel, false)
+    const Walls walls = test::WallPainter(160, 160, kSurfacePixel, false)
                             .open(test::rectangle(Vec2::Zero(), 8e-3, 6e-3, angle))
                             .finish();
     const auto proxy = make_subpixel_proxy(walls);
@@ -139,7 +139,7 @@ TEST(SubpixelSurface, TheCornerOfAnAisleHoldsTheProxyWithinHalfAPixel) {
     const Vec2 corner = Pose2::turned({4e-3, 3e-3}, angle);
     const WallContact contact = proxy->advance(1.5 * corner);
     EXPECT_TRUE(contact.touching);
-    EXPECT_LT((contact.proxy - corner).norm(), 0.4 * kPixel) << angle;
+    EXPECT_LT((contact.proxy - corner).norm(), 0.4 * kSurfacePixel) << angle;
   }
 }
 
@@ -148,7 +148,7 @@ TEST(SubpixelSurface, AProxyGoesRoundTheTipOfAWallButNotThroughIt) {
   for (int i = 0; i < 12; ++i) {
     const double angle = 0.29 * i;
     const Vec2 t = unit(angle), n = unit(angle + 0.5 * std::numbers::pi);
-    const Walls walls = test::WallPainter(200, 200, kPixel)
+    const Walls walls = test::WallPainter(200, 200, kSurfacePixel)
                             .wall(test::rectangle(-5e-3 * t, 1e-2, 4e-4, angle))
                             .finish(2e-3 * t);
     const auto proxy = make_subpixel_proxy(walls);
@@ -166,7 +166,7 @@ TEST(SubpixelSurface, AJunctionOfAislesIsFeltWallByWall) {
   // A cross of two aisles. The hand presses against the lower wall, enters the mouth of the side
   // aisle and is held there by that aisle's far wall.
   const double angle = 0.4;
-  const Walls walls = test::WallPainter(300, 300, kPixel, false)
+  const Walls walls = test::WallPainter(300, 300, kSurfacePixel, false)
                           .open(test::rectangle(Vec2::Zero(), 2.4e-2, 4e-3, angle))
                           .open(test::rectangle(Vec2::Zero(), 4e-3, 2.4e-2, angle))
                           .finish();
@@ -178,7 +178,7 @@ TEST(SubpixelSurface, AJunctionOfAislesIsFeltWallByWall) {
     ASSERT_FALSE(contact.unfinished);
     const Vec2 wanted = std::min(s, 2e-3) * t - (s > -2e-3 ? 2.5e-3 : 2e-3) * n;
     if (std::abs(std::abs(s) - 2e-3) < 6e-4) continue;  // around the corners
-    EXPECT_LT((contact.proxy - wanted).norm(), 0.1 * kPixel) << s;
+    EXPECT_LT((contact.proxy - wanted).norm(), 0.1 * kSurfacePixel) << s;
   }
 }
 

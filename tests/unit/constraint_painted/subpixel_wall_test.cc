@@ -12,7 +12,7 @@
 namespace handrail {
 namespace {
 
-constexpr double kPixel = 1e-4;
+constexpr double kWallPixel = 1e-4;
 constexpr int kMostWork = 220;  // probes a tick: the bound, and one landing or settling more
 
 // Ticks until the proxy rests for a hand that waits.
@@ -23,7 +23,7 @@ WallContact settle(WallProxy& proxy, const Vec2& hand, int ticks = 50) {
 }
 
 TEST(SubpixelWall, InFreeSpaceTheProxyIsTheHand) {
-  const Walls walls = test::straight_wall(100, kPixel, 4e-4, 0.3, 0.0);
+  const Walls walls = test::straight_wall(100, kWallPixel, 4e-4, 0.3, 0.0);
   const auto proxy = make_subpixel_proxy(walls);
   const Vec2 hand(-1.23e-3, 3.1e-3);
   EXPECT_EQ(proxy->start({0.0, 2e-3}), Vec2(0.0, 2e-3));
@@ -37,33 +37,33 @@ TEST(SubpixelWall, AHandThatJumpsThroughAWallLeavesTheProxyOnTheNearFace) {
   for (const double thickness : {1e-4, 2e-4, 1e-3}) {
     for (int i = 0; i < 24; ++i) {
       const double angle = 0.27 * i;
-      const Walls walls = test::straight_wall(400, kPixel, thickness, angle, 0.0);
+      const Walls walls = test::straight_wall(400, kWallPixel, thickness, angle, 0.0);
       const auto proxy = make_subpixel_proxy(walls);
       const Vec2 n(-std::sin(angle), std::cos(angle));
       proxy->start(1e-2 * n);
       const WallContact contact = settle(*proxy, -1e-2 * n);
       EXPECT_TRUE(contact.touching);
-      EXPECT_NEAR(contact.proxy.dot(n), 0.5 * thickness, 0.2 * kPixel);
+      EXPECT_NEAR(contact.proxy.dot(n), 0.5 * thickness, 0.2 * kWallPixel);
       EXPECT_EQ(contact.wall, 1);
     }
   }
 }
 
 TEST(SubpixelWall, TheMapsBorderIsWall) {
-  const Walls walls = test::WallPainter(120, 80, kPixel).finish();
+  const Walls walls = test::WallPainter(120, 80, kWallPixel).finish();
   const auto proxy = make_subpixel_proxy(walls);
   proxy->start(Vec2::Zero());
   EXPECT_LT((settle(*proxy, {0.03, 1e-3}).proxy - Vec2(6e-3, 1e-3)).norm(), 1e-7);
   EXPECT_LT((settle(*proxy, {-0.03, 1e-3}).proxy - Vec2(-6e-3, 1e-3)).norm(), 1e-7);
   EXPECT_LT((settle(*proxy, {2e-3, -1.0}).proxy - Vec2(2e-3, -4e-3)).norm(), 1e-7);
-  EXPECT_LT((settle(*proxy, {1e3, 1e3}).proxy - Vec2(6e-3, 4e-3)).norm(), 0.5 * kPixel);
+  EXPECT_LT((settle(*proxy, {1e3, 1e3}).proxy - Vec2(6e-3, 4e-3)).norm(), 0.5 * kWallPixel);
 }
 
 TEST(SubpixelWall, AProxyCaughtBetweenAThinWallAndTheBorderStaysOnItsSide) {
   // The wall's face has a nick there, so sharp that a step along its curve would lead across.
   const double angle = 2.2916;
   const Vec2 off(-0.517e-3, 0.223e-3), t(std::cos(angle), std::sin(angle)), n(-t.y(), t.x());
-  const Walls walls = test::WallPainter(240, 240, kPixel)
+  const Walls walls = test::WallPainter(240, 240, kWallPixel)
                           .wall(test::rectangle(off, 1.0, 1.34e-4, angle))
                           .finish(off + 2e-3 * n);
   const auto proxy = make_subpixel_proxy(walls);
@@ -78,7 +78,7 @@ TEST(SubpixelWall, AProxyCaughtBetweenAThinWallAndTheBorderStaysOnItsSide) {
 
 TEST(SubpixelWall, AProxyRoundsAnIslandTowardTheHand) {
   const Walls walls =
-      test::WallPainter(200, 200, kPixel).wall_disc(Vec2::Zero(), 3e-3).finish({8e-3, 0.0});
+      test::WallPainter(200, 200, kWallPixel).wall_disc(Vec2::Zero(), 3e-3).finish({8e-3, 0.0});
   const auto proxy = make_subpixel_proxy(walls);
   proxy->start({8e-3, 0.1e-3});
   const WallContact contact = settle(*proxy, {-5e-3, 0.0});
@@ -88,7 +88,7 @@ TEST(SubpixelWall, AProxyRoundsAnIslandTowardTheHand) {
 
 TEST(SubpixelWall, AProxyLeavesAPocketWhenTheHandDoes) {
   // A dead end to the right of a hall; from its bottom the way back is away from the hand at first.
-  const Walls walls = test::WallPainter(300, 200, kPixel, false)
+  const Walls walls = test::WallPainter(300, 200, kWallPixel, false)
                           .open(test::rectangle({-5e-3, 0.0}, 1e-2, 1.6e-2, 0.0))
                           .open(test::rectangle({4e-3, 0.0}, 8.4e-3, 1e-3, 0.0))
                           .finish({-5e-3, 0.0});
@@ -103,7 +103,7 @@ TEST(SubpixelWall, AProxyLeavesAPocketWhenTheHandDoes) {
 TEST(SubpixelWall, NoStairOfPixelsHoldsASlidingProxyBack) {
   // A wall almost along the rows steps by a pixel every 60; the greedy search stops at each step.
   const double angle = 1.0 / 60.0;
-  const Walls walls = test::straight_wall(1000, kPixel, 2e-3, angle, 0.0);
+  const Walls walls = test::straight_wall(1000, kWallPixel, 2e-3, angle, 0.0);
   const auto proxy = make_subpixel_proxy(walls);
   const Vec2 t(std::cos(angle), std::sin(angle)), n(-t.y(), t.x());
   proxy->start(2e-3 * n - 4e-2 * t);
@@ -119,7 +119,7 @@ TEST(SubpixelWall, ConcaveCornersOfOnePixelsDepthHoldTheProxyOnlyWhereTheyAreDee
   // hand leaves a tooth's bottom after 0.1 mm, and no ridge holds.
   test::Polygon room = {{1.6e-2, 6e-3}, {-1.6e-2, 6e-3}};
   for (int i = -32; i <= 32; ++i) room.push_back({i * 5e-4, i % 2 == 0 ? 0.0 : -1e-4});
-  const Walls walls = test::WallPainter(400, 200, kPixel, false).open(room).finish({0.0, 3e-3});
+  const Walls walls = test::WallPainter(400, 200, kWallPixel, false).open(room).finish({0.0, 3e-3});
   const auto proxy = make_subpixel_proxy(walls);
   proxy->start({-1.4e-2, 3e-3});
   for (double x = -1.4e-2; x < 1.4e-2; x += 1e-4) {
@@ -130,20 +130,20 @@ TEST(SubpixelWall, ConcaveCornersOfOnePixelsDepthHoldTheProxyOnlyWhereTheyAreDee
 }
 
 TEST(SubpixelWall, AHandInsideAWallStartsTheProxyAtTheNearestFreePoint) {
-  const Walls walls = test::straight_wall(300, kPixel, 6e-3, 0.4, 0.0);
+  const Walls walls = test::straight_wall(300, kWallPixel, 6e-3, 0.4, 0.0);
   const auto proxy = make_subpixel_proxy(walls);
   const Vec2 t(std::cos(0.4), std::sin(0.4)), n(-t.y(), t.x());
   EXPECT_LT((proxy->start(1e-3 * t - 1e-3 * n) - (1e-3 * t - 3e-3 * n)).norm(), 1e-6);
 }
 
 TEST(SubpixelWall, AHandFarInsideAWallStartsTheProxyAtTheScenesStart) {
-  const Walls walls = test::straight_wall(600, kPixel, 2e-2, 0.4, 0.0);
+  const Walls walls = test::straight_wall(600, kWallPixel, 2e-2, 0.4, 0.0);
   const auto proxy = make_subpixel_proxy(walls);
   EXPECT_LT((proxy->start(Vec2::Zero()) - walls.start).norm(), 1e-12);
 }
 
 TEST(SubpixelWall, AHandThatIsNotFiniteHasNotMoved) {
-  const Walls walls = test::straight_wall(100, kPixel, 1e-3, 0.0, 0.0);
+  const Walls walls = test::straight_wall(100, kWallPixel, 1e-3, 0.0, 0.0);
   const auto proxy = make_subpixel_proxy(walls);
   proxy->start({0.0, 2e-3});
   const Vec2 before = settle(*proxy, {1e-3, 0.0}).proxy;
@@ -158,7 +158,7 @@ TEST(SubpixelWall, AHandThatIsNotFiniteHasNotMoved) {
 }
 
 TEST(SubpixelWall, AdvanceDoesBoundedWorkAndCarriesOnNextTick) {
-  const Walls walls = test::straight_wall(4000, kPixel, 2e-4, 0.2, 0.0);
+  const Walls walls = test::straight_wall(4000, kWallPixel, 2e-4, 0.2, 0.0);
   const auto proxy = make_subpixel_proxy(walls);
   const Vec2 t(std::cos(0.2), std::sin(0.2)), n(-t.y(), t.x());
   proxy->start(-0.15 * t + 1e-3 * n);
@@ -174,7 +174,7 @@ TEST(SubpixelWall, AdvanceDoesBoundedWorkAndCarriesOnNextTick) {
 }
 
 TEST(SubpixelWall, AdvanceAllocatesNothing) {
-  const Walls walls = test::straight_wall(200, kPixel, 2e-4, 0.2, 0.0);
+  const Walls walls = test::straight_wall(200, kWallPixel, 2e-4, 0.2, 0.0);
   const auto proxy = make_subpixel_proxy(walls);
   test::NoAllocation guard("advance, start and set_gone");
   for (int i = 0; i < 1000; ++i) proxy->advance({0.01 * std::sin(i), 0.01 * std::cos(1.7 * i)});
@@ -184,7 +184,7 @@ TEST(SubpixelWall, AdvanceAllocatesNothing) {
 
 // A plate of wall 1 with a door, region 2, across the middle of it.
 Walls plate_with_door() {
-  test::WallPainter painter(200, 200, kPixel);
+  test::WallPainter painter(200, 200, kWallPixel);
   const std::uint8_t door = painter.add_region("door", RegionKind::kWall);
   Walls walls = painter.wall(test::rectangle(Vec2::Zero(), 2e-2, 1e-3, 0.0)).finish({0.0, 5e-3});
   CoverageMap map = *walls.map;
@@ -215,7 +215,7 @@ TEST(SubpixelWall, AWallThatIsGoneLetsTheHandThroughAndHoldsItWhenBack) {
   EXPECT_LT((settle(*proxy, {0.0, -3e-3}).proxy - Vec2(0.0, -3e-3)).norm(), 1e-12);
   // Its jambs are wall still.
   EXPECT_LT((settle(*proxy, {1e-3, -1e-4}).proxy - Vec2(1e-3, -1e-4)).norm(), 1e-12);
-  EXPECT_NEAR(settle(*proxy, {3e-3, -1e-4}).proxy.x(), 2e-3, 0.1 * kPixel);
+  EXPECT_NEAR(settle(*proxy, {3e-3, -1e-4}).proxy.x(), 2e-3, 0.1 * kWallPixel);
   EXPECT_LT((settle(*proxy, {0.0, -1e-4}).proxy - Vec2(0.0, -1e-4)).norm(), 1e-12);
   proxy->set_gone(0);
   EXPECT_NEAR(settle(*proxy, {0.0, -1e-4}).proxy.y(), -0.5e-3, 1e-7);

@@ -17,7 +17,7 @@ SliderLaw law_of(double viscosity, double yield = 1e9, double coupling = 2500.0)
 }
 
 // A free mass under a law, force held over each period, exact in between.
-struct Mass {
+struct SlidMass {
   double m = 0.3, x = 0.0, v = 0.0;
   void step(double f) {
     x += v * kT + 0.5 * f / m * kT * kT;
@@ -55,7 +55,7 @@ TEST(Slider, StartingFromRestFollowsTheMaxwellElement) {
 // The printed law held for a period doubles a mass's speed back and forth beyond B T / m = 2.
 TEST(Slider, AMassComesToRestWhereThePrintedLawDiverges) {
   for (const double ratio : {0.5, 2.0, 2.5, 10.0, 1e3, 1e6}) {
-    Mass printed, ours;
+    SlidMass printed, ours;
     printed.v = ours.v = 0.5;
     const double b = ratio * ours.m / kT;
     Slider slider;
@@ -77,7 +77,7 @@ TEST(Slider, AMassComesToRestWhereThePrintedLawDiverges) {
 
 TEST(Slider, CountsOfTheEncoderDoNotMakeItBuzz) {
   for (const double b : {2.0, 188.0, 6283.0, kInf}) {
-    Mass mass;
+    SlidMass mass;
     mass.v = 0.2;
     Slider slider;
     slider.restart(Vec2::Zero());

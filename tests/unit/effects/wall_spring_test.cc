@@ -12,11 +12,11 @@ namespace {
 using test::kTick;
 using test::Mass;
 
-const WallRegion kFreeSpace = test::free_region();
+const WallRegion kOpenSpace = test::free_region();
 
 // The wall fills x > 0.
 EffectInput against(const WallRegion& wall, const Vec2& hand, const Vec2& velocity) {
-  EffectInput in = test::at(hand, kFreeSpace);
+  EffectInput in = test::at(hand, kOpenSpace);
   in.velocity = velocity;
   in.proxy = Vec2(std::min(hand.x(), 0.0), hand.y());
   in.wall = hand.x() > 0.0 ? &wall : nullptr;

@@ -12,7 +12,7 @@ namespace {
 using test::Dice;
 using test::FollowRig;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 
 // Engaged and on the way at 0.2 m/s, in +Y.
 void set_going(FollowRig& rig) {
@@ -37,7 +37,7 @@ TEST(FollowSession, MovesNothingBeforeTheFirstValidCommand) {
     rig.in.master.state = static_cast<SessionState>(i % 6);
     rig.in.master.has_command = i % 2 == 0;
     rig.in.master.X_SU = {dice.within(0.5), dice.turn(3.0)};
-    if (i % 5 == 0) rig.in.master.X_SU.p.x() = kNaN;
+    if (i % 5 == 0) rig.in.master.X_SU.p.x() = kNotANumber;
     rig.cycle();
     ASSERT_EQ(rig.joints(), start);
     ASSERT_FALSE(follows(rig.out.link.state));
@@ -240,9 +240,9 @@ TEST(FollowSession, ShutdownStopsTheArmOnItsPath) {
 
 TEST(FollowSession, ACommandThatIsNoPoseIsNotTakenAndTheNextGoodOneIs) {
   Pose bad[6];
-  bad[0].p.x() = kNaN;
+  bad[0].p.x() = kNotANumber;
   bad[1].p.z() = std::numeric_limits<double>::infinity();
-  bad[2].q = Quat(kNaN, 0, 0, 0);
+  bad[2].q = Quat(kNotANumber, 0, 0, 0);
   bad[3].q = Quat(0, 0, 0, 0);
   bad[4].q = Quat(1.1, 0, 0, 0);
   bad[5].p.y() = 1e200;

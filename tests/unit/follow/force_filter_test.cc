@@ -12,10 +12,10 @@ namespace {
 
 using test::FollowRig;
 
-constexpr double kCycle = 0.0071;
+constexpr double kFilterCycle = 0.0071;
 
 TEST(ForceFilter, ARiseIsSeenLateByTheLagWhateverTheCycle) {
-  for (const double dt : {0.001, kCycle, 0.05}) {
+  for (const double dt : {0.001, kFilterCycle, 0.05}) {
     for (const double lag : {0.002, 0.02, 0.05}) {
       ForceFilter filter;
       Vec3 seen = Vec3::Zero();
@@ -30,7 +30,7 @@ TEST(ForceFilter, ARiseIsSeenLateByTheLagWhateverTheCycle) {
 TEST(ForceFilter, NoLagPassesEveryBit) {
   ForceFilter filter;
   for (const double v : {1.0, -0.0, 1e-300, 7.1, -3.3}) {
-    const Vec3& out = filter.pass(Vec3(v, 0.1 * v, -v), 0.0, kCycle);
+    const Vec3& out = filter.pass(Vec3(v, 0.1 * v, -v), 0.0, kFilterCycle);
     EXPECT_EQ(out, Vec3(v, 0.1 * v, -v));
     EXPECT_EQ(std::signbit(out.x()), std::signbit(v));
   }
@@ -39,14 +39,14 @@ TEST(ForceFilter, NoLagPassesEveryBit) {
 TEST(ForceFilter, TakesOutNoiseAsTheoryHasIt) {
   // White noise through y += b (x - y): variance b / (2 - b).
   ForceFilter filter;
-  const double lag = 0.02, b = kCycle / (lag + kCycle);
+  const double lag = 0.02, b = kFilterCycle / (lag + kFilterCycle);
   std::uint64_t state = 1;
   double squares = 0.0;
   constexpr int kReadings = 200'000;
   for (int i = 0; i < kReadings; ++i) {
     state = state * 6364136223846793005u + 1442695040888963407u;
     const double white = static_cast<double>(state >> 11) / 4503599627370496.0 - 1.0;  // +-1
-    squares += std::pow(filter.pass(Vec3(white, 0, 0), lag, kCycle).x(), 2);
+    squares += std::pow(filter.pass(Vec3(white, 0, 0), lag, kFilterCycle).x(), 2);
   }
   EXPECT_NEAR(squares / kReadings, b / (2.0 - b) / 3.0, 0.004);
 }

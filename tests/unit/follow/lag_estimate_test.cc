@@ -10,8 +10,8 @@
 namespace handrail {
 namespace {
 
-constexpr double kCycle = 0.0071;  // [s]
-constexpr double kLag = 0.045;     // of the arm below [s]
+constexpr double kLagCycle = 0.0071;  // [s]
+constexpr double kLag = 0.045;        // of the arm below [s]
 
 // An arm behind a first-order lag, whose joints swing.
 struct Swinging {
@@ -25,9 +25,9 @@ struct Swinging {
   explicit Swinging(double lag_in = kLag) : lag(lag_in) {}
   void pass(int cycles) {
     for (const int end = i + cycles; i < end; ++i) {
-      for (int j = 0; j < kJoints; ++j) q[j] = 0.3 * std::sin((0.4 + 0.1 * j) * i * kCycle);
-      arm += (1.0 - std::exp(-kCycle / lag)) * (q - arm);
-      estimate.add(q, says ? says(i, arm) : arm, kCycle);
+      for (int j = 0; j < kJoints; ++j) q[j] = 0.3 * std::sin((0.4 + 0.1 * j) * i * kLagCycle);
+      arm += (1.0 - std::exp(-kLagCycle / lag)) * (q - arm);
+      estimate.add(q, says ? says(i, arm) : arm, kLagCycle);
     }
   }
 };
@@ -40,7 +40,7 @@ TEST(LagEstimate, FindsTheLagOfAnArmThatMovesAndKeepsItWhileItStands) {
     // A cycle: what is commanded is on its way for half of one.
     EXPECT_NEAR(run.estimate.lag(), lag, 0.006) << lag;
     const double before = run.estimate.lag();
-    for (int i = 0; i < 1000; ++i) run.estimate.add(run.q, run.arm, kCycle);
+    for (int i = 0; i < 1000; ++i) run.estimate.add(run.q, run.arm, kLagCycle);
     EXPECT_EQ(run.estimate.lag(), before);
   }
 }
@@ -51,13 +51,13 @@ TEST(LagEstimate, BeginsWithTheSlowestArmThatIsTakenToFollow) {
 
 TEST(LagEstimate, HalfASecondOfMotionAsSlowAsACarefulApproachIsEnough) {
   // 20 mm/s of a tip half a metre away.
-  const JointVector step = 0.04 * kCycle * JointVector::Unit(1);
+  const JointVector step = 0.04 * kLagCycle * JointVector::Unit(1);
   LagEstimate estimate;
   constexpr int kBehind = 6;  // cycles
   for (int i = 0; i < 70 + kBehind; ++i) {
-    estimate.add(i * step, std::max(0, i - kBehind) * step, kCycle);
+    estimate.add(i * step, std::max(0, i - kBehind) * step, kLagCycle);
   }
-  EXPECT_NEAR(estimate.lag(), kBehind * kCycle, 1e-9);
+  EXPECT_NEAR(estimate.lag(), kBehind * kLagCycle, 1e-9);
 }
 
 TEST(LagEstimate, NeverLeavesWhatAnArmCanHave) {
@@ -147,7 +147,7 @@ TEST(LagEstimate, WhereItIsPutIsNoMotionAndNothingIsKnownOfTheArm) {
   const JointVector q = JointVector::Constant(1.0);
   run.estimate.restart(q);
   EXPECT_DOUBLE_EQ(run.estimate.lag(), LagEstimate::kMost);
-  run.estimate.add(q, q, kCycle);
+  run.estimate.add(q, q, kLagCycle);
   EXPECT_DOUBLE_EQ(run.estimate.lag(), LagEstimate::kMost);
 }
 

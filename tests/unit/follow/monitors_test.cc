@@ -14,9 +14,9 @@ namespace {
 using test::Dice;
 using test::FollowRig;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 constexpr double kRange = 1000.0;
-constexpr double kCycle = 0.0071;
+constexpr double kMonitorCycle = 0.0071;
 
 // Noise of a few counts, as a real sensor's.
 Wrench noise(Dice& dice, const Vec3& force = Vec3::Zero()) {
@@ -28,7 +28,7 @@ Reason judge(WrenchMonitor& monitor, const Wrench& f) {
   WrenchReading now;
   now.f_E_T = f;
   now.fresh = now.still = true;
-  return monitor.judge(BumperSettings(), kRange, kCycle, now);
+  return monitor.judge(BumperSettings(), kRange, kMonitorCycle, now);
 }
 
 TEST(WrenchMonitor, ANoisySensorThatRepeatsItselfIsStuckWithinATenthOfASecond) {
@@ -40,7 +40,7 @@ TEST(WrenchMonitor, ANoisySensorThatRepeatsItselfIsStuckWithinATenthOfASecond) {
   const Wrench stuck = noise(dice);
   int cycles = 0;
   while (judge(monitor, stuck) == Reason::kNone) ASSERT_LT(++cycles, 100);
-  EXPECT_LE((cycles + 1) * kCycle, 0.1);
+  EXPECT_LE((cycles + 1) * kMonitorCycle, 0.1);
   EXPECT_EQ(judge(monitor, noise(dice)), Reason::kNone);
 }
 
@@ -61,7 +61,7 @@ JointVector hears(JointMonitor& monitor, const JointVector& q) {
 }
 
 TEST(JointMonitor, ABadReadingIsHeldOverAndTheThirdNamesItsJoint) {
-  for (const double bad : {kNaN, std::numeric_limits<double>::infinity(), 1e300, 2.0}) {
+  for (const double bad : {kNoNumber, std::numeric_limits<double>::infinity(), 1e300, 2.0}) {
     JointMonitor monitor;
     JointVector q = JointVector::Constant(0.5);
     EXPECT_EQ(hears(monitor, q), q);
@@ -101,10 +101,11 @@ int cycles_to_alarm(double lag, int until, int cycles, Dice& dice) {
   JointVector q = JointVector::Zero(), last = q, arm = q;
   monitor.restart(q);
   for (int i = 0; i < cycles; ++i) {
-    const double t = i * kCycle, speed = 4.0, acceleration = 26.0, w = acceleration / speed;
-    if (i < until) arm += (last - arm) * (1.0 - std::exp(-kCycle / lag));
+    const double t = i * kMonitorCycle, speed = 4.0, acceleration = 26.0, w = acceleration / speed;
+    if (i < until) arm += (last - arm) * (1.0 - std::exp(-kMonitorCycle / lag));
     if (monitor.lost(settings, q,
-                     arm + JointVector(JointVector::Constant(dice.between(-1e-4, 1e-4))), kCycle)) {
+                     arm + JointVector(JointVector::Constant(dice.between(-1e-4, 1e-4))),
+                     kMonitorCycle)) {
       return i;
     }
     last = q;
@@ -117,14 +118,14 @@ int cycles_to_alarm(double lag, int until, int cycles, Dice& dice) {
 TEST(FollowingMonitor, AnArmOfAnySoundLagIsSilentForTenMinutes) {
   Dice dice(4);
   for (const double lag : {0.001, 0.025, 0.045, 0.070, 0.090}) {
-    const int cycles = static_cast<int>(600.0 / kCycle);
+    const int cycles = static_cast<int>(600.0 / kMonitorCycle);
     EXPECT_EQ(cycles_to_alarm(lag, cycles, cycles, dice), cycles) << lag;
   }
 }
 
 // A joint anywhere, each way drawn from its limits, and each arm of its own lag and delay.
 TEST(FollowingMonitor, AnArmOfAnySoundLagIsSilentWhateverTheMotion) {
-  const double speed = 4.0 * kCycle, change = 26.0 * kCycle * kCycle;
+  const double speed = 4.0 * kMonitorCycle, change = 26.0 * kMonitorCycle * kMonitorCycle;
   for (int run = 0; run < 200; ++run) {
     Dice dice(static_cast<std::uint32_t>(100 + run));
     const double lag = dice.between(0.001, 0.090);
@@ -133,8 +134,8 @@ TEST(FollowingMonitor, AnArmOfAnySoundLagIsSilentWhateverTheMotion) {
     monitor.restart(q);
     double step = 0.0, wanted = 0.0;
     for (int i = 0; i < 2000; ++i) {
-      arm += (last - arm) * (1.0 - std::exp(-kCycle / lag));
-      ASSERT_FALSE(monitor.lost({}, q, arm, kCycle)) << run << " cycle " << i;
+      arm += (last - arm) * (1.0 - std::exp(-kMonitorCycle / lag));
+      ASSERT_FALSE(monitor.lost({}, q, arm, kMonitorCycle)) << run << " cycle " << i;
       if (dice.between(0, 1) < 0.05) wanted = dice.between(-speed, speed);
       step += std::clamp(wanted - step, -change, change);
       last = q;
@@ -149,9 +150,10 @@ TEST(FollowingMonitor, AnArmThatStandsWhileASlowCommandGoesOnIsSeenInTime) {
   monitor.restart(q);
   // At 0.2 rad/s the slowest sound arm is 22 mrad behind; 11 mrad more are no sound arm.
   int cycles = 0;
-  for (; !monitor.lost({}, q, JointVector::Zero(), kCycle); ++cycles) q[1] += 0.2 * kCycle;
-  EXPECT_LT(cycles * kCycle, 0.25);
-  EXPECT_GT(cycles * kCycle, 0.05);
+  for (; !monitor.lost({}, q, JointVector::Zero(), kMonitorCycle); ++cycles)
+    q[1] += 0.2 * kMonitorCycle;
+  EXPECT_LT(cycles * kMonitorCycle, 0.25);
+  EXPECT_GT(cycles * kMonitorCycle, 0.05);
 }
 
 // A slave that starts anew while the arm still comes to where its predecessor sent it.
@@ -163,13 +165,13 @@ TEST(FollowingMonitor, AnArmTakenOverInMotionMayArriveAndOneThatNeverDoesIsSeen)
     monitor.restart(q);
     int cycles = 0;
     for (; cycles < 200; ++cycles) {
-      if (arrives) arm *= std::exp(-kCycle / 0.09);
-      if (monitor.lost({}, q, arm, kCycle)) break;
+      if (arrives) arm *= std::exp(-kMonitorCycle / 0.09);
+      if (monitor.lost({}, q, arm, kMonitorCycle)) break;
     }
     if (arrives) {
       EXPECT_EQ(cycles, 200);
     } else {
-      EXPECT_LT(cycles * kCycle, 0.6);
+      EXPECT_LT(cycles * kMonitorCycle, 0.6);
     }
   }
 }
@@ -187,13 +189,13 @@ TEST(FollowMonitors, OneNonFiniteJointReadingChangesNothingAndThreeAreAFault) {
   Pose X = rig.tip;
   for (int i = 0; i < 30; ++i) {
     X.p.y() += 1e-3;
-    if (i % 5 == 0) rig.in.q_measured[2] = kNaN;
+    if (i % 5 == 0) rig.in.q_measured[2] = kNoNumber;
     rig.follow(X);
     ASSERT_EQ(rig.out.link.state, SessionState::kEngaged);
     ASSERT_TRUE(rig.out.link.q_measured.allFinite() && is_finite(rig.out.link.X_ST));
   }
   for (int i = 0; i < 3; ++i) {
-    rig.in.q_measured[2] = kNaN;
+    rig.in.q_measured[2] = kNoNumber;
     rig.follow(X);
   }
   EXPECT_EQ(rig.out.link.state, SessionState::kFault);

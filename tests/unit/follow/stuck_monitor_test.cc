@@ -14,7 +14,7 @@ namespace {
 
 using test::Dice;
 
-constexpr double kCycle = 0.0071;  // [s]
+constexpr double kStuckCycle = 0.0071;  // [s]
 constexpr double kDay = 86400.0;
 const Vec3 kPress(0.0, 0.0, 20.0);  // in a contact [N]
 
@@ -24,7 +24,7 @@ Wrench counted(Wrench f) {
   return f;
 }
 
-Wrench noise(Dice& dice, const Vec3& force = Vec3::Zero()) {
+Wrench stuck_noise(Dice& dice, const Vec3& force = Vec3::Zero()) {
   return counted({force + dice.within(0.05), dice.within(1e-3)});
 }
 
@@ -38,7 +38,7 @@ WrenchReading reading(const Wrench& f, bool still, const Vec3& p_ST = Vec3::Zero
 }
 
 bool judge(StuckMonitor& monitor, const WrenchReading& now) {
-  return monitor.judge(BumperSettings(), kCycle, now);
+  return monitor.judge(BumperSettings(), kStuckCycle, now);
 }
 
 // How long a sensor that says `f` for ever is believed, on a tip that goes at `v` [s].
@@ -46,7 +46,8 @@ double believed(StuckMonitor& monitor, const Wrench& f, const Vec3& v, bool stil
                 const BumperSettings& bumper = {}) {
   constexpr int kPatience = 300;
   for (int i = 0; i < kPatience; ++i) {
-    if (monitor.judge(bumper, kCycle, reading(f, still, i * kCycle * v))) return i * kCycle;
+    if (monitor.judge(bumper, kStuckCycle, reading(f, still, i * kStuckCycle * v)))
+      return i * kStuckCycle;
   }
   return 1e9;
 }
@@ -55,11 +56,11 @@ TEST(StuckMonitor, NoiseThatStopsIsFoundInATenthOfASecondWhateverTheArmDoes) {
   for (const bool moving : {false, true}) {
     Dice dice(1);
     StuckMonitor monitor;
-    for (int i = 0; i < 141; ++i) ASSERT_FALSE(judge(monitor, reading(noise(dice), true)));
+    for (int i = 0; i < 141; ++i) ASSERT_FALSE(judge(monitor, reading(stuck_noise(dice), true)));
     for (int i = 0; i < 50; ++i) {
-      ASSERT_FALSE(judge(monitor, reading(noise(dice, i * Vec3(0, 0, 1)), !moving)));
+      ASSERT_FALSE(judge(monitor, reading(stuck_noise(dice, i * Vec3(0, 0, 1)), !moving)));
     }
-    EXPECT_LT(believed(monitor, noise(dice), Vec3::Zero(), !moving), 0.1) << moving;
+    EXPECT_LT(believed(monitor, stuck_noise(dice), Vec3::Zero(), !moving), 0.1) << moving;
   }
 }
 
@@ -84,10 +85,10 @@ TEST(StuckMonitor, NoiseOfAnyColourIsNoise) {
 TEST(StuckMonitor, AnHourOfANoisySensorIsSilent) {
   Dice dice(2);
   StuckMonitor monitor;
-  for (int i = 0; i < static_cast<int>(3600.0 / kCycle); ++i) {
+  for (int i = 0; i < static_cast<int>(3600.0 / kStuckCycle); ++i) {
     // With contacts that come and go.
     const Vec3 load = i / 1000 % 2 == 0 ? Vec3(0, 0, 40) : Vec3(Vec3::Zero());
-    ASSERT_FALSE(judge(monitor, reading(noise(dice, load), i % 500 < 250))) << i;
+    ASSERT_FALSE(judge(monitor, reading(stuck_noise(dice, load), i % 500 < 250))) << i;
   }
 }
 
@@ -103,24 +104,25 @@ TEST(StuckMonitor, ADayOfContactWithoutNoiseIsSilent) {
   const Eigen::Matrix<double, kJoints, 3> back =
       jacobian.transpose() * (jacobian * jacobian.transpose()).inverse();
   JointVector share;  // of the way to the command, a cycle
-  for (int j = 0; j < kJoints; ++j) share[j] = 1.0 - std::exp(-kCycle / dice.between(0.03, 0.06));
+  for (int j = 0; j < kJoints; ++j)
+    share[j] = 1.0 - std::exp(-kStuckCycle / dice.between(0.03, 0.06));
   StuckMonitor monitor;
   JointVector q = JointVector::Zero(), told = q;
   Vec3 goal = Vec3::Zero(), p = goal;
   double speed = 0.05, tremor = 0.0, rest = 0.0;
   std::int64_t changed = 0;
-  const auto cycles = static_cast<std::int64_t>(kDay / kCycle);
+  const auto cycles = static_cast<std::int64_t>(kDay / kStuckCycle);
   for (std::int64_t i = 0; i < cycles; ++i) {
-    if (p == goal && (rest -= kCycle) < 0.0) {
+    if (p == goal && (rest -= kStuckCycle) < 0.0) {
       goal = dice.within(5e-3);
       rest = dice.between(0.0, 1.0) < 0.8 ? dice.between(0.0, 2.0) : 20.0;
       speed = dice.between(0.0, 1.0) < 0.5 ? 0.05 : 0.001;
       tremor = dice.between(0.0, 1.0) < 0.3 ? 1e-4 : 0.0;
     }
-    const double length = (goal - p).norm(), step = speed * kCycle;
+    const double length = (goal - p).norm(), step = speed * kStuckCycle;
     p = length <= step ? goal : Vec3(p + step / length * (goal - p));
     const Vec3 shaken =
-        p + tremor * std::sin(62.8 * kCycle * static_cast<double>(i)) * Vec3(0.5, 0.3, 0.8);
+        p + tremor * std::sin(62.8 * kStuckCycle * static_cast<double>(i)) * Vec3(0.5, 0.3, 0.8);
     const JointVector last = told;
     told = (back * shaken).cast<float>().cast<double>();
     q += share.cwiseProduct(told - q);
@@ -140,7 +142,7 @@ TEST(StuckMonitor, APersonWhoLeansOnASensorWithoutNoiseIsNoNoise) {
     StuckMonitor monitor;
     Vec3 f;
     for (int i = 0; i < 1000; ++i) {
-      const double t = i * kCycle;
+      const double t = i * kStuckCycle;
       f = Vec3(1.0, 2.0, 20.0) * (1.5 + std::sin(6.2832 * rate * t) + 0.3 * std::sin(3.0 * t));
       ASSERT_FALSE(judge(monitor, reading(counted({f, Vec3::Zero()}), true)));
     }
@@ -180,10 +182,10 @@ TEST(StuckMonitor, AReadingThatStandsWhileItsPayloadIsTurnedIsStuck) {
     const double weight = 9.8;  // [N]
     double found = 1e9;
     for (int i = 0; i < 300 && found > 1.0; ++i) {
-      const double angle = rate * i * kCycle;
+      const double angle = rate * i * kStuckCycle;
       WrenchReading now = reading({{0.0, 0.0, weight}, Vec3::Zero()}, false);
       now.own_T = weight * Vec3(std::sin(angle), 0.0, std::cos(angle));
-      if (judge(monitor, now)) found = i * kCycle;
+      if (judge(monitor, now)) found = i * kStuckCycle;
     }
     if (rate == 0.0) {
       EXPECT_GT(found, 1.0);
@@ -207,7 +209,7 @@ TEST(StuckMonitor, ALateSensorMayRepeatWhatItFeltBeforeTheTipMoved) {
   for (const double lag : {1e-3, 0.02, 0.1}) {
     bumper.sensor_lag = lag;
     StuckMonitor monitor;
-    std::deque<double> late(static_cast<std::size_t>(std::lround(lag / kCycle)) + 1, 0.0);
+    std::deque<double> late(static_cast<std::size_t>(std::lround(lag / kStuckCycle)) + 1, 0.0);
     double height = 0.0;
     for (int i = 0; i < 2000; ++i) {
       if (i % 100 < 50) height += (i / 100 % 2 == 0 ? 1.0 : -1.0) * 2e-4;
@@ -215,7 +217,7 @@ TEST(StuckMonitor, ALateSensorMayRepeatWhatItFeltBeforeTheTipMoved) {
       const Wrench f{(kPress.z() - 1e3 * late.front()) * Vec3::UnitZ(), Vec3::Zero()};
       late.pop_front();
       ASSERT_FALSE(
-          monitor.judge(bumper, kCycle, reading(counted(f), false, height * Vec3::UnitZ())))
+          monitor.judge(bumper, kStuckCycle, reading(counted(f), false, height * Vec3::UnitZ())))
           << lag << ' ' << i;
     }
   }

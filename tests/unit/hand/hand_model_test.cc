@@ -7,7 +7,7 @@
 namespace handrail {
 namespace {
 
-constexpr double kTick = 1e-3;
+constexpr double kHandTick = 1e-3;
 
 HandOptions still_hand() {
   HandOptions options;
@@ -42,7 +42,7 @@ TEST(HandModel, FollowsTheIntentExactlyWhenNothingPushes) {
   hand.steer(move({0.05, 0.02, 0.0}, 0.5));
   double peak = 0.0;
   for (int i = 0; i < 600; ++i) {
-    hand.step(kTick, Wrench{});
+    hand.step(kHandTick, Wrench{});
     peak = std::max(peak, hand.velocity().norm());
     // Only the fade-in of the expected friction, below 1 mm/s, may leave a trace.
     EXPECT_LT((hand.pose().p - hand.motion().position().p).norm(), 5e-5) << i;
@@ -56,7 +56,7 @@ TEST(HandModel, YieldsToAForceByItsStiffnessAndWithItsDamping) {
   HandModel hand(options);
   double peak = 0.0;
   for (int i = 0; i < 3000; ++i) {
-    hand.step(kTick, force({1.0, 0.0, 0.0}));
+    hand.step(kHandTick, force({1.0, 0.0, 0.0}));
     peak = std::max(peak, hand.pose().p.x());
   }
   EXPECT_NEAR(hand.pose().p.x(), 1.0 / 250.0, 1e-7);
@@ -66,17 +66,17 @@ TEST(HandModel, YieldsToAForceByItsStiffnessAndWithItsDamping) {
 
 TEST(HandModel, FrictionHoldsTheBodyExactlyUntilPushedHarder) {
   HandModel hand(still_hand(), stylus());
-  for (int i = 0; i < 2000; ++i) hand.step(kTick, force({0.15, -0.15, 0.1}));
+  for (int i = 0; i < 2000; ++i) hand.step(kHandTick, force({0.15, -0.15, 0.1}));
   EXPECT_EQ(hand.pose().p, Vec3::Zero());
-  for (int i = 0; i < 2000; ++i) hand.step(kTick, force({0.0, 0.0, 1.0}));
+  for (int i = 0; i < 2000; ++i) hand.step(kHandTick, force({0.0, 0.0, 1.0}));
   const Vec3 pushed = hand.pose().p;
   EXPECT_GT(pushed.z(), (1.0 - 0.26) / 250.0 - 1e-6);
   EXPECT_LT(pushed.z(), (1.0 + 0.26) / 250.0 + 1e-6);
   // Released: friction keeps a remainder, and nothing creeps.
-  for (int i = 0; i < 3000; ++i) hand.step(kTick, Wrench{});
+  for (int i = 0; i < 3000; ++i) hand.step(kHandTick, Wrench{});
   const Vec3 rest = hand.pose().p;
   EXPECT_LE(rest.norm(), 0.26 / 250.0 + 1e-6);
-  for (int i = 0; i < 1000; ++i) hand.step(kTick, Wrench{});
+  for (int i = 0; i < 1000; ++i) hand.step(kHandTick, Wrench{});
   EXPECT_EQ(hand.pose().p, rest);
 }
 
@@ -87,10 +87,11 @@ TEST(HandModel, AMoveTooSlowForItsFrictionSticksAndSlipsWithoutJumps) {
   for (int i = 0; i < 10'000; ++i) {
     const Vec3 before = hand.pose().p;
     const Vec3 v_before = hand.velocity();
-    hand.step(kTick, Wrench{});
+    hand.step(kHandTick, Wrench{});
     const Vec3 moved = hand.pose().p - before;
     stuck += moved.norm() == 0.0 ? 1 : 0;
-    EXPECT_LE(moved.norm(), 2.0 * kTick * std::max(v_before.norm(), hand.velocity().norm()) + 1e-6);
+    EXPECT_LE(moved.norm(),
+              2.0 * kHandTick * std::max(v_before.norm(), hand.velocity().norm()) + 1e-6);
   }
   EXPECT_GT(stuck, 1000);
   EXPECT_NEAR(hand.pose().p.x(), 0.002, 0.26 / 250.0);
@@ -106,11 +107,11 @@ TEST(HandModel, StaysBoundedAgainstAStiffVirtualSpring) {
       body.friction = friction;
       HandModel hand(options, body);
       hand.steer(move({0.02, 0.0, 0.0}, 0.2));
-      for (int i = 0; i < 250; ++i) hand.step(kTick, Wrench{});
+      for (int i = 0; i < 250; ++i) hand.step(kHandTick, Wrench{});
       double peak = 0.0;
       double late_speed = 0.0;
       for (int i = 0; i < 5000; ++i) {
-        hand.step(kTick, force(-800.0 * hand.pose().p));
+        hand.step(kHandTick, force(-800.0 * hand.pose().p));
         peak = std::max(peak, hand.pose().p.norm());
         if (i >= 4000) late_speed = std::max(late_speed, hand.velocity().norm());
       }
@@ -125,7 +126,7 @@ TEST(HandModel, RestsAgainstTheStopOfItsWorkSpace) {
   hand.steer(move({0.3, 0.0, 0.0}, 0.3));
   double peak = 0.0;
   for (int i = 0; i < 3000; ++i) {
-    hand.step(kTick, Wrench{});
+    hand.step(kHandTick, Wrench{});
     peak = std::max(peak, hand.pose().p.x());
     ASSERT_TRUE(is_finite(hand.pose()));
   }
@@ -137,7 +138,7 @@ TEST(HandModel, RestsAgainstTheStopOfItsWorkSpace) {
 
 TEST(HandModel, TorqueTurnsTheStylusAgainstTheWrist) {
   HandModel hand(still_hand());
-  for (int i = 0; i < 3000; ++i) hand.step(kTick, {Vec3::Zero(), Vec3(0.0, 0.1, 0.0)});
+  for (int i = 0; i < 3000; ++i) hand.step(kHandTick, {Vec3::Zero(), Vec3(0.0, 0.1, 0.0)});
   EXPECT_LT((rotation_log(hand.pose().q) - Vec3(0.0, 0.1, 0.0)).norm(), 1e-6);
   EXPECT_EQ(hand.pose().p, Vec3::Zero());
 }
@@ -149,9 +150,9 @@ TEST(HandModel, SpeedOfTheTipHasNoJumps) {
   Vec3 last = hand.velocity();
   for (int i = 0; i < 10'000; ++i) {
     if (i % 700 == 0) hand.steer(move({i % 1400 == 0 ? 0.04 : -0.04, 0.01, 0.0}, 0.5));
-    hand.step(kTick, Wrench{});
+    hand.step(kHandTick, Wrench{});
     // 20 m/s^2: above a human's 5.8 D / T^2 = 1 m/s^2, friction's 2 N/kg, and tremor's.
-    EXPECT_LT((hand.velocity() - last).norm(), 20.0 * kTick) << i;
+    EXPECT_LT((hand.velocity() - last).norm(), 20.0 * kHandTick) << i;
     last = hand.velocity();
   }
 }

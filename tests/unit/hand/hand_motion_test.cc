@@ -10,9 +10,9 @@
 namespace handrail {
 namespace {
 
-constexpr double kTick = 1e-3;
+constexpr double kMotionTick = 1e-3;
 
-HandIntent move(const Vec3& displacement, double duration) {
+HandIntent moved_by(const Vec3& displacement, double duration) {
   HandIntent intent;
   intent.displacement_M = displacement;
   intent.duration = duration;
@@ -20,17 +20,17 @@ HandIntent move(const Vec3& displacement, double duration) {
 }
 
 void run(HandMotion& motion, double seconds) {
-  const int ticks = static_cast<int>(seconds / kTick + 0.5);
-  for (int i = 0; i < ticks; ++i) motion.step(kTick);
+  const int ticks = static_cast<int>(seconds / kMotionTick + 0.5);
+  for (int i = 0; i < ticks; ++i) motion.step(kMotionTick);
 }
 
 TEST(HandMotion, PeaksAtMinimumJerkSpeedHalfWay) {
   HandMotion motion(0.0);
-  motion.steer(move({0.0, 0.08, 0.0}, 0.5));
+  motion.steer(moved_by({0.0, 0.08, 0.0}, 0.5));
   double peak = 0.0;
   double at_half = 0.0;
   for (int i = 1; i <= 500; ++i) {
-    motion.step(kTick);
+    motion.step(kMotionTick);
     peak = std::max(peak, motion.position().v.norm());
     if (i == 250) at_half = motion.position().v.norm();
   }
@@ -41,7 +41,7 @@ TEST(HandMotion, PeaksAtMinimumJerkSpeedHalfWay) {
 
 TEST(HandMotion, WaitsForTheReactionDelayThenArrivesOnTime) {
   HandMotion motion(0.2);
-  motion.steer(move({0.03, 0.0, 0.0}, 0.5));
+  motion.steer(moved_by({0.03, 0.0, 0.0}, 0.5));
   EXPECT_TRUE(motion.moving());
   run(motion, 0.2);
   EXPECT_NEAR(motion.position().p.norm(), 0.0, 1e-12);
@@ -57,8 +57,8 @@ TEST(HandMotion, WaitsForTheReactionDelayThenArrivesOnTime) {
 TEST(HandMotion, DelayAndMoveDoNotDependOnTheStep) {
   HandMotion fine(0.1005);
   HandMotion coarse(0.1005);
-  fine.steer(move({0.03, 0.01, 0.0}, 0.4));
-  coarse.steer(move({0.03, 0.01, 0.0}, 0.4));
+  fine.steer(moved_by({0.03, 0.01, 0.0}, 0.4));
+  coarse.steer(moved_by({0.03, 0.01, 0.0}, 0.4));
   for (int i = 0; i < 3000; ++i) fine.step(1e-4);
   for (int i = 0; i < 100; ++i) coarse.step(3e-3);
   EXPECT_LT((fine.position().p - coarse.position().p).norm(), 1e-12);
@@ -67,7 +67,7 @@ TEST(HandMotion, DelayAndMoveDoNotDependOnTheStep) {
 
 TEST(HandMotion, NewMoveTakesOverWithoutAJumpInSpeedOrAcceleration) {
   HandMotion motion(0.1);
-  HandIntent turn = move({0.05, 0.0, 0.0}, 0.5);
+  HandIntent turn = moved_by({0.05, 0.0, 0.0}, 0.5);
   turn.rotation_M = Vec3(0.0, 0.6, 0.0);
   motion.steer(turn);
   VectorMotion last = motion.position();
@@ -76,18 +76,18 @@ TEST(HandMotion, NewMoveTakesOverWithoutAJumpInSpeedOrAcceleration) {
   Vec3 last_bend = Vec3::Zero();
   for (int i = 0; i < 1500; ++i) {
     if (i == 300 || i == 700) {
-      HandIntent other = move({0.0, 0.04, -0.01}, 0.6);
+      HandIntent other = moved_by({0.0, 0.04, -0.01}, 0.6);
       other.rotation_M = i == 300 ? Vec3(0.5, 0.0, 0.2) : Vec3(0.0, -0.4, 0.8);
       motion.steer(other);
     }
-    motion.step(kTick);
+    motion.step(kMotionTick);
     const VectorMotion& now = motion.position();
-    EXPECT_LT((now.p - last.p).norm(), 0.4 * kTick) << i;
-    EXPECT_LT((now.v - last.v).norm(), 3.0 * kTick) << i;
-    EXPECT_LT((now.a - last.a).norm(), 60.0 * kTick + 1e-9) << i;
+    EXPECT_LT((now.p - last.p).norm(), 0.4 * kMotionTick) << i;
+    EXPECT_LT((now.v - last.v).norm(), 3.0 * kMotionTick) << i;
+    EXPECT_LT((now.a - last.a).norm(), 60.0 * kMotionTick + 1e-9) << i;
     const Vec3 turned = rotation_log(motion.orientation() * last_q.conjugate());
-    EXPECT_LT((turned - last_turn).norm(), 25.0 * kTick * kTick) << i;
-    const Vec3 bend = (turned - last_turn) / (kTick * kTick);
+    EXPECT_LT((turned - last_turn).norm(), 25.0 * kMotionTick * kMotionTick) << i;
+    const Vec3 bend = (turned - last_turn) / (kMotionTick * kMotionTick);
     EXPECT_LT((bend - last_bend).norm(), 2.0) << i;
     last = now;
     last_bend = bend;
@@ -98,11 +98,11 @@ TEST(HandMotion, NewMoveTakesOverWithoutAJumpInSpeedOrAcceleration) {
 
 TEST(HandMotion, GoalCountsFromWhereTheIntentStoodAtTheOrder) {
   HandMotion motion(0.2);
-  motion.steer(move({0.04, 0.0, 0.0}, 0.4));
+  motion.steer(moved_by({0.04, 0.0, 0.0}, 0.4));
   run(motion, 0.4);
   const Vec3 at_order = motion.position().p;
   EXPECT_NEAR(at_order.x(), 0.02, 1e-9);
-  motion.steer(move({0.0, 0.01, 0.0}, 0.3));
+  motion.steer(moved_by({0.0, 0.01, 0.0}, 0.3));
   run(motion, 1.0);
   EXPECT_LT((motion.position().p - at_order - Vec3(0.0, 0.01, 0.0)).norm(), 1e-12);
 }
@@ -110,7 +110,7 @@ TEST(HandMotion, GoalCountsFromWhereTheIntentStoodAtTheOrder) {
 TEST(HandMotion, OrdersFasterThanTheReactionStillMoveTheHand) {
   HandMotion motion(0.2);
   for (int i = 0; i < 10; ++i) {
-    motion.steer(move({0.02, 0.0, 0.0}, 0.3));
+    motion.steer(moved_by({0.02, 0.0, 0.0}, 0.3));
     run(motion, 0.1);
   }
   EXPECT_GT(motion.position().p.x(), 0.02);
@@ -132,7 +132,7 @@ TEST(HandMotion, TurnsByTheRotationVectorInFrameM) {
 
 TEST(HandMotion, HoldsButtonsOnlyDuringTheMove) {
   HandMotion motion(0.1);
-  HandIntent intent = move({0.01, 0.0, 0.0}, 0.2);
+  HandIntent intent = moved_by({0.01, 0.0, 0.0}, 0.2);
   intent.buttons = 3;
   motion.steer(intent);
   run(motion, 0.05);
@@ -147,12 +147,12 @@ TEST(HandMotion, IgnoresOrdersThatMakeNoSense) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInf = std::numeric_limits<double>::infinity();
   HandMotion motion(0.0);
-  HandIntent twisted = move({0.01, 0.0, 0.0}, 0.5);
+  HandIntent twisted = moved_by({0.01, 0.0, 0.0}, 0.5);
   twisted.rotation_M.x() = kNan;
-  for (const HandIntent& bad :
-       {move({kNan, 0.0, 0.0}, 1.0), move({kInf, 0.0, 0.0}, 1.0), move({1e300, 0.0, 0.0}, 1.0),
-        move({0.01, 0.0, 0.0}, 0.0), move({0.01, 0.0, 0.0}, -1.0), move({0.01, 0.0, 0.0}, kNan),
-        move({0.01, 0.0, 0.0}, kInf), twisted}) {
+  for (const HandIntent& bad : {moved_by({kNan, 0.0, 0.0}, 1.0), moved_by({kInf, 0.0, 0.0}, 1.0),
+                                moved_by({1e300, 0.0, 0.0}, 1.0), moved_by({0.01, 0.0, 0.0}, 0.0),
+                                moved_by({0.01, 0.0, 0.0}, -1.0), moved_by({0.01, 0.0, 0.0}, kNan),
+                                moved_by({0.01, 0.0, 0.0}, kInf), twisted}) {
     motion.steer(bad);
     EXPECT_FALSE(motion.moving());
   }

@@ -10,7 +10,7 @@
 namespace handrail {
 namespace {
 
-constexpr double kTick = 1e-3;
+constexpr double kWanderTick = 1e-3;
 
 constexpr double kCoarse = 10e-3;
 
@@ -77,7 +77,7 @@ TEST(HandWander, DriftSettlesToTheGivenRms) {
 double rms_ahead(HandWander& wander, int steps) {
   double sum = 0.0;
   for (int i = 0; i < steps; ++i) {
-    wander.step(kTick);
+    wander.step(kWanderTick);
     sum += wander.position().squaredNorm();
   }
   return std::sqrt(sum / steps);
@@ -87,9 +87,9 @@ TEST(HandWander, TremorKeepsItsSizeAndItsPaceOverTenMinutes) {
   HandWander fine(4, 0.05e-3, 0.0, 0.0);
   HandWander coarse(4, 0.05e-3, 0.0, 0.0);
   EXPECT_NEAR(rms_ahead(fine, 60'000), 0.05e-3, 0.001e-3);
-  for (int i = 0; i < 480'000; ++i) fine.step(kTick);
+  for (int i = 0; i < 480'000; ++i) fine.step(kWanderTick);
   EXPECT_NEAR(rms_ahead(fine, 60'000), 0.05e-3, 0.001e-3);
-  for (int i = 0; i < 60'000; ++i) coarse.step(10.0 * kTick);
+  for (int i = 0; i < 60'000; ++i) coarse.step(10.0 * kWanderTick);
   EXPECT_LT((fine.position() - coarse.position()).norm(), 1e-12);
 }
 
@@ -143,8 +143,8 @@ TEST(HandWander, TheTurningDriftLeavesThePathOfTheTipAlone) {
   HandWander turning(8, 0.05e-3, 0.97e-3, 0.0122);
   HandWander straight(8, 0.05e-3, 0.97e-3, 0.0);
   for (int i = 0; i < 1000; ++i) {
-    turning.step(kTick);
-    straight.step(kTick);
+    turning.step(kWanderTick);
+    straight.step(kWanderTick);
     ASSERT_EQ(turning.position(), straight.position()) << i;
   }
 }
@@ -154,8 +154,8 @@ TEST(HandWander, VelocityIsTheRateOfThePositionAndHasNoJumps) {
   Vec3 last = wander.position();
   Vec3 last_v = wander.velocity();
   for (int i = 0; i < 20'000; ++i) {
-    wander.step(kTick);
-    const Vec3 rate = (wander.position() - last) / kTick;
+    wander.step(kWanderTick);
+    const Vec3 rate = (wander.position() - last) / kWanderTick;
     EXPECT_LT((rate - 0.5 * (wander.velocity() + last_v)).norm(), 0.2e-3) << i;
     EXPECT_LT((wander.velocity() - last_v).norm(), 1.5e-3) << i;
     last = wander.position();
@@ -165,7 +165,7 @@ TEST(HandWander, VelocityIsTheRateOfThePositionAndHasNoJumps) {
 
 TEST(HandWander, TremorPivotsTheStylus) {
   HandWander wander(3, 0.05e-3, 0.0, 0.0);
-  wander.step(kTick);
+  wander.step(kWanderTick);
   const Vec3 p = wander.position();
   const Vec3 moved = wander.rotation().cross(Vec3(0.0, 0.0, 0.05));
   EXPECT_NEAR(moved.x(), p.x(), 1e-15);
@@ -174,7 +174,7 @@ TEST(HandWander, TremorPivotsTheStylus) {
 
 TEST(HandWander, AStillHandIsExactlyStill) {
   HandWander wander(9, 0.0, 0.0, 0.0);
-  for (int i = 0; i < 100; ++i) wander.step(kTick);
+  for (int i = 0; i < 100; ++i) wander.step(kWanderTick);
   EXPECT_EQ(wander.position(), Vec3::Zero());
   EXPECT_EQ(wander.rotation(), Vec3::Zero());
 }
@@ -182,8 +182,8 @@ TEST(HandWander, AStillHandIsExactlyStill) {
 TEST(HandWander, OtherSeedsGiveOtherMotion) {
   HandWander a(1, 0.05e-3, 0.97e-3, 0.0);
   HandWander b(2, 0.05e-3, 0.97e-3, 0.0);
-  a.step(kTick);
-  b.step(kTick);
+  a.step(kWanderTick);
+  b.step(kWanderTick);
   EXPECT_NE(a.position(), b.position());
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 using test::HapticRig;
 
-constexpr double kTick = 1e-3;
+constexpr double kCueTick = 1e-3;
 constexpr Cue kAll[] = {Cue::kHold, Cue::kLost, Cue::kLimit, Cue::kSingularity};
 
 MotionLedger kept_back(MotionStage stage, double by, Reason why) {
@@ -29,7 +29,7 @@ MotionLedger kept_back(MotionStage stage, double by, Reason why) {
 int trembles_of(Cue cue) {
   int trembles = 0, quiet = 100;
   for (int ms = 0; ms < 500; ++ms) {
-    const bool loud = std::abs(cue_force(cue, ms * kTick)) > 0.01;
+    const bool loud = std::abs(cue_force(cue, ms * kCueTick)) > 0.01;
     trembles += loud && quiet > 20 ? 1 : 0;
     quiet = loud ? 0 : quiet + 1;
   }
@@ -40,11 +40,11 @@ TEST(CueForce, PushesNowhereAndStaysWithinTheStepLimit) {
   for (const Cue cue : kAll) {
     double last = 0.0, sum = 0.0, travel = 0.0, most_travel = 0.0, largest = 0.0;
     for (int ms = 0; ms < 1000; ++ms) {
-      const double f = cue_force(cue, ms * kTick);
+      const double f = cue_force(cue, ms * kCueTick);
       EXPECT_LT(std::abs(f - last), 0.05);
       largest = std::max(largest, std::abs(f));
-      sum += f * kTick;
-      travel += sum * kTick;  // of a kilogram
+      sum += f * kCueTick;
+      travel += sum * kCueTick;  // of a kilogram
       most_travel = std::max(most_travel, std::abs(travel));
       last = f;
     }
@@ -57,8 +57,8 @@ TEST(CueForce, PushesNowhereAndStaysWithinTheStepLimit) {
 
 TEST(CueForce, ThoseOfTheLinkBeginWhenTheForceHasLeft) {
   for (int ms = 0; ms <= 50; ++ms) {
-    EXPECT_EQ(cue_force(Cue::kHold, ms * kTick), 0.0);
-    EXPECT_EQ(cue_force(Cue::kLost, ms * kTick), 0.0);
+    EXPECT_EQ(cue_force(Cue::kHold, ms * kCueTick), 0.0);
+    EXPECT_EQ(cue_force(Cue::kLost, ms * kCueTick), 0.0);
   }
 }
 
@@ -75,7 +75,7 @@ TEST(KeptBack, NeedsTwoMillimetresForATenthOfASecondAndEndsBelowOne) {
   const auto far = [&](double mm, int ticks) {
     Cue cue = Cue::kNone;
     const MotionLedger ledger = kept_back(MotionStage::kLimits, mm * kMm, Reason::kJointSpeed);
-    for (int i = 0; i < ticks; ++i) cue = watch.step(ledger, Vec3::Zero(), kTick);
+    for (int i = 0; i < ticks; ++i) cue = watch.step(ledger, Vec3::Zero(), kCueTick);
     return cue;
   };
   EXPECT_EQ(far(1.9, 1000), Cue::kNone);
@@ -92,7 +92,7 @@ TEST(KeptBack, TellsLimitsFromSingularitiesAndOnlyThose) {
   const auto cue_of = [](const MotionLedger& ledger) {
     KeptBack watch;
     Cue cue = Cue::kNone;
-    for (int i = 0; i < 200; ++i) cue = watch.step(ledger, Vec3::Zero(), kTick);
+    for (int i = 0; i < 200; ++i) cue = watch.step(ledger, Vec3::Zero(), kCueTick);
     return cue;
   };
   const double far = 5.0 * kMm;
@@ -118,10 +118,10 @@ TEST(KeptBack, AnArmThatMovesMayLagByATenthOfASecondOfItsWay) {
       Cue cue = Cue::kNone;
       const auto ledger = kept_back(MotionStage::kLimits, lag, Reason::kJointAcceleration);
       Vec3 p(0.3, 0, 0.4);
-      (void)watch.step(MotionLedger(), p, kTick);
+      (void)watch.step(MotionLedger(), p, kCueTick);
       for (int i = 0; i < 1000; ++i) {
-        if (i % 7 == 0) p.y() += speed * 7 * kTick;
-        cue = watch.step(i < 300 ? MotionLedger() : ledger, p, kTick);
+        if (i % 7 == 0) p.y() += speed * 7 * kCueTick;
+        cue = watch.step(i < 300 ? MotionLedger() : ledger, p, kCueTick);
       }
       return cue;
     };
@@ -142,9 +142,9 @@ TEST(CuePlayer, RepeatsWhileItLastsAndNeverCutsATrembleOff) {
                           : phase == 1 ? Cue::kSingularity
                                        : Cue::kNone;
       const Cue news = ms == 1000 + 3 * seed ? Cue::kHold : Cue::kNone;
-      const double f = player.step(news, lasting, kTick);
+      const double f = player.step(news, lasting, kCueTick);
       EXPECT_LT(std::abs(f - last), 0.05) << ms;
-      sum += f * kTick;
+      sum += f * kCueTick;
       last = f;
     }
     EXPECT_EQ(last, 0.0);
@@ -153,7 +153,7 @@ TEST(CuePlayer, RepeatsWhileItLastsAndNeverCutsATrembleOff) {
   CuePlayer player;
   int loud = 0;
   for (int ms = 0; ms < 2000; ++ms) {
-    loud += std::abs(player.step(Cue::kNone, Cue::kLimit, kTick)) > 0.1 ? 1 : 0;
+    loud += std::abs(player.step(Cue::kNone, Cue::kLimit, kCueTick)) > 0.1 ? 1 : 0;
   }
   EXPECT_GT(loud, 4 * 20) << "twice a second";
 }
@@ -220,7 +220,7 @@ TEST(HapticCueLoop, AHandThatWorksFeelsNothingAndOneThatReachesTooFarDoes) {
   const Pose start = loop.master.in.hand.X_MH;
   double back = 0.0;
   for (int i = 0; i < 10'000; ++i) {
-    const double t = i * kTick;
+    const double t = i * kCueTick;
     const Vec3 way(std::sin(4.1 * t), std::sin(5.3 * t), std::sin(6.1 * t));
     loop.master.in.hand.X_MH.p = start.p + 10.0 * kMm * way;
     loop.master.in.hand.X_MH.q = rotation_exp(0.1 * way) * start.q;
@@ -232,7 +232,7 @@ TEST(HapticCueLoop, AHandThatWorksFeelsNothingAndOneThatReachesTooFarDoes) {
   const Vec3 outward = loop.master.state->command.engagement.to_hand({0.2, 0, 0});
   double felt = 0.0;
   for (int i = 0; i < 6000; ++i) {
-    loop.master.in.hand.X_MH.p += kTick / 2.0 * outward;
+    loop.master.in.hand.X_MH.p += kCueTick / 2.0 * outward;
     loop.tick();
     felt = std::max(felt, loop.master.out.force.cue.norm());
   }

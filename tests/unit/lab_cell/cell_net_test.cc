@@ -18,7 +18,7 @@
 namespace handrail {
 namespace {
 
-std::unique_ptr<Cell> make_cell(const CellNetOptions& net = {}) {
+std::unique_ptr<Cell> make_net_cell(const CellNetOptions& net = {}) {
   Scene scene;
   scene.name = "test";
   scene.limits.joints = rv2a_limits();
@@ -58,7 +58,7 @@ double speed_of(Cell& cell) {
 }
 
 std::uint64_t fingerprint(const CellNetOptions& net, double loss) {
-  const auto cell = make_cell(net);
+  const auto cell = make_net_cell(net);
   cell->net()->link().to_slave().faults.delay = 2 * kMillisecond;
   EXPECT_TRUE(engage(*cell));
   cell->net()->link().to_slave().faults.loss = loss;
@@ -71,7 +71,7 @@ std::uint64_t fingerprint(const CellNetOptions& net, double loss) {
 }
 
 TEST(CellNetTest, TheArmFollowsTheHandOverDatagrams) {
-  const auto cell = make_cell();
+  const auto cell = make_net_cell();
   ASSERT_TRUE(engage(*cell));
   run(*cell, kSecond);
   double furthest = 0.0;
@@ -97,7 +97,7 @@ TEST(CellNetTest, ClocksThatDifferChangeNothing) {
 }
 
 TEST(CellNetTest, AStoppedMasterIsHeldAndWhatWaitedInItsSocketIsDropped) {
-  const auto cell = make_cell();
+  const auto cell = make_net_cell();
   ASSERT_TRUE(engage(*cell));
   run(*cell, kSecond);
   cell->net()->stop_master(true);
@@ -110,7 +110,7 @@ TEST(CellNetTest, AStoppedMasterIsHeldAndWhatWaitedInItsSocketIsDropped) {
 }
 
 TEST(CellNetTest, AKilledMasterComesBackAsAnotherSessionThatDrivesNothing) {
-  const auto cell = make_cell();
+  const auto cell = make_net_cell();
   ASSERT_TRUE(engage(*cell));
   run(*cell, kSecond);
   cell->net()->stop_master(true);
@@ -124,7 +124,7 @@ TEST(CellNetTest, AKilledMasterComesBackAsAnotherSessionThatDrivesNothing) {
 }
 
 TEST(CellNetTest, AKilledSlaveComesBackOff) {
-  const auto cell = make_cell();
+  const auto cell = make_net_cell();
   ASSERT_TRUE(engage(*cell));
   run(*cell, kSecond);
   cell->restart_slave();
@@ -143,7 +143,7 @@ class Liar final : public CellTap {
 };
 
 TEST(CellNetTest, ATapFalsifiesWhatTheSlaveReads) {
-  const auto cell = make_cell();
+  const auto cell = make_net_cell();
   Liar liar;
   cell->set_tap(&liar);
   run(*cell, 50 * kMillisecond);
@@ -152,7 +152,7 @@ TEST(CellNetTest, ATapFalsifiesWhatTheSlaveReads) {
 }
 
 TEST(CellNetTest, TargetsAreWhatIsSentBeforeItIsRounded) {
-  const auto cell = make_cell();
+  const auto cell = make_net_cell();
   ASSERT_TRUE(engage(*cell));
   for (int i = 0; i < 1000; ++i) {
     tick(*cell);
@@ -164,7 +164,7 @@ TEST(CellNetTest, TargetsAreWhatIsSentBeforeItIsRounded) {
 }
 
 TEST(CellNetTest, TicksWithoutTouchingTheHeap) {
-  const auto cell = make_cell();
+  const auto cell = make_net_cell();
   ASSERT_TRUE(engage(*cell));
   cell->net()->link().to_slave().faults.loss = 0.2;
   test::NoAllocation guard("a tick of the cell over datagrams");

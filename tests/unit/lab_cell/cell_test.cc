@@ -47,8 +47,8 @@ HapticOrder order_of(OrderKind kind) {
   return order;
 }
 
-// Ticks with an engage order until engaged, at most three seconds; how long it took.
-Nanos engage(Cell& cell) {
+// Ticks with an engaged_after order until engaged, at most three seconds; how long it took.
+Nanos engaged_after(Cell& cell) {
   const Nanos start = cell.now();
   while (cell.master_state().lead.session != SessionState::kEngaged &&
          cell.now() - start < 3 * kSecond) {
@@ -72,7 +72,7 @@ class CellTransit : public ::testing::TestWithParam<int> {};
 TEST_P(CellTransit, EngagesWithoutMotionAndBringsTheTipToTheHand) {
   const auto cell = make_cell(GetParam() * kMillisecond);
   const JointVector before = cell->rig().controller().arm().target();
-  EXPECT_LT(engage(*cell), 3 * kSecond);
+  EXPECT_LT(engaged_after(*cell), 3 * kSecond);
   EXPECT_EQ(cell->slave().state, SessionState::kEngaged);
   EXPECT_LT((cell->rig().controller().arm().target() - before).cwiseAbs().maxCoeff(), 1e-6);
   const Vec3 start = cell->master().link.X_SU.p;
@@ -89,7 +89,7 @@ INSTANTIATE_TEST_SUITE_P(Milliseconds, CellTransit, ::testing::Values(0, 3, 30, 
 TEST(CellTool, BesideTheTipIsRiddenToAtTheScenesPace) {
   for (const double pace : {0.005, 0.02}) {
     const auto cell = make_cell(3 * kMillisecond, 1, kMillisecond, pace);
-    engage(*cell);
+    engaged_after(*cell);
     const double start = cell->slave().X_ST_command.p.z();
     HapticOrder plane = order_of(OrderKind::kTool);
     plane.tool.kind = ToolKind::kPlane;
@@ -112,7 +112,7 @@ class CellRate : public ::testing::TestWithParam<int> {};
 TEST_P(CellRate, EngagesAndBringsTheTipToTheHand) {
   const Nanos tick = GetParam() * kMicrosecond;
   const auto cell = make_cell(3 * kMillisecond, 1, tick);
-  EXPECT_LT(engage(*cell), kSecond);
+  EXPECT_LT(engaged_after(*cell), kSecond);
   const Vec3 start = cell->master().link.X_SU.p;
   drive_right(*cell, tick, 4 * kSecond);
   const Vec3 wanted = start - 0.04 * Vec3::UnitY();
@@ -124,7 +124,7 @@ TEST_P(CellRate, EngagesAndBringsTheTipToTheHand) {
 // How far the command moves when the hand comes back 5 mm from where it was lost.
 double jump_after_losing_the_hand(Nanos tick, Nanos lost_for) {
   const auto cell = make_cell(0, 1, tick);
-  engage(*cell);
+  engaged_after(*cell);
   for (int i = 0; i < 300; ++i) cell->tick(hand_at(Vec3::Zero()));
   const Vec3 before = cell->master().link.X_SU.p;
   HandReading lost;
@@ -145,13 +145,13 @@ INSTANTIATE_TEST_SUITE_P(Microseconds, CellRate, ::testing::Values(100, 250, 100
 // The master of a slow loop hears of the slave's newest millisecond: to ask and to be answered
 // takes a tick, plus the wait for the controller's cycle.
 TEST(CellTest, TheSlaveRepeatsItselfWhateverTheMastersRate) {
-  EXPECT_EQ(engage(*make_cell(0, 1, 10 * kMillisecond)), 50 * kMillisecond);
+  EXPECT_EQ(engaged_after(*make_cell(0, 1, 10 * kMillisecond)), 50 * kMillisecond);
 }
 
 TEST(CellTest, SaysWhenTheControllerRanACycle) {
   const auto cell = make_cell(3 * kMillisecond);
   constexpr Nanos kPeriod = 7'100 * kMicrosecond;
-  engage(*cell);
+  engaged_after(*cell);
   while (cell->now() % (10 * kPeriod) != 0) cell->tick(hand_at(Vec3::Zero()));
   int cycles = 0;
   int moved = 0;
@@ -187,7 +187,7 @@ TEST(CellTest, ALongTickTellsOfItsNewestCycle) {
 // Ticks from the hand's first motion to the first step of the slave's command.
 int ticks_to_react(Nanos transit) {
   const auto cell = make_cell(transit);
-  engage(*cell);
+  engaged_after(*cell);
   for (int i = 0; i < 300; ++i) cell->tick(hand_at(Vec3::Zero()));
   const Vec3 before = cell->slave().X_ST_command.p;
   for (int i = 1; i < 500; ++i) {
@@ -206,7 +206,7 @@ TEST(CellTest, TheLinkTakesItsTime) {
 
 TEST(CellTest, ShowsWhatIsSentToTheController) {
   const auto cell = make_cell(3 * kMillisecond);
-  engage(*cell);
+  engaged_after(*cell);
   int packets = 0;
   for (int i = 0; i < 710; ++i) {
     cell->tick(hand_at(Vec3::Zero()));
@@ -220,7 +220,7 @@ TEST(CellTest, ShowsWhatIsSentToTheController) {
 
 TEST(CellTest, TicksWithoutTouchingTheHeap) {
   const auto cell = make_cell(3 * kMillisecond);
-  engage(*cell);
+  engaged_after(*cell);
   test::NoAllocation guard("a tick of the cell");
   for (int i = 0; i < 500; ++i) cell->tick(hand_at(Vec3(1e-5 * i, 0, 0)));
 }

@@ -1,4 +1,5 @@
-// What `why` names as the way out works, from every pair of troubles, one on top of the other.
+// What `why` names as the way out works, from every pair of way_out_troubles, one on top of the
+// other.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -104,13 +105,13 @@ class Operated {
   }
 };
 
-struct Trouble {
+struct WayOutTrouble {
   const char* name;
   std::function<void(Operated&)> comes;
 };
 
-const std::vector<Trouble>& troubles() {
-  static const std::vector<Trouble> all = {
+const std::vector<WayOutTrouble>& way_out_troubles() {
+  static const std::vector<WayOutTrouble> all = {
       {"disengaged", [](Operated& o) { o.order(OrderKind::kDisengage); }},
       {"clutched", [](Operated& o) { o.order(OrderKind::kClutchOn); }},
       {"stopped by the operator", [](Operated& o) { o.order(OrderKind::kStop); }},
@@ -142,9 +143,9 @@ const std::vector<Trouble>& troubles() {
 }
 
 TEST(WayOut, ThatWhyNamesWorksFromEveryPairOfTroubles) {
-  constexpr int kSteps = 5;  // each of two troubles may be named in turn, and once more
-  for (const Trouble& first : troubles()) {
-    for (const Trouble& second : troubles()) {
+  constexpr int kSteps = 5;  // each of two way_out_troubles may be named in turn, and once more
+  for (const WayOutTrouble& first : way_out_troubles()) {
+    for (const WayOutTrouble& second : way_out_troubles()) {
       SCOPED_TRACE(std::string(first.name) + ", then " + second.name);
       Operated o;
       std::string refused;
@@ -160,7 +161,7 @@ TEST(WayOut, ThatWhyNamesWorksFromEveryPairOfTroubles) {
         const pb::Ledger why = o.why();
         story += "\n" + why.sentence() + "; way out: " + why.way_out();
         ASSERT_FALSE(why.way_out().empty()) << story;
-        // The second of two troubles may refuse what the first one's way out ends with.
+        // The second of two way_out_troubles may refuse what the first one's way out ends with.
         if (!o.follow(why.way_out(), refused)) story += "\n" + refused;
         o.run(kSecond / 2);
       }

@@ -13,18 +13,18 @@
 namespace handrail {
 namespace {
 
-constexpr double kFast = 0.003;  // of J1 in a cycle [rad]
+constexpr double kPlaceFast = 0.003;  // of J1 in a cycle [rad]
 
 TEST(AuditorTest, ATipWhereNobodySentItIsFound) {
   for (const double turn : {0.0, 0.005}) {  // of the hand, in its place, a cycle [rad]
     Stream s;
     const Pose start = s.state.X_SU;
-    s.change_speed(kFast);
+    s.change_speed(kPlaceFast);
     s.coast(5);
     EXPECT_EQ(s.report().total(), 0u);
     for (int i = 0; i < 20; ++i) {  // the commands stay, the tip goes on
       s.state.X_SU = {start.p, rotation_exp(i * turn * Vec3::UnitZ()) * start.q};
-      s.cycle(kFast);
+      s.cycle(kPlaceFast);
     }
     EXPECT_GT(s.report().of(Breach::kUnasked), 0u) << turn;
     EXPECT_EQ(s.report().total(), s.report().of(Breach::kUnasked));
@@ -35,13 +35,13 @@ TEST(AuditorTest, ATipWhereNobodySentItIsFound) {
 TEST(AuditorTest, ATipMayGoAlongTheEndOfReachButNotAwayFromWhatIsAskedBeyond) {
   for (const bool away : {false, true}) {
     Stream s;
-    s.change_speed(kFast);
+    s.change_speed(kPlaceFast);
     // A metre further out, and as much to the side as J1 still turns.
     JointVector there = s.q;
     there[0] += away ? -0.3 : 0.3;
     s.state.X_SU = forward(limits().arm, there);
     s.state.X_SU.p += 1.0 * s.state.X_SU.p.cwiseProduct(Vec3(1.0, 1.0, 0.0)).normalized();
-    for (int i = 0; i < 60; ++i) s.cycle(kFast);
+    for (int i = 0; i < 60; ++i) s.cycle(kPlaceFast);
     EXPECT_EQ(s.report().of(Breach::kUnasked) > 0, away);
     EXPECT_EQ(s.report().total(), s.report().of(Breach::kUnasked));
   }
@@ -61,7 +61,7 @@ TEST(AuditorTest, ATipMayLeaveTheBoxOfCommandsThatItOnlyGetsToOnAWayRound) {
     const double jerk = 0.9 * limits().max_jerk[0] * kDt * kDt * kDt;
     double change = 0.0, step = 0.0;
     for (int i = 0; i < (in_reach ? 600 : 60); ++i) {
-      change = std::min({change + jerk, 0.5 * (kFast - step), jerk});
+      change = std::min({change + jerk, 0.5 * (kPlaceFast - step), jerk});
       step += change;
       s.cycle(step);
     }
@@ -85,7 +85,7 @@ TEST(AuditorTest, ATipLeavingItsToolIsFound) {
   s.state.position_tool = line_through(s.state.X_SU.p);
   s.coast(60);
   EXPECT_EQ(s.report().total(), 0u);
-  s.change_speed(0.5 * kFast);
+  s.change_speed(0.5 * kPlaceFast);
   EXPECT_GT(s.report().of(Breach::kOffTool), 0u);
   EXPECT_EQ(s.report().total(), s.report().of(Breach::kOffTool));
 }
@@ -93,7 +93,7 @@ TEST(AuditorTest, ATipLeavingItsToolIsFound) {
 TEST(AuditorTest, ATipThatAToolIsCalledAcrossMayStopAndComeBackButNotGoOn) {
   for (const bool goes_on : {false, true}) {
     Stream s;
-    s.change_speed(kFast);
+    s.change_speed(kPlaceFast);
     s.state.position_tool = line_through(forward(limits().arm, s.q).p);
     if (goes_on) {
       s.coast(60);
@@ -101,7 +101,7 @@ TEST(AuditorTest, ATipThatAToolIsCalledAcrossMayStopAndComeBackButNotGoOn) {
       continue;
     }
     s.change_speed(0.0);
-    s.change_speed(-0.5 * kFast);
+    s.change_speed(-0.5 * kPlaceFast);
     EXPECT_EQ(s.report().of(Breach::kOffTool), 0u);
   }
 }
@@ -110,12 +110,12 @@ TEST(AuditorTest, ATipThatHasComeNearerItsToolMayNotLeaveAgain) {
   Stream s;
   s.state.position_tool = line_through(forward(limits().arm, s.q).p + Vec3(0.0, 0.05, 0.0));
   s.coast(3);
-  s.change_speed(kFast);
+  s.change_speed(kPlaceFast);
   s.coast(5);
   s.change_speed(0.0);
   s.coast(130);  // 0.05 m at the speed of easing
   EXPECT_EQ(s.report().of(Breach::kOffTool), 0u);
-  s.change_speed(-kFast);
+  s.change_speed(-kPlaceFast);
   EXPECT_GT(s.report().of(Breach::kOffTool), 0u);
 }
 
@@ -126,9 +126,9 @@ TEST(AuditorTest, TheWayToAToolClosesBehindATipAsItIsEased) {
   Stream s(slow);
   s.state.position_tool = line_through(forward(limits().arm, s.q).p + Vec3(0.0, 0.05, 0.0));
   s.coast(3);
-  for (const double speed : {kFast, 0.0, -kFast, 0.0}) s.change_speed(speed);
+  for (const double speed : {kPlaceFast, 0.0, -kPlaceFast, 0.0}) s.change_speed(speed);
   EXPECT_EQ(s.report().of(Breach::kOffTool), 0u);
-  s.change_speed(-kFast);
+  s.change_speed(-kPlaceFast);
   s.coast(5);
   EXPECT_GT(s.report().of(Breach::kOffTool), 0u);
 }
@@ -171,7 +171,7 @@ TEST(AuditorTest, AToolUnderAnOldEpochDoesNotCount) {
   s.state.position_tool = ToolDefinition();
   s.state.position_tool.epoch = 1;
   s.coast(3);
-  s.change_speed(0.5 * kFast);
+  s.change_speed(0.5 * kPlaceFast);
   EXPECT_GT(s.report().of(Breach::kOffTool), 0u);
 }
 

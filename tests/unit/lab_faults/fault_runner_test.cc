@@ -14,7 +14,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-const std::atomic<bool> kGoOn = false;
+const std::atomic<bool> kRunnerGoOn = false;
 std::atomic<int> calls = 0;
 std::atomic<bool> stop = false;
 double share_seen = 0.0;
@@ -49,7 +49,7 @@ class FaultRunnerTest : public ::testing::Test {
 };
 
 TEST_F(FaultRunnerTest, ARowIsJudgedOverAllSeedsAndNamesThoseThatAreRed) {
-  const auto results = run_faults({rows, {1, 2, 3, 4}, false, 2}, kGoOn).value();
+  const auto results = run_faults({rows, {1, 2, 3, 4}, false, 2}, kRunnerGoOn).value();
   ASSERT_EQ(results.size(), 1u);
   EXPECT_EQ(results[0].runs, 12);
   EXPECT_EQ(calls, 12);
@@ -62,25 +62,26 @@ TEST_F(FaultRunnerTest, ARowIsJudgedOverAllSeedsAndNamesThoseThatAreRed) {
   EXPECT_THAT(table, HasSubstr("seed " + std::to_string(results[0].red_seeds[0]) +
                                ", run 1: 2 x oddities"));
   // The same seed alone is red, and its neighbour is not.
-  const auto red = run_faults({rows, {results[0].red_seeds[0]}, false, 1}, kGoOn).value();
+  const auto red = run_faults({rows, {results[0].red_seeds[0]}, false, 1}, kRunnerGoOn).value();
   EXPECT_EQ(red[0].violations, 2u);
-  const auto green = run_faults({rows, {results[0].red_seeds[0] + 1}, false, 1}, kGoOn).value();
+  const auto green =
+      run_faults({rows, {results[0].red_seeds[0] + 1}, false, 1}, kRunnerGoOn).value();
   EXPECT_EQ(green[0].violations, 0u);
 }
 
 TEST_F(FaultRunnerTest, ManyRedSeedsAreNamedUpToEight) {
   std::vector<std::uint64_t> seeds;
   for (std::uint64_t i = 1; i <= 24; ++i) seeds.push_back(i);
-  const auto results = run_faults({rows, seeds, false, 1}, kGoOn).value();
+  const auto results = run_faults({rows, seeds, false, 1}, kRunnerGoOn).value();
   ASSERT_EQ(results[0].red_seeds.size(), 12u);
   EXPECT_THAT(fault_table(results), HasSubstr(" and 4 more\n"));
 }
 
 TEST_F(FaultRunnerTest, TheQuickFormHasFewerRunsAndShorterSpans) {
   const std::vector<FaultRow> shares{{"T1", "a test", "ms", 3, 2, shows_its_share}};
-  EXPECT_EQ(run_faults({shares, {1}, true, 1}, kGoOn).value()[0].runs, 2);
+  EXPECT_EQ(run_faults({shares, {1}, true, 1}, kRunnerGoOn).value()[0].runs, 2);
   EXPECT_EQ(share_seen, kQuickShare);
-  EXPECT_EQ(run_faults({shares, {1}, false, 1}, kGoOn).value()[0].runs, 3);
+  EXPECT_EQ(run_faults({shares, {1}, false, 1}, kRunnerGoOn).value()[0].runs, 3);
   EXPECT_EQ(share_seen, 1.0);
   RowRun quick;
   quick.share = kQuickShare;
@@ -88,17 +89,17 @@ TEST_F(FaultRunnerTest, TheQuickFormHasFewerRunsAndShorterSpans) {
 }
 
 TEST_F(FaultRunnerTest, WhatTheJournalKnowsIsNotRunAgainAndCountsTheSame) {
-  const auto whole = run_faults({rows, {1, 2, 3}, false, 1}, kGoOn).value();
+  const auto whole = run_faults({rows, {1, 2, 3}, false, 1}, kRunnerGoOn).value();
   calls = 0;
   auto journal = FaultJournal::open(path, "A");
   ASSERT_TRUE(journal.is_ok());
-  run_faults({rows, {2}, false, 1}, kGoOn, &*journal).value();
+  run_faults({rows, {2}, false, 1}, kRunnerGoOn, &*journal).value();
   EXPECT_EQ(calls, 3);
-  const auto rest = run_faults({rows, {1, 2, 3}, false, 2}, kGoOn, &*journal).value();
+  const auto rest = run_faults({rows, {1, 2, 3}, false, 2}, kRunnerGoOn, &*journal).value();
   EXPECT_EQ(calls, 9);
   EXPECT_EQ(fault_json(rest), fault_json(whole));
   EXPECT_EQ(fault_table(rest), fault_table(whole));
-  run_faults({rows, {1, 2, 3}, false, 2}, kGoOn, &*journal).value();
+  run_faults({rows, {1, 2, 3}, false, 2}, kRunnerGoOn, &*journal).value();
   EXPECT_EQ(calls, 9);
 }
 
@@ -110,7 +111,7 @@ TEST_F(FaultRunnerTest, ACancelledRunKeepsWhatItHasAndGoesOnThere) {
     EXPECT_EQ(some[0].runs, 3);
   }
   auto journal = FaultJournal::open(path, "A");
-  const auto all = run_faults({stops, {1}, false, 1}, kGoOn, &*journal).value();
+  const auto all = run_faults({stops, {1}, false, 1}, kRunnerGoOn, &*journal).value();
   EXPECT_EQ(all[0].runs, 5);
   EXPECT_EQ(calls, 5);
 }
@@ -119,7 +120,7 @@ TEST_F(FaultRunnerTest, ProgressTellsEveryRunAndWhenASeedIsDone) {
   std::vector<std::size_t> runs;
   std::vector<std::uint64_t> done;
   std::uint64_t violations = 0;
-  run_faults({rows, {5, 9}, false, 2}, kGoOn, nullptr, [&](const FaultProgress& now) {
+  run_faults({rows, {5, 9}, false, 2}, kRunnerGoOn, nullptr, [&](const FaultProgress& now) {
     runs.push_back(now.runs);
     EXPECT_EQ(now.of, 6u);
     if (now.seed_done != nullptr) done.push_back(*now.seed_done);

@@ -18,12 +18,12 @@ void PrintTo(const Point& p, std::ostream* out) { *out << "(" << p.x << ", " << 
 namespace {
 
 using testing::ElementsAre;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+constexpr double kEndless = std::numeric_limits<double>::infinity();
 constexpr Rect kFrame = {0, 0, 100, 50};
 
 double off(const Point& p, const Point& a, const Point& b) {
-  double least = kInf;  // by trying, not by the formula under test
+  double least = kEndless;  // by trying, not by the formula under test
   for (int i = 0; i <= 1000; ++i) {
     const double t = i / 1000.0;
     least = std::min(least, std::hypot(p.x - std::lerp(a.x, b.x, t), p.y - std::lerp(a.y, b.y, t)));
@@ -68,7 +68,7 @@ TEST(Thin, LeavesShortLinesAlone) {
 }
 
 TEST(VisibleRuns, BreakWhereAPointIsNotFinite) {
-  for (const Point gap : {Point{20, kNaN}, Point{kInf, 5}, Point{kNaN, -kInf}}) {
+  for (const Point gap : {Point{20, kNoNumber}, Point{kEndless, 5}, Point{kNoNumber, -kEndless}}) {
     const auto runs = visible_runs({{0, 5}, {10, 5}, gap, {30, 5}, {40, 5}}, kFrame);
     ASSERT_EQ(runs.size(), 2u);
     EXPECT_THAT(runs[0], ElementsAre(Point{0, 5}, Point{10, 5}));
@@ -77,7 +77,7 @@ TEST(VisibleRuns, BreakWhereAPointIsNotFinite) {
 }
 
 TEST(VisibleRuns, MakeALonePointADot) {
-  const auto runs = visible_runs({{0, kNaN}, {10, 5}, {20, kNaN}, {300, 5}}, kFrame);
+  const auto runs = visible_runs({{0, kNoNumber}, {10, 5}, {20, kNoNumber}, {300, 5}}, kFrame);
   ASSERT_EQ(runs.size(), 1u);
   EXPECT_THAT(runs[0], ElementsAre(Point{10, 5}, Point{10, 5}));
 }

@@ -13,17 +13,17 @@
 namespace handrail::figure {
 namespace {
 
-constexpr double kFailed = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kFailedRank = std::numeric_limits<double>::infinity();
+constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 // y from 0 to 10 is from 150 to 50; x from 0 to 20 is from 100 to 300.
-constexpr Rect kFrame = {100, 50, 200, 100};
+constexpr Rect kPanelFrame = {100, 50, 200, 100};
 const Axis kX = {.label = "x", .low = 0.0, .high = 20.0};
 const Axis kY = {.label = "y", .low = 0.0, .high = 10.0};
 constexpr Style kRed = {.colour = "#ff0000"};
 
 std::string drawn(const Panel& panel) {
   Svg svg;
-  panel.draw(svg, kFrame, 40, 20);
+  panel.draw(svg, kPanelFrame, 40, 20);
   return svg.shapes();
 }
 
@@ -88,7 +88,7 @@ TEST(PanelBox, DrawsOutliersAsHollowCircles) {
 }
 
 TEST(PanelBox, IsOpenAtTheTopWhenFailuresDecideAQuartile) {
-  const std::string svg = box_of({2, 4, 6, kFailed, kFailed});  // quartiles 4, 6, infinite
+  const std::string svg = box_of({2, 4, 6, kFailedRank, kFailedRank});  // quartiles 4, 6, infinite
   const auto rects = elements(svg, "rect");
   ASSERT_EQ(rects.size(), 1u);
   EXPECT_EQ(value(rects[0], "y"), 50);
@@ -161,7 +161,7 @@ TEST(PanelLine, GoesThroughItsPoints) {
 
 TEST(PanelLine, BreaksWhereAValueCannotBeShown) {
   const Axis log = {.label = "y", .scale = Scale::kLog, .low = 1.0, .high = 100.0};
-  for (const double gap : {kNaN, kFailed, -kFailed, 0.0, -1.0}) {
+  for (const double gap : {kNotANumber, kFailedRank, -kFailedRank, 0.0, -1.0}) {
     Panel panel("", kX, log);
     panel.line({{0, 1}, {5, 10}, {10, gap}, {15, 10}, {20, 100}}, kRed);
     const std::string svg = drawn(panel);
@@ -182,7 +182,7 @@ TEST(PanelLine, OfManyPointsIsThinned) {
 
 TEST(PanelPoints, HaveErrorBarsWithCapsOnlyWhereTheyEnd) {
   Panel panel("", kX, kY);
-  panel.points({{10, 5}, {15, 5}}, kRed, "", {{4, 7}, {3, kFailed}});
+  panel.points({{10, 5}, {15, 5}}, kRed, "", {{4, 7}, {3, kFailedRank}});
   const std::string svg = drawn(panel);
   EXPECT_TRUE(has_line(svg, 200, 110, 200, 80));
   EXPECT_TRUE(has_line(svg, 196.5, 110, 203.5, 110));
@@ -194,7 +194,7 @@ TEST(PanelPoints, HaveErrorBarsWithCapsOnlyWhereTheyEnd) {
 
 TEST(PanelPoints, OutsideTheFrameAreNotDrawn) {
   Panel panel("", kX, kY);
-  panel.points({{10, 11}, {-1, 5}, {kNaN, 5}, {10, kFailed}}, kRed);
+  panel.points({{10, 11}, {-1, 5}, {kNotANumber, 5}, {10, kFailedRank}}, kRed);
   EXPECT_TRUE(elements(drawn(panel), "circle").empty());
 }
 
@@ -226,7 +226,7 @@ TEST(PanelEqualScale, MakesUnitsOfBothAxesTheSameLength) {
     const double per_x = (at[2].x - at[0].x) / far.x, per_y = (at[0].y - at[2].y) / far.y;
     EXPECT_NEAR(per_x, per_y, 0.01);
     EXPECT_GT(per_x, 2.0) << "as large as fits";
-    for (const Point& p : at) EXPECT_TRUE(kFrame.contains(p));
+    for (const Point& p : at) EXPECT_TRUE(kPanelFrame.contains(p));
   }
 }
 
@@ -254,7 +254,7 @@ TEST(PanelRange, WithoutDataIsStillDrawn) {
   for (const Scale scale : {Scale::kLinear, Scale::kLog}) {
     Panel panel("empty", {.label = "x", .scale = scale}, {.label = "y", .scale = scale});
     panel.line({}, kRed);
-    panel.points({{kNaN, kNaN}}, kRed);
+    panel.points({{kNotANumber, kNotANumber}}, kRed);
     panel.box({.values = {}});
     const std::string svg = drawn(panel);
     EXPECT_EQ(svg.find("nan"), std::string::npos);

@@ -23,7 +23,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-const std::atomic<bool> kGoOn = false;
+const std::atomic<bool> kToolsGoOn = false;
 
 // An aisle 60 mm by 10 mm.
 const char* const kAisle = R"(name: "aisle"
@@ -66,7 +66,7 @@ std::vector<std::string> names_of(const Explanation& explanation, bool rig) {
 TEST(ExplainScene, ListsTheEffectsOfAWallSceneWithTheirSideAndNothingElse) {
   const auto scene = parse_scene("aisle.scene", kAisle);
   ASSERT_TRUE(scene) << scene.message();
-  const auto said = explain_scene(*scene, kGoOn);
+  const auto said = explain_scene(*scene, kToolsGoOn);
   ASSERT_TRUE(said) << said.message();
   EXPECT_EQ(said->scene, "aisle");
   EXPECT_THAT(names_of(*said, false), ElementsAre("wall", "viscous"));
@@ -80,7 +80,7 @@ TEST(ExplainScene, ListsTheEffectsOfAWallSceneWithTheirSideAndNothingElse) {
 TEST(ExplainScene, SaysWhatTheLinearMovementSimulates) {
   const auto scene = SceneLibrary().load("linear-movement");
   ASSERT_TRUE(scene) << scene.message();
-  const auto said = explain_scene(*scene, kGoOn);
+  const auto said = explain_scene(*scene, kToolsGoOn);
   ASSERT_TRUE(said) << said.message();
   EXPECT_THAT(names_of(*said, false), ElementsAre("position_tool", "orientation_tool", "smoother"));
   for (const char* name : {"servo_lag", "encoder_offsets", "sensor_noise", "hand_tremor"}) {
@@ -188,7 +188,7 @@ TEST(ResolveScene, WritesACopyOfAPaintedSceneThatLoadsFromElsewhere) {
   const TempFolder folder, elsewhere;
   const std::string file = painted(folder);
   const std::string out = elsewhere.path() + "/fine.scene";
-  const auto resolved = resolve_scene(file, {10.0, 0.0}, out, kGoOn);
+  const auto resolved = resolve_scene(file, {10.0, 0.0}, out, kToolsGoOn);
   ASSERT_TRUE(resolved) << resolved.message();
   const AccuracyRow& row = resolved->rows[static_cast<std::size_t>(resolved->chosen)];
   EXPECT_LE(row.whole_error().worst, 10.0);
@@ -203,7 +203,7 @@ TEST(ResolveScene, WritesACopyOfAPaintedSceneThatLoadsFromElsewhere) {
 TEST(ResolveScene, WritesSearchRadiusAndMethodWhenTimeIsDear) {
   const TempFolder folder;
   const std::string file = painted(folder), out = folder.path() + "/fast.scene";
-  const auto resolved = resolve_scene(file, {1e4, 0.0}, out, kGoOn);
+  const auto resolved = resolve_scene(file, {1e4, 0.0}, out, kToolsGoOn);
   ASSERT_TRUE(resolved) << resolved.message();
   const AccuracyRow& row = resolved->rows[static_cast<std::size_t>(resolved->chosen)];
   for (const AccuracyRow& other : resolved->rows) {
@@ -217,11 +217,11 @@ TEST(ResolveScene, WritesSearchRadiusAndMethodWhenTimeIsDear) {
 TEST(ResolveScene, MeasuresNoLargerMapsForVeryFineOrCoarsePixels) {
   const TempFolder folder;
   const std::string out = folder.path() + "/copy.scene", other = folder.path() + "/other.scene";
-  const auto coarse = resolve_scene(painted(folder, "1600, 800"), {1e6, 0.0}, out, kGoOn);
+  const auto coarse = resolve_scene(painted(folder, "1600, 800"), {1e6, 0.0}, out, kToolsGoOn);
   ASSERT_TRUE(coarse) << coarse.message();
-  const auto fine = resolve_scene(painted(folder, "0.001e3, 0.5e0"), {1e6, 0.0}, out, kGoOn);
+  const auto fine = resolve_scene(painted(folder, "0.001e3, 0.5e0"), {1e6, 0.0}, out, kToolsGoOn);
   EXPECT_THAT(fine.message(), HasSubstr("size_mm"));  // at least 1 mm
-  const auto least = resolve_scene(painted(folder, "2, 1"), {1e6, 0.0}, other, kGoOn);
+  const auto least = resolve_scene(painted(folder, "2, 1"), {1e6, 0.0}, other, kToolsGoOn);
   ASSERT_TRUE(least) << least.message();
   EXPECT_THAT(coarse->rows[1].setting, HasSubstr("pixel 4 mm, radius 1.5 px"));
   EXPECT_THAT(least->rows[1].setting, HasSubstr("pixel 0.005 mm, radius 1.5 px"));
@@ -234,25 +234,27 @@ TEST(ResolveScene, MeasuresNoLargerMapsForVeryFineOrCoarsePixels) {
 TEST(ResolveScene, KeepsDrawnWallsExactAndToolsInClosedForm) {
   const TempFolder folder;
   const std::string out = folder.path() + "/copy.scene", other = folder.path() + "/other.scene";
-  ASSERT_TRUE(resolve_scene(folder.write("aisle.scene", kAisle), {1.0, 0.0}, out, kGoOn));
+  ASSERT_TRUE(resolve_scene(folder.write("aisle.scene", kAisle), {1.0, 0.0}, out, kToolsGoOn));
   EXPECT_EQ(load_scene_file(out)->walls->method, WallMethod::kExact);
   const auto linear = SceneLibrary().find("published");
   ASSERT_TRUE(linear);
-  ASSERT_TRUE(resolve_scene(*linear, {1.0, 0.0}, other, kGoOn));
+  ASSERT_TRUE(resolve_scene(*linear, {1.0, 0.0}, other, kToolsGoOn));
   EXPECT_FALSE(load_scene_file(other)->guidance.published_method);
 }
 
 TEST(ResolveScene, SaysWhatIsNearestWhenNothingMeetsTheWish) {
   const TempFolder folder;
   const std::string out = folder.path() + "/copy.scene";
-  const auto none = resolve_scene(folder.write("aisle.scene", kAisle), {0.0, 1e-3}, out, kGoOn);
+  const auto none =
+      resolve_scene(folder.write("aisle.scene", kAisle), {0.0, 1e-3}, out, kToolsGoOn);
   EXPECT_THAT(none.message(), HasSubstr("nearest is exact"));
   EXPECT_FALSE(std::ifstream(out).good());
 }
 
 TEST(ResolveScene, SaysBothErrorsAndWhatTheyAreFrom) {
   const TempFolder folder;
-  const auto made = resolve_scene(painted(folder), {1e4, 0.0}, folder.path() + "/a.scene", kGoOn);
+  const auto made =
+      resolve_scene(painted(folder), {1e4, 0.0}, folder.path() + "/a.scene", kToolsGoOn);
   ASSERT_TRUE(made) << made.message();
   const AccuracyRow& row = made->rows[static_cast<std::size_t>(made->chosen)];
   char both[200];
@@ -274,7 +276,7 @@ TEST(ResolveScene, OverwritesNothing) {
   const std::string link = folder.path() + "/link.scene";
   std::filesystem::create_symlink(folder.path() + "/nowhere.scene", link);
   for (const std::string& out : {mine, link}) {
-    EXPECT_EQ(resolve_scene(file, {1.0, 0.0}, out, kGoOn).message(),
+    EXPECT_EQ(resolve_scene(file, {1.0, 0.0}, out, kToolsGoOn).message(),
               out + ": is there already, expected a new file; remove it or name another");
   }
   std::string text;
@@ -288,9 +290,10 @@ TEST(ResolveScene, RefusesPlacesThatCannotHoldAScene) {
   const std::string file = folder.write("aisle.scene", kAisle);
   for (const std::string& out : {folder.path() + "/copy.txt", folder.path() + "/a b.scene", file,
                                  std::string("/nowhere/copy.scene")}) {
-    EXPECT_THAT(resolve_scene(file, {1.0, 0.0}, out, kGoOn).message(), HasSubstr(out)) << out;
+    EXPECT_THAT(resolve_scene(file, {1.0, 0.0}, out, kToolsGoOn).message(), HasSubstr(out)) << out;
   }
-  EXPECT_FALSE(resolve_scene("/nowhere/a.scene", {1.0, 0.0}, folder.path() + "/c.scene", kGoOn));
+  EXPECT_FALSE(
+      resolve_scene("/nowhere/a.scene", {1.0, 0.0}, folder.path() + "/c.scene", kToolsGoOn));
 }
 
 TEST(WallView, HoldsAllShapesAndTheWanderingHandStaysWithin) {

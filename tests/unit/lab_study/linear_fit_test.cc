@@ -7,7 +7,7 @@
 namespace handrail {
 namespace {
 
-StudySetup setup() {
+StudySetup fit_setup() {
   auto out = study_setup("linear-movement", "linear-movement", {});
   EXPECT_TRUE(out) << out.message();
   return out ? std::move(*out) : StudySetup();
@@ -35,7 +35,7 @@ std::vector<double> free_medians(const Population& population) {
 }
 
 TEST(LinearFit, DoesNotDependOnThePresentMediansNorOnThreads) {
-  StudySetup s = setup();
+  StudySetup s = fit_setup();
   FitOptions options = small();
   options.threads = 1;
   const FitResult first = fit(s, options);
@@ -49,7 +49,7 @@ TEST(LinearFit, DoesNotDependOnThePresentMediansNorOnThreads) {
 }
 
 TEST(LinearFit, ComesNearerToThePublishedMediansThanWhereItStarted) {
-  const StudySetup s = setup();
+  const StudySetup s = fit_setup();
   FitOptions options = small();
   double at_start = -1.0;
   options.progress = [&](int evaluation, double misfit) {
@@ -61,7 +61,7 @@ TEST(LinearFit, ComesNearerToThePublishedMediansThanWhereItStarted) {
 }
 
 TEST(LinearFit, ChangesNothingButFreeMediansAndKeepsThemInBounds) {
-  const StudySetup s = setup();
+  const StudySetup s = fit_setup();
   const FitResult result = fit(s, small());
   for (std::size_t i = 0; i < s.population.parameters.size(); ++i) {
     const ParameterRange& before = s.population.parameters[i];
@@ -78,7 +78,7 @@ TEST(LinearFit, ChangesNothingButFreeMediansAndKeepsThemInBounds) {
 
 // What is only used with tools cannot change a fit that never runs them.
 TEST(LinearFit, DoesNotSeeWhatToolsDo) {
-  StudySetup s = setup();
+  StudySetup s = fit_setup();
   const FitResult before = fit(s, small());
   for (const char* name : {"call_homing_ms", "call_key_ms", "stop_force_n", "touch_delay_ms"}) {
     ParameterRange* parameter = s.population.find(name);
@@ -90,7 +90,7 @@ TEST(LinearFit, DoesNotSeeWhatToolsDo) {
 }
 
 TEST(LinearFit, NeedsSomethingToFit) {
-  StudySetup s = setup();
+  StudySetup s = fit_setup();
   for (ParameterRange& p : s.population.parameters) p.fitted = false;
   EXPECT_NE(fit_linear(s.machine, s.population, small()).message().find("fitted"),
             std::string::npos);

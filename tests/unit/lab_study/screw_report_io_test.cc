@@ -15,9 +15,9 @@ using ::testing::Not;
 
 constexpr BumperSettings::Form kForm = BumperSettings::Form::kDefault;
 
-StudyHeader header() { return {"the-scene", "the-people", 5, 5, 1}; }
+StudyHeader screw_header() { return {"the-scene", "the-people", 5, 5, 1}; }
 
-pb::ScrewStudy parsed(const std::string& json) {
+pb::ScrewStudy screw_parsed(const std::string& json) {
   pb::ScrewStudy out;
   const auto status = google::protobuf::util::JsonStringToMessage(json, &out);
   EXPECT_TRUE(status.ok()) << status.ToString();
@@ -25,7 +25,7 @@ pb::ScrewStudy parsed(const std::string& json) {
 }
 
 TEST(ScrewReport, JsonHasTheKeysOfTheMeasures) {
-  const std::string json = screw_json(header(), kForm, five_people(), {});
+  const std::string json = screw_json(screw_header(), kForm, five_people(), {});
   for (const char* part : {"\"experiment\": \"screw-fastening\"",
                            "\"simulated\": true",
                            "\"seed\": 5",
@@ -50,12 +50,12 @@ TEST(ScrewReport, JsonHasTheKeysOfTheMeasures) {
     EXPECT_THAT(json, HasSubstr(part));
   }
   EXPECT_THAT(json, Not(HasSubstr("NC_NV")));
-  EXPECT_THAT(screw_json(header(), BumperSettings::Form::kPublished, five_people(), {}),
+  EXPECT_THAT(screw_json(screw_header(), BumperSettings::Form::kPublished, five_people(), {}),
               HasSubstr("\"bumper\": \"published\""));
 }
 
 TEST(ScrewReport, JsonHasTheMeasuresOfAllModesInTheirUnits) {
-  const pb::ScrewStudy study = parsed(screw_json(header(), kForm, five_people(), {}));
+  const pb::ScrewStudy study = screw_parsed(screw_json(screw_header(), kForm, five_people(), {}));
   const pb::ScrewMode& nc_nv = study.modes().nc_nv();
   EXPECT_NEAR(nc_nv.completion_time_s().median(), 40.8, 1e-9);
   EXPECT_NEAR(nc_nv.path_mm().median(), 255.0, 1e-9);
@@ -79,7 +79,7 @@ TEST(ScrewReport, JsonComparesToolsAndProtection) {
     if (trial.mode == ScrewMode::kCV) trial.result.measured.path *= 0.5;
   }
   result_of(five, 1, ScrewMode::kNCNV).end = ScrewEnd::kKeyLost;
-  const pb::ScrewStudy study = parsed(screw_json(header(), kForm, five, {}));
+  const pb::ScrewStudy study = screw_parsed(screw_json(screw_header(), kForm, five, {}));
   EXPECT_NEAR(study.tools_help().c().path_mm().ratio(), 0.3, 1e-12);
   EXPECT_NEAR(study.tools_help().c().completion_time_s().ratio(), 0.8, 1e-12);
   EXPECT_DOUBLE_EQ(study.tools_help().c().completion_time_s().helped(), 1.0);
@@ -97,8 +97,8 @@ TEST(ScrewReport, AFailedTrialIsCountedByItsEndAndStillTold) {
   result_of(five, 1, ScrewMode::kNCNV).end = ScrewEnd::kKeyLost;
   result_of(five, 2, ScrewMode::kNCNV).end = ScrewEnd::kTimeOut;
   result_of(five, 3, ScrewMode::kNCV).end = ScrewEnd::kSession;
-  const std::string json = screw_json(header(), kForm, five, {});
-  const pb::ScrewStudy study = parsed(json);
+  const std::string json = screw_json(screw_header(), kForm, five, {});
+  const pb::ScrewStudy study = screw_parsed(json);
   EXPECT_EQ(study.modes().nc_nv().failures().force(), 1u);
   EXPECT_EQ(study.modes().nc_nv().failures().key_lost(), 1u);
   EXPECT_EQ(study.modes().nc_nv().failures().timed_out(), 1u);
@@ -123,7 +123,7 @@ TEST(ScrewReport, TheTableHasAColumnOfFailedTrials) {
   ScrewStudy five = five_people();
   result_of(five, 0, ScrewMode::kNCNV).end = ScrewEnd::kForce;
   result_of(five, 1, ScrewMode::kNCNV).end = ScrewEnd::kTimeOut;
-  const std::string table = screw_table(header(), kForm, five, {});
+  const std::string table = screw_table(screw_header(), kForm, five, {});
   const std::size_t heading = table.find("failed ");
   ASSERT_NE(heading, std::string::npos);
   const std::size_t column = heading - table.rfind('\n', heading) - 1;
@@ -142,18 +142,20 @@ TEST(ScrewReport, VariationsStandBesideTheStudy) {
   ScrewStudy other = five_people();
   for (ScrewStudyTrial& trial : other.trials) trial.result.completion_time += 30.0;
   const std::vector<ScrewVariation> variations = {{"operator.press_mm=1", other}};
-  const pb::ScrewStudy study = parsed(screw_json(header(), kForm, five_people(), variations));
+  const pb::ScrewStudy study =
+      screw_parsed(screw_json(screw_header(), kForm, five_people(), variations));
   ASSERT_EQ(study.variations_size(), 1);
   EXPECT_EQ(study.variations(0).setting(), "operator.press_mm=1");
   EXPECT_NEAR(study.variations(0).modes().nc_nv().completion_time_s().median(), 70.8, 1e-9);
-  const std::string table = screw_table(header(), kForm, five_people(), variations);
+  const std::string table = screw_table(screw_header(), kForm, five_people(), variations);
   EXPECT_THAT(table, HasSubstr("medians side by side, C-V"));
   EXPECT_THAT(table, HasSubstr("operator.press_mm=1"));
-  EXPECT_THAT(screw_table(header(), kForm, five_people(), {}), Not(HasSubstr("side by side")));
+  EXPECT_THAT(screw_table(screw_header(), kForm, five_people(), {}),
+              Not(HasSubstr("side by side")));
 }
 
 TEST(ScrewReport, TheTableHasWhatIsImpliedAndTheTargets) {
-  const std::string table = screw_table(header(), kForm, five_people(), {});
+  const std::string table = screw_table(screw_header(), kForm, five_people(), {});
   for (const char* part : {"5 simulated operators",
                            "default bumper",
                            "implied",

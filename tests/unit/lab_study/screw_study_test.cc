@@ -11,7 +11,7 @@
 namespace handrail {
 namespace {
 
-StudySetup setup() {
+StudySetup screw_setup() {
   auto out = study_setup("screw-fastening", "screw-fastening", {});
   EXPECT_TRUE(out) << out.message();
   return out ? std::move(*out) : StudySetup();
@@ -36,7 +36,7 @@ TEST(ScrewStudy, EveryOperatorIsMeasuredInAllModes) {
   ScrewStudyOptions options;
   options.operators = 1;
   options.trials = 1;
-  const ScrewStudy study = run(setup(), options);
+  const ScrewStudy study = run(screw_setup(), options);
   for (int i = 0; i < kScrewModes; ++i) {
     EXPECT_GE(study.count(static_cast<ScrewMode>(i)), 1) << i;
   }
@@ -48,7 +48,7 @@ TEST(ScrewStudy, EveryOperatorIsMeasuredInAllModes) {
 }
 
 TEST(ScrewStudy, IsTheSameBitForBitOnAnyNumberOfThreads) {
-  const StudySetup s = setup();
+  const StudySetup s = screw_setup();
   ScrewStudyOptions options;
   options.operators = 2;
   options.trials = 1;
@@ -62,7 +62,7 @@ TEST(ScrewStudy, IsTheSameBitForBitOnAnyNumberOfThreads) {
 }
 
 TEST(ScrewStudy, TheFormOfTheBumperIsSeenInModesWithProtectionOnly) {
-  const StudySetup s = setup();
+  const StudySetup s = screw_setup();
   ScrewStudyOptions options;
   options.operators = 1;
   options.trials = 1;
@@ -82,7 +82,7 @@ TEST(ScrewStudy, TheFormOfTheBumperIsSeenInModesWithProtectionOnly) {
 
 // What is only used with tools or protection cannot change a fit that never runs them.
 TEST(ScrewFit, TheFitNeverRunsAnotherMode) {
-  StudySetup s = setup();
+  StudySetup s = screw_setup();
   FitOptions options;
   options.operators = 1;
   options.evaluations = 1;

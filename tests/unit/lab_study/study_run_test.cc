@@ -34,17 +34,17 @@ struct Outcome {
 
 using Study = StudyResult<Mode, Outcome>;
 
-Population people() {
+Population study_people() {
   auto out = parse_population("p", population_text());
   EXPECT_TRUE(out) << out.message();
   return out ? std::move(*out) : Population();
 }
 
 Study run(const StudyPlan& plan, const std::function<End(const Trial&)>& end_of) {
-  const auto study =
-      run_study<Study>(plan, kModes, people(), Trial(), [&](const Trial& trial) -> Result<Outcome> {
-        return Outcome{end_of(trial), 1.0, trial};
-      });
+  const auto study = run_study<Study>(plan, kModes, study_people(), Trial(),
+                                      [&](const Trial& trial) -> Result<Outcome> {
+                                        return Outcome{end_of(trial), 1.0, trial};
+                                      });
   EXPECT_TRUE(study) << study.message();
   return study ? *study : Study();
 }
@@ -158,7 +158,7 @@ TEST(StudyRun, TheFirstErrorOfATrialIsTheStudys) {
   StudyPlan plan;
   plan.operators = 2;
   const auto study = run_study<Study>(
-      plan, kModes, people(), Trial(),
+      plan, kModes, study_people(), Trial(),
       [](const Trial&) -> Result<Outcome> { return Status::error("no arm there"); });
   EXPECT_EQ(study.message(), "no arm there");
 }
@@ -170,11 +170,11 @@ TEST(StudyRun, ACancelledStudyEndsAfterTheTrialUnderWay) {
   plan.operators = 1;
   plan.threads = 1;
   plan.cancelled = &cancelled;
-  const auto study =
-      run_study<Study>(plan, kModes, people(), Trial(), [&](const Trial& trial) -> Result<Outcome> {
-        cancelled = ++made == 3;
-        return Outcome{End::kDone, 1.0, trial};
-      });
+  const auto study = run_study<Study>(plan, kModes, study_people(), Trial(),
+                                      [&](const Trial& trial) -> Result<Outcome> {
+                                        cancelled = ++made == 3;
+                                        return Outcome{End::kDone, 1.0, trial};
+                                      });
   EXPECT_EQ(study.message(), "cancelled");
   EXPECT_EQ(made, 3);
 }

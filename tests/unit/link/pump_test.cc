@@ -9,7 +9,7 @@
 namespace handrail {
 namespace {
 
-constexpr Nanos kStart = 1000 * kSecond;
+constexpr Nanos kPumpStart = 1000 * kSecond;
 
 // Plays datagrams from a script and keeps what is sent.
 class ScriptedTransport : public Transport {
@@ -59,32 +59,32 @@ class PumpTest : public ::testing::Test {
 
 TEST_F(PumpTest, TakesEverythingThatWaitsAndKeepsTheNewest) {
   for (const std::uint64_t n : {1, 3, 2}) arrive(n);
-  EXPECT_TRUE(pump.receive(kStart));
+  EXPECT_TRUE(pump.receive(kPumpStart));
   EXPECT_EQ(peer.newest().stop_epoch, 3u);
   EXPECT_TRUE(net.waiting.empty());
-  EXPECT_FALSE(pump.receive(kStart + 1));
+  EXPECT_FALSE(pump.receive(kPumpStart + 1));
 }
 
 TEST_F(PumpTest, OnlyAcceptedDatagramsTellWhereThePeerIs) {
   arrive(1);
   arrive(1);
   net.waiting.push_back({{1, 2, 3}});
-  (void)pump.receive(kStart);
+  (void)pump.receive(kPumpStart);
   EXPECT_EQ(net.adopted, 1);
 }
 
 TEST_F(PumpTest, WhoIsRefusedForAnotherIsToldNotOftenAndInFewerBytes) {
   // The master that leads has answered us.
-  pump.send(kStart, sample_slave());
+  pump.send(kPumpStart, sample_slave());
   DatagramHeader header = sample_header(7, 1);
   header.echo_session = 1;
   header.echo_sequence = 1;
-  header.echo_sent = kStart;
+  header.echo_sent = kPumpStart;
   net.waiting.push_back({datagram(header, sample_master())});
-  ASSERT_TRUE(pump.receive(kStart));
+  ASSERT_TRUE(pump.receive(kPumpStart));
   int adopted = net.adopted;
   for (std::uint64_t n = 1; n <= 1000; ++n) {
-    const Nanos now = kStart + static_cast<Nanos>(n) * kMillisecond;
+    const Nanos now = kPumpStart + static_cast<Nanos>(n) * kMillisecond;
     arrive(n + 1);
     net.waiting.push_back({datagram(sample_header(8, n), sample_master())});
     (void)pump.receive(now);
@@ -101,7 +101,7 @@ TEST_F(PumpTest, WhoIsRefusedForAnotherIsToldNotOftenAndInFewerBytes) {
 
 TEST_F(PumpTest, StrangersAreCountedAndNotRead) {
   arrive(1, false);
-  EXPECT_FALSE(pump.receive(kStart));
+  EXPECT_FALSE(pump.receive(kPumpStart));
   EXPECT_EQ(rejected(Reject::kSender), 1u);
   EXPECT_EQ(peer.snapshot().peer_epoch, 0u);
   EXPECT_EQ(net.adopted, 0);
@@ -109,29 +109,29 @@ TEST_F(PumpTest, StrangersAreCountedAndNotRead) {
 
 TEST_F(PumpTest, WhatWaitedThroughOurOwnStallIsDropped) {
   arrive(1);
-  (void)pump.receive(kStart);
+  (void)pump.receive(kPumpStart);
   for (std::uint64_t n = 2; n < 12; ++n) arrive(n);
-  EXPECT_FALSE(pump.receive(kStart + 20 * kMillisecond + 1));
+  EXPECT_FALSE(pump.receive(kPumpStart + 20 * kMillisecond + 1));
   EXPECT_EQ(rejected(Reject::kAfterStall), 10u);
   EXPECT_EQ(peer.newest().stop_epoch, 1u);
   arrive(12);
-  EXPECT_TRUE(pump.receive(kStart + 22 * kMillisecond));
+  EXPECT_TRUE(pump.receive(kPumpStart + 22 * kMillisecond));
   EXPECT_EQ(peer.newest().stop_epoch, 12u);
 }
 
 TEST_F(PumpTest, APauseWithinTheLimitDropsNothing) {
   arrive(1);
-  (void)pump.receive(kStart);
+  (void)pump.receive(kPumpStart);
   arrive(2);
-  EXPECT_TRUE(pump.receive(kStart + 20 * kMillisecond));
+  EXPECT_TRUE(pump.receive(kPumpStart + 20 * kMillisecond));
 }
 
 TEST_F(PumpTest, AQueueLongerThanABatchIsDroppedToItsEndAfterAStall) {
-  (void)pump.receive(kStart);
+  (void)pump.receive(kPumpStart);
   for (std::uint64_t n = 1; n <= 300; ++n) arrive(n);
-  (void)pump.receive(kStart + kSecond);
+  (void)pump.receive(kPumpStart + kSecond);
   EXPECT_EQ(rejected(Reject::kAfterStall), 256u);
-  EXPECT_FALSE(pump.receive(kStart + kSecond));
+  EXPECT_FALSE(pump.receive(kPumpStart + kSecond));
   EXPECT_EQ(rejected(Reject::kAfterStall), 300u);
   EXPECT_EQ(peer.snapshot().accepted, 0u);
 }
@@ -140,25 +140,25 @@ TEST_F(PumpTest, AnOversizedDatagramIsRefused) {
   auto bytes = datagram(sample_header(), sample_master());
   bytes.resize(2000);
   net.waiting.push_back({bytes});
-  EXPECT_FALSE(pump.receive(kStart));
+  EXPECT_FALSE(pump.receive(kPumpStart));
   EXPECT_EQ(rejected(Reject::kSize), 1u);
 }
 
 TEST_F(PumpTest, SendsWhatIsDueAndNoMore) {
   for (Nanos t = 0; t < 10 * kMillisecond; t += kMillisecond / 4) {
-    pump.send(kStart + t, sample_slave());
+    pump.send(kPumpStart + t, sample_slave());
   }
   EXPECT_EQ(net.sent, std::vector<std::size_t>(10, 512));
 }
 
 TEST_F(PumpTest, AStateThatIsNoLongerTrueIsNotSentAndDoesNotHurryTheSchedule) {
-  pump.send(kStart, sample_slave(), kStart);
-  pump.send(kStart + kMillisecond, sample_slave(), kStart);
+  pump.send(kPumpStart, sample_slave(), kPumpStart);
+  pump.send(kPumpStart + kMillisecond, sample_slave(), kPumpStart);
   EXPECT_EQ(net.sent.size(), 1u);
   EXPECT_EQ(peer.snapshot().withheld, 1u);
   EXPECT_EQ(peer.snapshot().unsendable, 0u);
-  EXPECT_EQ(peer.wait_time(kStart + kMillisecond), kMillisecond);
-  pump.send(kStart + 2 * kMillisecond, sample_slave(), kStart + 2 * kMillisecond);
+  EXPECT_EQ(peer.wait_time(kPumpStart + kMillisecond), kMillisecond);
+  pump.send(kPumpStart + 2 * kMillisecond, sample_slave(), kPumpStart + 2 * kMillisecond);
   EXPECT_EQ(net.sent.size(), 2u);
 }
 

@@ -7,7 +7,7 @@
 namespace handrail {
 namespace {
 
-constexpr Nanos kStart = 1000 * kSecond;
+constexpr Nanos kSessionStart = 1000 * kSecond;
 constexpr std::uint64_t kOwn = 0xbbbb;
 
 class SessionTest : public ::testing::Test {
@@ -33,56 +33,56 @@ class SessionTest : public ::testing::Test {
 };
 
 TEST_F(SessionTest, TheNewestWinsInAnyOrderOfArrival) {
-  EXPECT_EQ(receive(1, 4, kStart), Reject::kNone);
-  EXPECT_EQ(receive(1, 2, kStart), Reject::kStale);
-  EXPECT_EQ(receive(1, 6, kStart), Reject::kNone);
-  EXPECT_EQ(receive(1, 5, kStart), Reject::kStale);
-  EXPECT_EQ(receive(1, 6, kStart), Reject::kDuplicate);
+  EXPECT_EQ(receive(1, 4, kSessionStart), Reject::kNone);
+  EXPECT_EQ(receive(1, 2, kSessionStart), Reject::kStale);
+  EXPECT_EQ(receive(1, 6, kSessionStart), Reject::kNone);
+  EXPECT_EQ(receive(1, 5, kSessionStart), Reject::kStale);
+  EXPECT_EQ(receive(1, 6, kSessionStart), Reject::kDuplicate);
   EXPECT_EQ(slave.newest().stop_epoch, 6u);
 }
 
 TEST_F(SessionTest, AReplayOfTheWholeHistoryMovesNothing) {
   for (std::uint64_t n = 1; n <= 300; ++n) {
-    ASSERT_EQ(receive(1, n, kStart + static_cast<Nanos>(n) * kMillisecond), Reject::kNone);
+    ASSERT_EQ(receive(1, n, kSessionStart + static_cast<Nanos>(n) * kMillisecond), Reject::kNone);
   }
-  const Nanos after = kStart + 10 * kSecond;
+  const Nanos after = kSessionStart + 10 * kSecond;
   for (std::uint64_t n = 1; n <= 300; ++n) EXPECT_NE(receive(1, n, after), Reject::kNone) << n;
   EXPECT_EQ(slave.newest().stop_epoch, 300u);
   EXPECT_EQ(slave.snapshot().accepted, 300u);
 }
 
 TEST_F(SessionTest, TheLastSequenceIsAcceptedOnceAndThenOnlyANewSession) {
-  EXPECT_EQ(receive(1, UINT64_MAX, kStart), Reject::kNone);
-  EXPECT_EQ(receive(1, UINT64_MAX, kStart), Reject::kDuplicate);
-  EXPECT_EQ(receive(1, 1, kStart), Reject::kStale);
-  EXPECT_EQ(receive(2, 1, kStart + 201 * kMillisecond), Reject::kNone);
+  EXPECT_EQ(receive(1, UINT64_MAX, kSessionStart), Reject::kNone);
+  EXPECT_EQ(receive(1, UINT64_MAX, kSessionStart), Reject::kDuplicate);
+  EXPECT_EQ(receive(1, 1, kSessionStart), Reject::kStale);
+  EXPECT_EQ(receive(2, 1, kSessionStart + 201 * kMillisecond), Reject::kNone);
 }
 
 TEST_F(SessionTest, TheFirstSessionIsAcceptedAtOnce) {
-  EXPECT_EQ(receive(1, 1, kStart), Reject::kNone);
+  EXPECT_EQ(receive(1, 1, kSessionStart), Reject::kNone);
   EXPECT_EQ(slave.snapshot().peer_epoch, 1u);
 }
 
 TEST_F(SessionTest, ARestartedPeerIsAcceptedAfterTwoHundredMillisecondsOfSilence) {
-  (void)receive_answer(1, 9, kStart);
-  EXPECT_EQ(receive(2, 1, kStart + kMillisecond), Reject::kSessionBusy);
-  EXPECT_EQ(receive(2, 2, kStart + 200 * kMillisecond), Reject::kSessionBusy);
+  (void)receive_answer(1, 9, kSessionStart);
+  EXPECT_EQ(receive(2, 1, kSessionStart + kMillisecond), Reject::kSessionBusy);
+  EXPECT_EQ(receive(2, 2, kSessionStart + 200 * kMillisecond), Reject::kSessionBusy);
   EXPECT_EQ(slave.snapshot().peer_epoch, 1u);
-  EXPECT_EQ(receive(2, 3, kStart + 200 * kMillisecond + 1), Reject::kNone);
+  EXPECT_EQ(receive(2, 3, kSessionStart + 200 * kMillisecond + 1), Reject::kNone);
   EXPECT_EQ(slave.snapshot().peer_epoch, 2u);
   EXPECT_EQ(slave.newest().stop_epoch, 3u);
 }
 
 TEST_F(SessionTest, AReplacedSessionNeverComesBack) {
-  (void)receive_answer(1, 9, kStart);
-  (void)receive(2, 1, kStart + kSecond);
-  EXPECT_EQ(receive(1, 10, kStart + kSecond), Reject::kSessionRetired);
-  EXPECT_EQ(receive(1, 11, kStart + 10 * kSecond), Reject::kSessionRetired);
-  EXPECT_EQ(receive(2, 2, kStart + 10 * kSecond), Reject::kNone);
+  (void)receive_answer(1, 9, kSessionStart);
+  (void)receive(2, 1, kSessionStart + kSecond);
+  EXPECT_EQ(receive(1, 10, kSessionStart + kSecond), Reject::kSessionRetired);
+  EXPECT_EQ(receive(1, 11, kSessionStart + 10 * kSecond), Reject::kSessionRetired);
+  EXPECT_EQ(receive(2, 2, kSessionStart + 10 * kSecond), Reject::kNone);
 }
 
 TEST_F(SessionTest, TheLastEightReplacedSessionsAreRemembered) {
-  Nanos now = kStart;
+  Nanos now = kSessionStart;
   for (std::uint64_t session = 1; session <= 9; ++session, now += kSecond) {
     ASSERT_EQ(receive_answer(session, 1, now), Reject::kNone);
   }
@@ -93,47 +93,47 @@ TEST_F(SessionTest, TheLastEightReplacedSessionsAreRemembered) {
 }
 
 TEST_F(SessionTest, ASilentSessionResumesWhereItWas) {
-  (void)receive(1, 9, kStart);
-  EXPECT_EQ(receive(1, 9, kStart + 60 * kSecond), Reject::kDuplicate);
-  EXPECT_EQ(receive(1, 10, kStart + 60 * kSecond), Reject::kNone);
+  (void)receive(1, 9, kSessionStart);
+  EXPECT_EQ(receive(1, 9, kSessionStart + 60 * kSecond), Reject::kDuplicate);
+  EXPECT_EQ(receive(1, 10, kSessionStart + 60 * kSecond), Reject::kNone);
   EXPECT_EQ(slave.snapshot().peer_epoch, 1u);
 }
 
 TEST_F(SessionTest, AStalledIntruderDoesNotKeepTheSessionBusy) {
-  (void)receive_answer(1, 9, kStart);
-  EXPECT_EQ(receive(1, 9, kStart + 150 * kMillisecond), Reject::kDuplicate);
-  EXPECT_EQ(receive(2, 1, kStart + 201 * kMillisecond), Reject::kNone);
+  (void)receive_answer(1, 9, kSessionStart);
+  EXPECT_EQ(receive(1, 9, kSessionStart + 150 * kMillisecond), Reject::kDuplicate);
+  EXPECT_EQ(receive(2, 1, kSessionStart + 201 * kMillisecond), Reject::kNone);
 }
 
 TEST_F(SessionTest, TheReceiversOwnSessionIsRefused) {
-  EXPECT_EQ(receive(kOwn, 1, kStart), Reject::kHeader);
+  EXPECT_EQ(receive(kOwn, 1, kSessionStart), Reject::kHeader);
   EXPECT_EQ(slave.snapshot().peer_epoch, 0u);
 }
 
 TEST_F(SessionTest, ANewSessionStartsItsOwnStatistics) {
   std::array<std::uint8_t, kMaxDatagram> out;
-  ASSERT_NE(slave.poll(kStart, sample_slave(), out), 0u);
+  ASSERT_NE(slave.poll(kSessionStart, sample_slave(), out), 0u);
   DatagramHeader header = sample_header(1, 1);
   header.echo_session = kOwn;
   header.echo_sequence = 1;
-  header.echo_sent = kStart;
-  ASSERT_EQ(slave.on_datagram(datagram(header, sample_master()), kStart + 5), Reject::kNone);
+  header.echo_sent = kSessionStart;
+  ASSERT_EQ(slave.on_datagram(datagram(header, sample_master()), kSessionStart + 5), Reject::kNone);
   ASSERT_EQ(slave.snapshot().round_trip, 5);
-  ASSERT_EQ(slave.snapshot().loop_age(kStart + 6), 6);
-  for (std::uint64_t n = 2; n <= 100; ++n) (void)receive(1, n, kStart);
+  ASSERT_EQ(slave.snapshot().loop_age(kSessionStart + 6), 6);
+  for (std::uint64_t n = 2; n <= 100; ++n) (void)receive(1, n, kSessionStart);
   ASSERT_EQ(slave.snapshot().received_of_100, 100);
-  (void)receive(2, 77, kStart + kSecond);
+  (void)receive(2, 77, kSessionStart + kSecond);
   EXPECT_EQ(slave.snapshot().received_of_100, 1);
   EXPECT_DOUBLE_EQ(slave.snapshot().loss_share, 0.0);
   EXPECT_EQ(slave.snapshot().round_trip, -1);
-  EXPECT_EQ(slave.snapshot().loop_age(kStart + kSecond), kForever);
+  EXPECT_EQ(slave.snapshot().loop_age(kSessionStart + kSecond), kForever);
 }
 
 TEST_F(SessionTest, ReorderIsNotCountedAsLoss) {
-  (void)receive(1, 1, kStart);
+  (void)receive(1, 1, kSessionStart);
   for (std::uint64_t n = 2; n <= 200; n += 2) {
-    (void)receive(1, n + 1, kStart);
-    EXPECT_EQ(receive(1, n, kStart), Reject::kStale);
+    (void)receive(1, n + 1, kSessionStart);
+    EXPECT_EQ(receive(1, n, kSessionStart), Reject::kStale);
   }
   EXPECT_EQ(slave.snapshot().received_of_100, 100);
   EXPECT_DOUBLE_EQ(slave.snapshot().loss_share, 0.0);
@@ -143,7 +143,7 @@ TEST_F(SessionTest, ReorderIsNotCountedAsLoss) {
 TEST_F(SessionTest, ARecordedSessionPlayedToARestartedSlaveIsNeverConfirmed) {
   MasterPeer master{1};
   std::vector<std::vector<std::uint8_t>> recorded;
-  for (Nanos now = kStart; now < kStart + kSecond; now += kMillisecond) {
+  for (Nanos now = kSessionStart; now < kSessionStart + kSecond; now += kMillisecond) {
     std::vector<std::uint8_t> there(kMaxDatagram), back(kMaxDatagram);
     there.resize(master.poll(now, sample_master(), there));
     (void)slave.on_datagram(there, now);
@@ -151,10 +151,10 @@ TEST_F(SessionTest, ARecordedSessionPlayedToARestartedSlaveIsNeverConfirmed) {
     back.resize(slave.poll(now, sample_slave(), back));
     (void)master.on_datagram(back, now);
   }
-  ASSERT_TRUE(slave.snapshot().confirmed(kStart + kSecond));
-  ASSERT_TRUE(master.snapshot().confirmed(kStart + kSecond));
+  ASSERT_TRUE(slave.snapshot().confirmed(kSessionStart + kSecond));
+  ASSERT_TRUE(master.snapshot().confirmed(kSessionStart + kSecond));
   SlavePeer restarted{kOwn + 1};
-  Nanos now = kStart + kSecond;
+  Nanos now = kSessionStart + kSecond;
   for (const auto& datagram : recorded) {
     EXPECT_EQ(restarted.on_datagram(datagram, now), Reject::kNone);
     EXPECT_FALSE(restarted.snapshot().confirmed(now));
@@ -166,20 +166,20 @@ TEST_F(SessionTest, ARecordedSessionPlayedToARestartedSlaveIsNeverConfirmed) {
 
 TEST_F(SessionTest,
        OneThatNeverAnsweredYieldsAtOnceButNotMoreOftenThanEveryTwoHundredMilliseconds) {
-  EXPECT_EQ(receive(1, 9, kStart), Reject::kNone);
-  EXPECT_EQ(receive(2, 1, kStart + kMillisecond), Reject::kNone);
+  EXPECT_EQ(receive(1, 9, kSessionStart), Reject::kNone);
+  EXPECT_EQ(receive(2, 1, kSessionStart + kMillisecond), Reject::kNone);
   EXPECT_EQ(slave.snapshot().peer_epoch, 2u);
-  EXPECT_EQ(receive(2, 2, kStart + 2 * kMillisecond), Reject::kNone);
-  EXPECT_EQ(receive(3, 1, kStart + 3 * kMillisecond), Reject::kSessionBusy);
-  EXPECT_EQ(receive(2, 3, kStart + 200 * kMillisecond), Reject::kNone);
-  EXPECT_EQ(receive(3, 2, kStart + 201 * kMillisecond), Reject::kSessionBusy);
-  EXPECT_EQ(receive(3, 3, kStart + 202 * kMillisecond), Reject::kNone);
+  EXPECT_EQ(receive(2, 2, kSessionStart + 2 * kMillisecond), Reject::kNone);
+  EXPECT_EQ(receive(3, 1, kSessionStart + 3 * kMillisecond), Reject::kSessionBusy);
+  EXPECT_EQ(receive(2, 3, kSessionStart + 200 * kMillisecond), Reject::kNone);
+  EXPECT_EQ(receive(3, 2, kSessionStart + 201 * kMillisecond), Reject::kSessionBusy);
+  EXPECT_EQ(receive(3, 3, kSessionStart + 202 * kMillisecond), Reject::kNone);
 }
 
 TEST_F(SessionTest, OneThatNeverAnsweredMayComeBackWithWhatIsNewer) {
-  (void)receive(1, 9, kStart);
-  (void)receive(2, 1, kStart);
-  const Nanos later = kStart + 201 * kMillisecond;
+  (void)receive(1, 9, kSessionStart);
+  (void)receive(2, 1, kSessionStart);
+  const Nanos later = kSessionStart + 201 * kMillisecond;
   EXPECT_EQ(receive(1, 8, later), Reject::kStale);
   EXPECT_EQ(receive(1, 9, later), Reject::kStale);
   EXPECT_EQ(receive(1, 10, later), Reject::kNone);
@@ -199,7 +199,7 @@ TEST_F(SessionTest, ARecordedSessionKeepsTheRealMasterOutForNoTimeAndIsNeverConf
     MasterState real = sample_master();
     real.stop_epoch = old.stop_epoch + 1;
     for (int ms = 0; ms < 6000; ++ms) {
-      const Nanos now = kStart + ms * kMillisecond;
+      const Nanos now = kSessionStart + ms * kMillisecond;
       const auto recorded = datagram(sample_header(1, static_cast<std::uint64_t>(ms + 1)), old);
       (void)restarted.on_datagram(recorded, now);
       there.emplace_back(kMaxDatagram);
@@ -220,23 +220,23 @@ TEST_F(SessionTest, ARecordedSessionKeepsTheRealMasterOutForNoTimeAndIsNeverConf
     }
     EXPECT_GE(confirmed, 0);
     EXPECT_LE(confirmed, transit < 100 ? 10 + 4 * transit : 1800) << transit;
-    EXPECT_TRUE(restarted.snapshot().confirmed(kStart + 6 * kSecond));
-    EXPECT_LT(restarted.snapshot().age(kStart + 6 * kSecond), 5 * kMillisecond);
+    EXPECT_TRUE(restarted.snapshot().confirmed(kSessionStart + 6 * kSecond));
+    EXPECT_LT(restarted.snapshot().age(kSessionStart + 6 * kSecond), 5 * kMillisecond);
   }
 }
 
 TEST_F(SessionTest, AnAnswerProvesASessionForTwelveSecondsAndAnotherSessionStartsAnew) {
   DatagramHeader header = sample_header(1, 1);
   std::vector<std::uint8_t> sent(kMaxDatagram);
-  ASSERT_NE(slave.poll(kStart, sample_slave(), sent), 0u);
+  ASSERT_NE(slave.poll(kSessionStart, sample_slave(), sent), 0u);
   header.echo_session = kOwn;
   header.echo_sequence = 1;
-  header.echo_sent = kStart;
-  ASSERT_EQ(slave.on_datagram(datagram(header, sample_master()), kStart), Reject::kNone);
-  EXPECT_TRUE(slave.snapshot().confirmed(kStart + kConfirmedAge));
-  EXPECT_FALSE(slave.snapshot().confirmed(kStart + kConfirmedAge + 1));
-  ASSERT_EQ(receive(2, 1, kStart + kSecond), Reject::kNone);
-  EXPECT_FALSE(slave.snapshot().confirmed(kStart + kSecond));
+  header.echo_sent = kSessionStart;
+  ASSERT_EQ(slave.on_datagram(datagram(header, sample_master()), kSessionStart), Reject::kNone);
+  EXPECT_TRUE(slave.snapshot().confirmed(kSessionStart + kConfirmedAge));
+  EXPECT_FALSE(slave.snapshot().confirmed(kSessionStart + kConfirmedAge + 1));
+  ASSERT_EQ(receive(2, 1, kSessionStart + kSecond), Reject::kNone);
+  EXPECT_FALSE(slave.snapshot().confirmed(kSessionStart + kSecond));
 }
 
 // Two masters at one slave. Datagrams arrive at once; the slave answers to whom it took last, and a
@@ -270,7 +270,7 @@ class TwoMastersTest : public ::testing::Test {
   MasterPeer first{0x1111}, second{0x2222};
   MasterPeer* leader = &first;
   int told = 0;  // refusals
-  Nanos now = kStart;
+  Nanos now = kSessionStart;
 };
 
 TEST_F(TwoMastersTest, TheRefusedOneIsToldWhoLeadsAndSinceWhen) {

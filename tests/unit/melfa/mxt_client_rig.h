@@ -29,8 +29,8 @@ class MxtClientTest : public ::testing::Test {
   std::optional<RobotEvent> hear(Nanos now) {
     return client_.on_datagram(golden::reply_long(), now, reply_);
   }
-  // The n-th target, and a reply that says the controller holds it.
-  static JointVector target(int n) { return JointVector::Constant(1.0 / 1024.0 * n); }
+  // The n-th target, which the wire rounds, and a reply that says the controller holds it.
+  static JointVector target(int n) { return JointVector::Constant(n / 1000.0); }
   std::optional<RobotEvent> hear_held(int n, Nanos now) {
     MxtPacket packet;
     packet.type = {MxtType::kFeedbackJoint, MxtType::kJoint};

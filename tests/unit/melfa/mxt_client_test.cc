@@ -13,13 +13,11 @@ namespace {
 
 using golden::Packet;
 
-constexpr Nanos kPeriod = kMxtPeriod;
-
 TEST_F(MxtClientTest, SpeaksTheGoldenConversation) {
-  EXPECT_EQ(copy(client_.start(-3 * kPeriod)), golden::null_long());
+  EXPECT_EQ(copy(client_.start(-3 * kMxtPeriod)), golden::null_long());
   hear_first(client_, golden::reply_long(), golden::reply_long_held());
   EXPECT_EQ(copy(client_.packet()), golden::null_long_held(3));
-  EXPECT_EQ(client_.on_datagram(golden::reply_long_held(), kPeriod, reply_), RobotEvent::kReply);
+  EXPECT_EQ(client_.on_datagram(golden::reply_long_held(), kMxtPeriod, reply_), RobotEvent::kReply);
   EXPECT_EQ(reply_.q_measured, golden::kMeasured);
   EXPECT_EQ(reply_.q_commanded, golden::kTarget);
   EXPECT_EQ(reply_.missed_cycles, 3u);
@@ -31,14 +29,14 @@ TEST_F(MxtClientTest, SpeaksTheGoldenConversation) {
 
 TEST_F(MxtClientTest, SpeaksTheShortFormToOldControllers) {
   MxtClient client{MxtClientOptions{.packet_bytes = kMxtShort}};
-  EXPECT_EQ(copy(client.start(-3 * kPeriod)), golden::null_short());
+  EXPECT_EQ(copy(client.start(-3 * kMxtPeriod)), golden::null_short());
   hear_first(client, golden::reply_short(), golden::reply_short_held());
   EXPECT_EQ(copy(client.packet()), golden::null_short_held(3));
-  EXPECT_EQ(client.on_datagram(golden::reply_short_held(), kPeriod, reply_), RobotEvent::kReply);
+  EXPECT_EQ(client.on_datagram(golden::reply_short_held(), kMxtPeriod, reply_), RobotEvent::kReply);
   EXPECT_TRUE(reply_.has_measured && reply_.has_commanded);
   EXPECT_EQ(reply_.q_measured, golden::kMeasured);
   EXPECT_EQ(reply_.q_commanded, golden::kTarget);
-  EXPECT_EQ(copy(client.send(golden::kTarget, kPeriod)), golden::move_short(4));
+  EXPECT_EQ(copy(client.send(golden::kTarget, kMxtPeriod)), golden::move_short(4));
   EXPECT_EQ(copy(client.end()), golden::end_short(5));
 }
 
@@ -46,7 +44,7 @@ TEST_F(MxtClientTest, SpeaksTheShortFormToOldControllers) {
 class ShortForm : public MxtClientTest {
  protected:
   ShortForm() {
-    client_.start(-3 * kPeriod);
+    client_.start(-3 * kMxtPeriod);
     hear_first(client_, golden::reply_short(), golden::reply_short_held());
     client_.on_datagram(golden::reply_short_held(), now_, reply_);
   }
@@ -63,12 +61,12 @@ class ShortForm : public MxtClientTest {
     packet.send_type = packet.type[0] = type;
     packet.block[0].set_joints(q);
     std::array<std::uint8_t, kMxtLong> buffer{};
-    return client_.on_datagram(encode_mxt(packet, kMxtShort, buffer), now_ += kPeriod, reply_);
+    return client_.on_datagram(encode_mxt(packet, kMxtShort, buffer), now_ += kMxtPeriod, reply_);
   }
   static JointVector target(int n) { return JointVector::Constant(0.25 * n); }
   static JointVector measured(int n) { return JointVector::Constant(0.25 * n - 0.125); }
 
-  Nanos now_ = kPeriod;
+  Nanos now_ = kMxtPeriod;
   MxtClient client_{MxtClientOptions{.packet_bytes = kMxtShort}};
 };
 
@@ -102,7 +100,7 @@ TEST_F(ShortForm, AReplyThatIsOverdueDoesNotStandForTheNextTarget) {
   send(1);
   EXPECT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
   EXPECT_FALSE(reply_.fresh);
-  now_ += kPeriod;
+  now_ += kMxtPeriod;
   EXPECT_EQ(send(2), MxtType::kJoint) << "a reply is missing";
   EXPECT_EQ(hear(MxtType::kFeedbackJoint, measured(1)), std::nullopt) << "it tells of no cycle";
   EXPECT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
@@ -125,9 +123,9 @@ TEST_F(MxtClientTest, AQuestionMovesNothingAndAsksForTheTarget) {
   question[60] = 4;
   EXPECT_EQ(copy(client_.ask()), question);
   MxtClient old{MxtClientOptions{.packet_bytes = kMxtShort}};
-  old.start(-3 * kPeriod);
+  old.start(-3 * kMxtPeriod);
   hear_first(old, golden::reply_short(), golden::reply_short_held());
-  ASSERT_EQ(old.on_datagram(golden::reply_short_held(), kPeriod, reply_), RobotEvent::kReply);
+  ASSERT_EQ(old.on_datagram(golden::reply_short_held(), kMxtPeriod, reply_), RobotEvent::kReply);
   MxtPacket packet;
   ASSERT_EQ(decode_mxt_request(old.ask(), packet), MxtParse::kOk);
   EXPECT_EQ(packet.command, MxtCommand::kNull);
@@ -172,7 +170,7 @@ TEST_F(MxtClientTest, DropsWrongPacketsWithoutTouchingTheReplyOrTheDeadline) {
   for (const Packet& bad :
        {golden::reply_short(), pose, nan, garbage, Packet{}, Packet(196, 0xff)}) {
     RobotReply untouched;
-    EXPECT_EQ(client_.on_datagram(bad, kPeriod + 1, untouched), RobotEvent::kRejected);
+    EXPECT_EQ(client_.on_datagram(bad, kMxtPeriod + 1, untouched), RobotEvent::kRejected);
     EXPECT_TRUE(untouched.q_measured.isZero());
   }
   EXPECT_EQ(client_.counters().rejected, 6u);
@@ -183,19 +181,19 @@ TEST_F(MxtClientTest, TwoRepliesInOneCycleAreOneOccasionToCommand) {
   open();
   Packet twin = golden::reply_long();
   twin[58] = 0;
-  EXPECT_EQ(client_.on_datagram(twin, kPeriod + kMillisecond, reply_), std::nullopt);
+  EXPECT_EQ(client_.on_datagram(twin, kMxtPeriod + kMillisecond, reply_), std::nullopt);
   EXPECT_EQ(reply_.missed_cycles, 0u) << "the newest values are the ones to use";
   EXPECT_EQ(client_.counters().late, 1u);
-  EXPECT_EQ(client_.on_datagram(twin, 2 * kPeriod, reply_), RobotEvent::kReply);
+  EXPECT_EQ(client_.on_datagram(twin, 2 * kMxtPeriod, reply_), RobotEvent::kReply);
 }
 
 TEST_F(MxtClientTest, IgnoresThePacketCounterOfTheReply) {
   open();
-  Nanos now = kPeriod;
+  Nanos now = kMxtPeriod;
   for (const std::uint8_t count : Packet{0x00, 0xff, 0x01}) {
     Packet reply = golden::reply_long();
     std::fill(reply.begin() + 60, reply.begin() + 64, count);
-    EXPECT_EQ(client_.on_datagram(reply, now += kPeriod, reply_), RobotEvent::kReply);
+    EXPECT_EQ(client_.on_datagram(reply, now += kMxtPeriod, reply_), RobotEvent::kReply);
   }
 }
 
@@ -206,7 +204,7 @@ TEST_F(MxtClientTest, FindsTheFeedbackInWhicheverBlockCarriesIt) {
   swapped[2] = swapped[4] = 2;
   swapped[64] = 8;
   reply_ = RobotReply();
-  EXPECT_EQ(client_.on_datagram(swapped, 2 * kPeriod, reply_), RobotEvent::kReply);
+  EXPECT_EQ(client_.on_datagram(swapped, 2 * kMxtPeriod, reply_), RobotEvent::kReply);
   EXPECT_EQ(reply_.q_measured, golden::kMeasured);
   EXPECT_EQ(reply_.q_commanded, golden::kTarget);
 }
@@ -226,9 +224,9 @@ TEST_F(MxtClientTest, StartsANewSessionAfterALostOne) {
 TEST_F(MxtClientTest, DoesNotAllocate) {
   const Packet reply = golden::reply_long(), second = golden::reply_long_held();
   test::NoAllocation guard("an MXT cycle");
-  client_.start(-3 * kPeriod);
+  client_.start(-3 * kMxtPeriod);
   for (int i = -2; i <= 1; ++i) {
-    client_.on_datagram(i == -2 ? reply : second, i * kPeriod, reply_);
+    client_.on_datagram(i == -2 ? reply : second, i * kMxtPeriod, reply_);
     client_.poll(client_.deadline(), reply_);
   }
   send(golden::kTarget);

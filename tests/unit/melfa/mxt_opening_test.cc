@@ -13,8 +13,6 @@ namespace {
 
 using golden::Packet;
 
-constexpr Nanos kPeriod = kMxtPeriod;
-
 Packet copy(MxtClient::Bytes bytes) { return {bytes.begin(), bytes.end()}; }
 
 class MxtOpening : public ::testing::Test {
@@ -25,7 +23,7 @@ class MxtOpening : public ::testing::Test {
   bool hear_further(Nanos at) { return hear(golden::reply_long_held(), at); }
   bool hear(const Packet& reply, Nanos at) {
     if (client_.on_datagram(reply, at, reply_) == RobotEvent::kReply) return true;
-    EXPECT_EQ(client_.deadline(), at + kPeriod * 15 / 16) << "late in its cycle";
+    EXPECT_EQ(client_.deadline(), at + kMxtPeriod * 15 / 16) << "late in its cycle";
     EXPECT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
     return false;
   }
@@ -35,18 +33,18 @@ class MxtOpening : public ::testing::Test {
 };
 
 TEST_F(MxtOpening, AsksAgainUntilTheFirstReply) {
-  client_.start(-3 * kPeriod);
+  client_.start(-3 * kMxtPeriod);
   Packet again = golden::null_long();
   again[60] = 1;
-  EXPECT_EQ(client_.poll(-kPeriod, reply_), RobotEvent::kSilence);
+  EXPECT_EQ(client_.poll(-kMxtPeriod, reply_), RobotEvent::kSilence);
   EXPECT_TRUE(client_.opening());
   EXPECT_EQ(copy(client_.packet()), again);
   EXPECT_FALSE(hear_first(0));
   EXPECT_EQ(copy(client_.packet()), golden::null_long_held(2));
-  EXPECT_FALSE(hear_further(kPeriod));
-  EXPECT_FALSE(hear_further(2 * kPeriod));
+  EXPECT_FALSE(hear_further(kMxtPeriod));
+  EXPECT_FALSE(hear_further(2 * kMxtPeriod));
   EXPECT_TRUE(client_.opening());
-  EXPECT_TRUE(hear_further(3 * kPeriod));
+  EXPECT_TRUE(hear_further(3 * kMxtPeriod));
   EXPECT_FALSE(client_.opening());
 }
 
@@ -58,7 +56,7 @@ struct FarController {
   bool opens() {
     give(client.start(0));
     for (now = 0; now < kSecond; now += step) {
-      if (now % kPeriod == 0) answer();
+      if (now % kMxtPeriod == 0) answer();
       if (!replies.empty() && replies.front().first <= now) {
         const Packet reply_bytes = replies.front().second;
         replies.pop_front();
@@ -80,7 +78,7 @@ struct FarController {
     }
   }
 
-  static constexpr Nanos step = kPeriod / 100;
+  static constexpr Nanos step = kMxtPeriod / 100;
   MxtClient client;
   Nanos way = 0;  // each way
   RobotReply reply;
@@ -97,63 +95,63 @@ TEST_F(MxtOpening, OpensOnlyWhereAPacketWithoutAReplyWillBeThereInTime) {
       ASSERT_EQ(controller.opens(), percent < 22);
       EXPECT_EQ(controller.client.counters().far == 0, percent < 3);
       if (percent >= 22) continue;
-      const Nanos spare = controller.now + 2 * kPeriod - controller.client.deadline();
-      EXPECT_EQ(spare, kPeriod / (percent < 3 ? 8 : 2));
+      const Nanos spare = controller.now + 2 * kMxtPeriod - controller.client.deadline();
+      EXPECT_EQ(spare, kMxtPeriod / (percent < 3 ? 8 : 2));
       EXPECT_GT(spare, 2 * controller.way);
     }
   }
 }
 
 TEST_F(MxtOpening, OneReplyThatIsLateDoesNotMakeTheWayLongButTheCountBeginsAnew) {
-  client_.start(-kPeriod);
+  client_.start(-kMxtPeriod);
   hear_first(0);
-  hear_further(kPeriod);
-  hear_further(2 * kPeriod);
-  EXPECT_FALSE(hear_further(4 * kPeriod)) << "late by one";
-  EXPECT_FALSE(hear_further(5 * kPeriod));
-  EXPECT_FALSE(hear_further(6 * kPeriod));
-  EXPECT_TRUE(hear_further(7 * kPeriod));
-  EXPECT_EQ(client_.deadline(), 9 * kPeriod - kPeriod / 8);
+  hear_further(kMxtPeriod);
+  hear_further(2 * kMxtPeriod);
+  EXPECT_FALSE(hear_further(4 * kMxtPeriod)) << "late by one";
+  EXPECT_FALSE(hear_further(5 * kMxtPeriod));
+  EXPECT_FALSE(hear_further(6 * kMxtPeriod));
+  EXPECT_TRUE(hear_further(7 * kMxtPeriod));
+  EXPECT_EQ(client_.deadline(), 9 * kMxtPeriod - kMxtPeriod / 8);
 }
 
 TEST_F(MxtOpening, WhereAReplyIsLostItBeginsAnewOnceNothingCanBeOnItsWay) {
-  client_.start(-kPeriod);
+  client_.start(-kMxtPeriod);
   hear_first(0);
   EXPECT_EQ(client_.poll(client_.deadline(), reply_), std::nullopt) << "waits for what may come";
   EXPECT_EQ(client_.on_datagram(golden::reply_long_held(), client_.deadline() - 1, reply_),
             std::nullopt);
   Nanos at = client_.deadline();
   EXPECT_EQ(client_.poll(at, reply_), RobotEvent::kSilence);
-  hear_first(at += kPeriod);
+  hear_first(at += kMxtPeriod);
   const Nanos due = client_.deadline();
-  EXPECT_EQ(client_.on_datagram(golden::reply_long(), at + kPeriod, reply_), std::nullopt);
+  EXPECT_EQ(client_.on_datagram(golden::reply_long(), at + kMxtPeriod, reply_), std::nullopt);
   EXPECT_EQ(client_.deadline(), due) << "the first reply once more is no answer";
-  hear_further(at += kPeriod);
-  hear_further(at += kPeriod);
-  EXPECT_TRUE(hear_further(at += kPeriod));
+  hear_further(at += kMxtPeriod);
+  hear_further(at += kMxtPeriod);
+  EXPECT_TRUE(hear_further(at += kMxtPeriod));
 }
 
 TEST_F(MxtOpening, GivesUpAtOnceWhereAnotherAnswerMayBeOnItsWay) {
-  client_.start(-3 * kPeriod);
-  EXPECT_EQ(client_.poll(-kPeriod, reply_), RobotEvent::kSilence);
+  client_.start(-3 * kMxtPeriod);
+  EXPECT_EQ(client_.poll(-kMxtPeriod, reply_), RobotEvent::kSilence);
   hear_first(0);
-  EXPECT_EQ(client_.on_datagram(golden::reply_long_held(), 2 * kPeriod, reply_), std::nullopt);
-  EXPECT_EQ(client_.deadline(), 16 * kPeriod);
+  EXPECT_EQ(client_.on_datagram(golden::reply_long_held(), 2 * kMxtPeriod, reply_), std::nullopt);
+  EXPECT_EQ(client_.deadline(), 16 * kMxtPeriod);
 }
 
 TEST_F(MxtOpening, AfterTooLongAWayItBeginsWithTheShortOneAgain) {
-  client_.start(-kPeriod);
+  client_.start(-kMxtPeriod);
   hear_first(0);
   for (int late = 1; late <= 5; ++late) {
-    const Nanos at = 2 * late * kPeriod;
+    const Nanos at = 2 * late * kMxtPeriod;
     EXPECT_EQ(client_.on_datagram(golden::reply_long_held(), at, reply_), std::nullopt);
-    EXPECT_EQ(client_.deadline(), at + kPeriod * (late < 3 ? 15 : 9) / 16) << late;
+    EXPECT_EQ(client_.deadline(), at + kMxtPeriod * (late < 3 ? 15 : 9) / 16) << late;
     EXPECT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
   }
-  EXPECT_EQ(client_.on_datagram(golden::reply_long_held(), 12 * kPeriod, reply_), std::nullopt);
-  ASSERT_EQ(client_.deadline(), 26 * kPeriod);
-  EXPECT_EQ(client_.poll(26 * kPeriod, reply_), RobotEvent::kSilence);
-  hear_first(27 * kPeriod);
+  EXPECT_EQ(client_.on_datagram(golden::reply_long_held(), 12 * kMxtPeriod, reply_), std::nullopt);
+  ASSERT_EQ(client_.deadline(), 26 * kMxtPeriod);
+  EXPECT_EQ(client_.poll(26 * kMxtPeriod, reply_), RobotEvent::kSilence);
+  hear_first(27 * kMxtPeriod);
 }
 
 }  // namespace

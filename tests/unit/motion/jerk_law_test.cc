@@ -3,13 +3,12 @@
 #include <gtest/gtest.h>
 
 #include "server/base/random.h"
+#include "tests/unit/motion/motion_rig.h"
 
 namespace handrail {
 namespace {
 
-double between(Random& random, double low, double high) {
-  return low + (high - low) * random.uniform();
-}
+using test::between;
 
 // Acceleration is 1 in these tests: every law scales.
 AxisLimits any_limits(Random& random, double quickest = 0.25) {

@@ -7,9 +7,12 @@
 #include "server/base/units.h"
 #include "server/model/rv2a_limits.h"
 #include "server/motion/tip_motion.h"
+#include "tests/support/arm_samples.h"
 #include "tests/unit/motion/joint_watch.h"
 
 namespace handrail::test {
+
+inline const JointVector kHome = joints_deg(0, 0, 90, 0, 90, 0);
 
 struct MotionRig {
   MotionSettings settings;

@@ -12,10 +12,9 @@ namespace {
 
 using test::between;
 using test::joints_deg;
+using test::kHome;
 using test::MotionRig;
 using test::normal;
-
-const JointVector kHome = joints_deg(0, 0, 90, 0, 90, 0);
 
 TipSpace space_of(int free, const Vec3& p, Random& random) {
   const Vec3 d = normal(random).normalized();

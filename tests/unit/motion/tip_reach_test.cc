@@ -12,10 +12,9 @@ namespace {
 
 using test::between;
 using test::joints_deg;
+using test::kHome;
 using test::MotionRig;
 using test::normal;
-
-const JointVector kHome = joints_deg(0, 0, 90, 0, 90, 0);
 
 JointVector somewhere(Random& random) {
   return joints_deg(between(random, -30, 30), between(random, -20, 20), between(random, 70, 110),

@@ -20,9 +20,9 @@ std::array<std::uint8_t, kRdtRecordSize> record(std::uint32_t sequence, std::int
 
 std::vector<std::uint8_t> copy(RdtClient::Bytes bytes) { return {bytes.begin(), bytes.end()}; }
 
-const std::vector<std::uint8_t> kStream{0x12, 0x34, 0x00, 0x02, 0x00, 0x00, 0x00, 0x00};
-const std::vector<std::uint8_t> kStop{0x12, 0x34, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00};
-const std::vector<std::uint8_t> kBias{0x12, 0x34, 0x00, 0x42, 0x00, 0x00, 0x00, 0x00};
+const std::vector<std::uint8_t> kStreamBytes{0x12, 0x34, 0x00, 0x02, 0x00, 0x00, 0x00, 0x00};
+const std::vector<std::uint8_t> kStopBytes{0x12, 0x34, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00};
+const std::vector<std::uint8_t> kBiasBytes{0x12, 0x34, 0x00, 0x42, 0x00, 0x00, 0x00, 0x00};
 
 class RdtClientTest : public ::testing::Test {
  protected:
@@ -34,9 +34,9 @@ class RdtClientTest : public ::testing::Test {
 };
 
 TEST_F(RdtClientTest, AsksForTheStreamBiasAndStop) {
-  EXPECT_EQ(copy(client_.start(0)), kStream);
-  EXPECT_EQ(copy(client_.bias()), kBias);
-  EXPECT_EQ(copy(client_.stop()), kStop);
+  EXPECT_EQ(copy(client_.start(0)), kStreamBytes);
+  EXPECT_EQ(copy(client_.bias()), kBiasBytes);
+  EXPECT_EQ(copy(client_.stop()), kStopBytes);
 }
 
 TEST_F(RdtClientTest, GivesCountsInSiUnits) {
@@ -92,9 +92,9 @@ TEST_F(RdtClientTest, AsksAgainAfterAHundredMillisecondsOfSilence) {
   now_ = 40 * kMillisecond;
   ASSERT_TRUE(take(2000));
   EXPECT_TRUE(client_.poll(140 * kMillisecond - 1).empty());
-  EXPECT_EQ(copy(client_.poll(140 * kMillisecond)), kStream);
+  EXPECT_EQ(copy(client_.poll(140 * kMillisecond)), kStreamBytes);
   EXPECT_TRUE(client_.poll(240 * kMillisecond - 1).empty());
-  EXPECT_EQ(copy(client_.poll(240 * kMillisecond)), kStream);
+  EXPECT_EQ(copy(client_.poll(240 * kMillisecond)), kStreamBytes);
   // The sensor was switched off and on: its count begins again.
   EXPECT_TRUE(take(1999));
   EXPECT_EQ(client_.counters().requests, 3u);

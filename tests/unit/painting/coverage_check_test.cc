@@ -12,7 +12,7 @@ namespace {
 using test::rectangle;
 using test::WallPainter;
 
-constexpr int kSize = 120;
+constexpr int kCheckSize = 120;
 constexpr double kPixel = 1e-4;
 
 // Lengths in pixels, the origin in the middle, Y up.
@@ -20,7 +20,7 @@ Vec2 px(double x, double y) { return Vec2(x, y) * kPixel; }
 test::Polygon box(double x, double y, double length, double width, double deg = 0.0) {
   return rectangle(px(x, y), length * kPixel, width * kPixel, deg * std::numbers::pi / 180);
 }
-WallPainter wall_everywhere() { return {kSize, kSize, kPixel, false}; }
+WallPainter wall_everywhere() { return {kCheckSize, kCheckSize, kPixel, false}; }
 
 TEST(MapCheck, FindsNothingWrongWithAnOrdinaryMap) {
   const MapCheck check = check_map(
@@ -61,7 +61,7 @@ Walls rooms(bool gate) {
   Walls walls = painter.finish(px(-30, 0));
   auto map = std::make_shared<CoverageMap>(*walls.map);
   for (std::size_t i = 0; i < map->region.size(); ++i) {
-    if (i % kSize > 63 && map->region[i] == 0) map->region[i] = lane;
+    if (i % kCheckSize > 63 && map->region[i] == 0) map->region[i] = lane;
   }
   walls.map = map;
   return walls;

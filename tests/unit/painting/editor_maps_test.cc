@@ -13,16 +13,16 @@ namespace {
 
 constexpr int kSize = 200;                             // pixels of the maps, taken as 0.1 mm
 constexpr double kTurn = 17 * std::numbers::pi / 180;  // of the block [rad]
-constexpr double kPixel = 1e-4;                        // [m]
+constexpr double kMapPixel = 1e-4;                     // [m]
 
-Vec2 metres(double x, double y) { return Vec2(x - kSize / 2, kSize / 2 - y) * kPixel; }
+Vec2 metres(double x, double y) { return Vec2(x - kSize / 2, kSize / 2 - y) * kMapPixel; }
 
 // The drawing: wall, in it a free disc, in that a wall turned by 17 degrees.
 CoverageMap drawing(double x, double y) {
   const test::Polygon block =
-      test::rectangle(metres(105.2, 95.7), 60 * kPixel, 30 * kPixel, -kTurn);
-  const Walls walls = test::WallPainter(kSize, kSize, kPixel, false)
-                          .open_disc(metres(x, y), 80 * kPixel)
+      test::rectangle(metres(105.2, 95.7), 60 * kMapPixel, 30 * kMapPixel, -kTurn);
+  const Walls walls = test::WallPainter(kSize, kSize, kMapPixel, false)
+                          .open_disc(metres(x, y), 80 * kMapPixel)
                           .wall(block)
                           .finish();
   return *walls.map;

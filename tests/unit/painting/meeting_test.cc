@@ -13,7 +13,7 @@
 namespace handrail {
 namespace {
 
-constexpr int kSize = 120;         // [pixels]
+constexpr int kMeetingSize = 120;  // [pixels]
 constexpr std::size_t kFine = 16;  // samples along a pixel's side
 constexpr std::uint8_t kRoom = 0, kWall = 1, kAisle = 2;
 
@@ -28,7 +28,7 @@ struct Drawing {
   std::vector<double> open;  // what of each pixel is not wall, by area
 };
 
-CoverageRules rules() {
+CoverageRules meeting_rules() {
   CoverageRules out;
   out.palette = {{{240, 224, 192}, false, "room"},
                  {{32, 48, 64}, true, "wall"},
@@ -39,7 +39,7 @@ CoverageRules rules() {
 // One pixel, layer by layer. Source: Porter and Duff 1984, over, in 8 bits, as Inkscape's renderer
 // does it: where two edges cross a pixel the coverages multiply, whatever the areas.
 void draw_pixel(int x, int y, std::uint8_t page, const std::vector<Layer>& layers, Drawing& out) {
-  const CoverageRules r = rules();
+  const CoverageRules r = meeting_rules();
   std::array<double, 3> colour;
   for (std::size_t k = 0; k < 3; ++k) colour[k] = r.palette[page].rgb[k];
   std::array<std::uint8_t, kFine * kFine> top;
@@ -67,8 +67,9 @@ void draw_pixel(int x, int y, std::uint8_t page, const std::vector<Layer>& layer
 
 Drawing draw(std::uint8_t page, const std::vector<Layer>& layers) {
   Drawing out;
-  out.image.width = out.image.height = kSize;
-  for (int i = 0; i < kSize * kSize; ++i) draw_pixel(i % kSize, i / kSize, page, layers, out);
+  out.image.width = out.image.height = kMeetingSize;
+  for (int i = 0; i < kMeetingSize * kMeetingSize; ++i)
+    draw_pixel(i % kMeetingSize, i / kMeetingSize, page, layers, out);
   return out;
 }
 
@@ -101,7 +102,7 @@ struct Read {
 };
 Read read(const Drawing& drawing) {
   Read out;
-  const Result<CoverageMap> map = coverage_of(drawing.image, rules(), out.warnings);
+  const Result<CoverageMap> map = coverage_of(drawing.image, meeting_rules(), out.warnings);
   out.error = map.message();
   for (std::size_t i = 0; map && i < drawing.open.size(); ++i) {
     out.worst = std::max(out.worst, std::abs(map->open[i] / 65535.0 - drawing.open[i]));
@@ -126,7 +127,7 @@ TEST(ThreeColours, OfACurvedAisleAreTakenWithAWarningThatNamesThePlace) {
     EXPECT_LE(map.worst, 0.27);  // a quarter where edges cross, and two levels of 255
     ASSERT_LE(map.warnings.size(), 1U);
     warned += map.warnings.size();
-    EXPECT_EQ(guess_edges(drawing.image, rules()).law, EdgeLaw::kSrgb);
+    EXPECT_EQ(guess_edges(drawing.image, meeting_rules()).law, EdgeLaw::kSrgb);
   }
   EXPECT_GE(warned, 15U);
   const Read map = read(curved_aisle(Vec2::Zero()));

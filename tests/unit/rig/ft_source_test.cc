@@ -10,7 +10,7 @@
 namespace handrail {
 namespace {
 
-constexpr PeerId kPc = 7;
+constexpr PeerId kFtPc = 7;
 
 FtSourceOptions quiet() {
   FtSourceOptions options;
@@ -28,7 +28,7 @@ std::optional<RdtRecord> next(FtSource& source) {
   return decode_rdt_record(source.record()->bytes);
 }
 
-void ask(FtSource& source, RdtCommand command, std::uint32_t samples = 0, PeerId from = kPc) {
+void ask(FtSource& source, RdtCommand command, std::uint32_t samples = 0, PeerId from = kFtPc) {
   source.on_datagram(encode_rdt(RdtRequest{command, samples}), from);
 }
 
@@ -42,7 +42,7 @@ TEST(FtSource, StreamsFromTheRequestToTheStop) {
     EXPECT_EQ(record->rdt_sequence, i);
     EXPECT_EQ(record->ft_sequence, i + 1) << "the sensor counts on its own";
     EXPECT_EQ(record->status, 0u);
-    EXPECT_EQ(source.record()->to, kPc);
+    EXPECT_EQ(source.record()->to, kFtPc);
   }
   ask(source, RdtCommand::kStop);
   EXPECT_FALSE(next(source));
@@ -141,8 +141,8 @@ TEST(FtSource, HasWhiteNoiseOfTheConfiguredSize) {
 TEST(FtSource, CountsWhatIsNoRequest) {
   FtSource source(quiet());
   const std::array<std::uint8_t, 8> garbage{1, 2, 3, 4, 5, 6, 7, 8};
-  source.on_datagram(garbage, kPc);
-  source.on_datagram({}, kPc);
+  source.on_datagram(garbage, kFtPc);
+  source.on_datagram({}, kFtPc);
   EXPECT_EQ(source.ignored(), 2u);
   EXPECT_FALSE(next(source));
 }

@@ -11,7 +11,7 @@
 namespace handrail {
 namespace {
 
-ServoArmOptions quiet() {
+ServoArmOptions quiet_arm() {
   ServoArmOptions options;
   options.repeatability = 0.0;
   return options;
@@ -22,14 +22,14 @@ JointVector moved(double by) {
 }
 
 TEST(ServoArm, StandsStillWithoutACommand) {
-  ServoArm arm(quiet());
+  ServoArm arm(quiet_arm());
   arm.advance(10.0);
   EXPECT_EQ(arm.joints(), ServoArmOptions::default_start());
   EXPECT_EQ(arm.measured(), arm.joints());
 }
 
 TEST(ServoArm, FollowsAStepAsTheFirstOrderLagSays) {
-  ServoArm arm(quiet());
+  ServoArm arm(quiet_arm());
   arm.command(moved(0.1));
   arm.advance(0.02);
   for (int i = 0; i < kJoints; ++i) {
@@ -39,7 +39,7 @@ TEST(ServoArm, FollowsAStepAsTheFirstOrderLagSays) {
 }
 
 TEST(ServoArm, TrailsARampByItsLag) {
-  ServoArm arm(quiet());
+  ServoArm arm(quiet_arm());
   constexpr double kSpeed = 0.5;  // [rad/s]
   constexpr double kDt = 1e-3;
   double q = 0.0;

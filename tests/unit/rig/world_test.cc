@@ -14,7 +14,7 @@ namespace handrail {
 namespace {
 
 constexpr double kStep = 1e-3;  // [s]
-constexpr PeerId kPc = 1;
+constexpr PeerId kWorldPc = 1;
 
 Scene scene_of(const std::string& simulate) {
   const auto scene = parse_scene("/x/a.scene", "name: 'a'\nsimulate { " + simulate + " }");
@@ -23,11 +23,11 @@ Scene scene_of(const std::string& simulate) {
 }
 
 // The arm that starts tool down at (350, 0, 429) mm.
-const JointVector kHome = ServoArmOptions::default_start();
+const JointVector kWorldHome = ServoArmOptions::default_start();
 JointVector joints_at(const Vec3& p_S) {
-  JointVector q = kHome;
-  const Pose X{p_S, forward(ArmGeometry(), kHome).q};
-  EXPECT_EQ(inverse_near(ArmGeometry(), X, kHome, q), InverseStatus::kOk);
+  JointVector q = kWorldHome;
+  const Pose X{p_S, forward(ArmGeometry(), kWorldHome).q};
+  EXPECT_EQ(inverse_near(ArmGeometry(), X, kWorldHome, q), InverseStatus::kOk);
   return q;
 }
 
@@ -37,7 +37,7 @@ const char kFloor[] =
 
 struct Arm {
   explicit Arm(const std::string& list)
-      : world(*scene_of(list).simulate, ArmGeometry(), kHome), p(world.tip().p) {}
+      : world(*scene_of(list).simulate, ArmGeometry(), kWorldHome), p(world.tip().p) {}
   void to(const Vec3& target) {
     for (int i = 0; i < 200; ++i) world.step(joints_at(p + (target - p) * (i + 1) / 200), kStep);
     p = target;
@@ -50,8 +50,8 @@ struct Arm {
 TEST(World, StartsWhereTheArmIsAndTouchesNothing) {
   Arm arm(kFloor);
   EXPECT_LT((arm.p - Vec3(0.350, 0, 0.429)).norm(), 1e-9) << "the tests below rely on it";
-  arm.world.step(kHome, kStep);
-  EXPECT_EQ(arm.world.tip().p, forward(ArmGeometry(), kHome).p);
+  arm.world.step(kWorldHome, kStep);
+  EXPECT_EQ(arm.world.tip().p, forward(ArmGeometry(), kWorldHome).p);
   EXPECT_EQ(arm.world.on_tip().force, Vec3::Zero());
 }
 
@@ -110,17 +110,17 @@ TEST(World, DoesNotAllocate) {
 }
 
 // Drives a rig with the two real clients, down by `speed` metres a cycle for a second.
-struct Session {
-  explicit Session(const RigOptions& options) : rig(options, 0) {
-    rig.controller().on_datagram(robot.start(0), kPc);
-    rig.sensor().on_datagram(sensor.start(0), kPc);
+struct WorldSession {
+  explicit WorldSession(const RigOptions& options) : rig(options, 0) {
+    rig.controller().on_datagram(robot.start(0), kWorldPc);
+    rig.sensor().on_datagram(sensor.start(0), kWorldPc);
   }
   void run(Nanos until, double speed) {
     RobotReply reply;
     while (rig.next() <= until) {
       if (robot.opening() && robot.deadline() < rig.next()) {
         if (robot.poll(robot.deadline(), reply)) {
-          rig.controller().on_datagram(robot.packet(), kPc);
+          rig.controller().on_datagram(robot.packet(), kWorldPc);
         }
         continue;
       }
@@ -136,7 +136,7 @@ struct Session {
         for (const std::uint8_t byte : out.bytes()) hash.byte(byte);
         if (robot.on_datagram(out.bytes(), now, reply) != RobotEvent::kReply) continue;
         p.z() -= speed;
-        rig.controller().on_datagram(robot.send(joints_at(p), now), kPc);
+        rig.controller().on_datagram(robot.send(joints_at(p), now), kWorldPc);
       }
     }
   }
@@ -145,7 +145,7 @@ struct Session {
   MxtClient robot{MxtClientOptions{}};
   RdtClient sensor{RdtClientOptions{}};
   FtSample sample;
-  Vec3 p = forward(ArmGeometry(), kHome).p;
+  Vec3 p = forward(ArmGeometry(), kWorldHome).p;
   Fnv hash;
 };
 
@@ -160,8 +160,8 @@ const char kAsConfigured[] =
     "effect { sensor_saturation {} }";
 
 TEST(RigWorld, AListOfWhatARigDoesByItselfChangesNoBit) {
-  Session plain{RigOptions{}}, same(listed(kAsConfigured));
-  for (Session* s : {&plain, &same}) s->run(kSecond, 1e-4);
+  WorldSession plain{RigOptions{}}, same(listed(kAsConfigured));
+  for (WorldSession* s : {&plain, &same}) s->run(kSecond, 1e-4);
   EXPECT_EQ(plain.hash.value(), same.hash.value());
   EXPECT_EQ(same.rig.world(), nullptr);
 }
@@ -177,7 +177,7 @@ TEST(RigWorld, ASceneWithoutAListLeavesTheRigAlone) {
 }
 
 TEST(RigWorld, WhatIsNotListedDoesNotRun) {
-  Session ideal(listed(""));
+  WorldSession ideal(listed(""));
   ideal.run(kSecond, 1e-4);
   ideal.rig.controller().pass(2 * kSecond);
   const ServoArm& arm = ideal.rig.controller().arm();
@@ -188,8 +188,8 @@ TEST(RigWorld, WhatIsNotListedDoesNotRun) {
 
 TEST(RigWorld, SomethingOutOfReachMovesTheArmAsBefore) {
   const std::string far = "effect { plane { at_mm: [0, 0, -5000] normal: [0, 0, 1] } }";
-  Session without(listed(kAsConfigured)), with(listed(kAsConfigured + far));
-  for (Session* s : {&without, &with}) s->run(kSecond, 1e-4);
+  WorldSession without(listed(kAsConfigured)), with(listed(kAsConfigured + far));
+  for (WorldSession* s : {&without, &with}) s->run(kSecond, 1e-4);
   ASSERT_NE(with.rig.world(), nullptr);
   const JointVector& q = without.rig.controller().arm().joints();
   without.rig.controller().pass(kSecond);
@@ -198,7 +198,7 @@ TEST(RigWorld, SomethingOutOfReachMovesTheArmAsBefore) {
 }
 
 TEST(RigWorld, TheSensorStreamsWhatTheArmTouches) {
-  Session session(listed(std::string(kFloor) + "effect { arm_compliance {} }"));
+  WorldSession session(listed(std::string(kFloor) + "effect { arm_compliance {} }"));
   session.run(kSecond, 1e-4);
   const double depth = 0.419 - session.p.z();
   ASSERT_GT(depth, 1e-3);
@@ -208,7 +208,7 @@ TEST(RigWorld, TheSensorStreamsWhatTheArmTouches) {
 }
 
 TEST(RigWorld, AfterALongPauseTheWorldGoesOnWhereItWas) {
-  Session session(listed(std::string(kFloor) + "effect { arm_compliance {} }"));
+  WorldSession session(listed(std::string(kFloor) + "effect { arm_compliance {} }"));
   session.run(kSecond, 1e-4);
   session.run(kSecond + 100 * kMillisecond, 0.0);
   const Vec3 before = session.rig.world()->on_tip().force;

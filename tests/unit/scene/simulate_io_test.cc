@@ -19,7 +19,7 @@ Simulate simulate_of(const std::string& effects) {
   EXPECT_TRUE(scene && scene->simulate);
   return scene && scene->simulate ? *scene->simulate : Simulate();
 }
-std::string error_of(const std::string& effects) { return read(effects).message(); }
+std::string simulate_error_of(const std::string& effects) { return read(effects).message(); }
 
 constexpr char kPlane[] = "effect { plane { at_mm: [0, 0, 0] normal: [0, 0, 1] } }\n";
 constexpr char kSocket[] = "effect { hex_socket { at_mm: [350, 0, 100] axis: [0, 0, 1] } }\n";
@@ -117,27 +117,31 @@ TEST(SimulateIo, ASocketOpensAlongItsAxis) {
 }
 
 TEST(SimulateIo, RefusesAKeyThatDoesNotFit) {
-  EXPECT_EQ(error_of("effect { hex_socket { at_mm: [0, 0, 0] axis: [0, 0, 1]\nkey_mm: 6.1 } }"),
-            "/x/a.scene:3:1: field 'simulate.effect[0].hex_socket.key_mm': key_mm 6.1 does not fit "
-            "across_flats_mm 6.05");
   EXPECT_EQ(
-      error_of("effect { hex_socket { at_mm: [0, 0, 0] axis: [0, 0, 1]\nacross_flats_mm: 6 } }"),
+      simulate_error_of("effect { hex_socket { at_mm: [0, 0, 0] axis: [0, 0, 1]\nkey_mm: 6.1 } }"),
+      "/x/a.scene:3:1: field 'simulate.effect[0].hex_socket.key_mm': key_mm 6.1 does not fit "
+      "across_flats_mm 6.05");
+  EXPECT_EQ(
+      simulate_error_of(
+          "effect { hex_socket { at_mm: [0, 0, 0] axis: [0, 0, 1]\nacross_flats_mm: 6 } }"),
       "/x/a.scene:3:1: field 'simulate.effect[0].hex_socket.across_flats_mm': key_mm 6 does not "
       "fit across_flats_mm 6");
-  EXPECT_EQ(error_of("effect { hex_socket { at_mm: [0, 0, 0] axis: [0, 0, 1]\ndepth_mm: 1.3 } }"),
+  EXPECT_EQ(simulate_error_of(
+                "effect { hex_socket { at_mm: [0, 0, 0] axis: [0, 0, 1]\ndepth_mm: 1.3 } }"),
             "/x/a.scene:3:1: field 'simulate.effect[0].hex_socket.depth_mm': 1.3 is not below "
             "chamfer_mm and guide_mm, which end at 1.3 mm");
 }
 
 TEST(SimulateIo, RefusesASocketOfRubber) {
-  EXPECT_EQ(error_of("effect { hex_socket { at_mm: [0, 0, 0] axis: [0, 0, 1]\nsurface {\nn_mm: 99 "
-                     "} } }"),
+  EXPECT_EQ(simulate_error_of(
+                "effect { hex_socket { at_mm: [0, 0, 0] axis: [0, 0, 1]\nsurface {\nn_mm: 99 "
+                "} } }"),
             "/x/a.scene:4:1: field 'simulate.effect[0].hex_socket.surface.n_mm': 99 is too soft "
             "for a socket, expected at least 100 N/mm");
 }
 
 TEST(SimulateIo, RefusesAThreadWithoutASocket) {
-  EXPECT_EQ(error_of("effect { servo_lag {} }\neffect { screw_thread {} }"),
+  EXPECT_EQ(simulate_error_of("effect { servo_lag {} }\neffect { screw_thread {} }"),
             "/x/a.scene:3:10: field 'simulate.effect[1].screw_thread': has no hex_socket, by which "
             "the screw is turned");
   EXPECT_EQ(simulate_of("effect { screw_thread {} } " + std::string(kSocket)).effects.size(), 2u)
@@ -145,46 +149,46 @@ TEST(SimulateIo, RefusesAThreadWithoutASocket) {
 }
 
 TEST(SimulateIo, RefusesADirectionOfNoLength) {
-  EXPECT_EQ(error_of("effect { plane { at_mm: [0, 0, 0]\nnormal: [0, 0, 0] } }"),
+  EXPECT_EQ(simulate_error_of("effect { plane { at_mm: [0, 0, 0]\nnormal: [0, 0, 0] } }"),
             "/x/a.scene:3:1: field 'simulate.effect[0].plane.normal': has no direction");
-  EXPECT_EQ(error_of("effect { cylinder { at_mm: [0, 0, 0]\naxis: [0, 0, 0] radius_mm: 1 "
-                     "length_mm: 1 } }"),
+  EXPECT_EQ(simulate_error_of("effect { cylinder { at_mm: [0, 0, 0]\naxis: [0, 0, 0] radius_mm: 1 "
+                              "length_mm: 1 } }"),
             "/x/a.scene:3:1: field 'simulate.effect[0].cylinder.axis': has no direction");
-  EXPECT_EQ(error_of("effect { hex_socket { at_mm: [0, 0, 0]\naxis: [0, 0, 0] } }"),
+  EXPECT_EQ(simulate_error_of("effect { hex_socket { at_mm: [0, 0, 0]\naxis: [0, 0, 0] } }"),
             "/x/a.scene:3:1: field 'simulate.effect[0].hex_socket.axis': has no direction");
 }
 
 TEST(SimulateIo, RefusesWhatIsMissingOrOutOfRange) {
-  EXPECT_EQ(error_of("effect { plane { at_mm: [0, 0, 0] } }"),
+  EXPECT_EQ(simulate_error_of("effect { plane { at_mm: [0, 0, 0] } }"),
             "/x/a.scene:2:21: field 'simulate.effect[0].plane.normal': missing, but required");
-  EXPECT_EQ(error_of("effect { joint_backlash { joint_deg: [1, 2] } }"),
+  EXPECT_EQ(simulate_error_of("effect { joint_backlash { joint_deg: [1, 2] } }"),
             "/x/a.scene:2:38: field 'simulate.effect[0].joint_backlash.joint_deg': 2 values, "
             "expected 6");
-  EXPECT_EQ(error_of("effect { gravity_sag { payload_kg: -1 } }"),
+  EXPECT_EQ(simulate_error_of("effect { gravity_sag { payload_kg: -1 } }"),
             "/x/a.scene:2:35: field 'simulate.effect[0].gravity_sag.payload_kg': -1 is outside 0 "
             "to 20 kg");
-  EXPECT_EQ(error_of("effect { arm_compliance { n_mm: 0 } }"),
+  EXPECT_EQ(simulate_error_of("effect { arm_compliance { n_mm: 0 } }"),
             "/x/a.scene:2:38: field 'simulate.effect[0].arm_compliance.n_mm': 0 is outside 1 to "
             "100000 N/mm");
 }
 
 TEST(SimulateIo, RefusesWhatIsListedTwiceOrTooOften) {
-  EXPECT_EQ(error_of("effect { servo_lag {} }\neffect { servo_lag { lag_ms: 30 } }"),
+  EXPECT_EQ(simulate_error_of("effect { servo_lag {} }\neffect { servo_lag { lag_ms: 30 } }"),
             "/x/a.scene:3:1: field 'simulate.effect[1]': servo_lag is listed twice");
-  EXPECT_EQ(error_of(kSocket + std::string(kSocket)),
+  EXPECT_EQ(simulate_error_of(kSocket + std::string(kSocket)),
             "/x/a.scene:3:1: field 'simulate.effect[1]': hex_socket is listed twice");
   std::string eight = kSocket;
   for (int i = 0; i < 7; ++i) eight += kPlane;
   EXPECT_EQ(simulate_of(eight).effects.size(), 8u);
-  EXPECT_EQ(error_of(eight + kPlane),
+  EXPECT_EQ(simulate_error_of(eight + kPlane),
             "/x/a.scene:10:1: field 'simulate.effect[8]': more things to touch than 8");
 }
 
 TEST(SimulateIo, EachEntryHoldsOneEffectAndAnArmTakesPart) {
-  EXPECT_EQ(error_of("\neffect {}"),
+  EXPECT_EQ(simulate_error_of("\neffect {}"),
             "/x/a.scene:3:1: field 'simulate.effect[0]': 0 effects in one entry, expected exactly "
             "1");
-  EXPECT_EQ(error_of("\neffect { servo_lag {} arm_compliance {} }"),
+  EXPECT_EQ(simulate_error_of("\neffect { servo_lag {} arm_compliance {} }"),
             "/x/a.scene:3:1: field 'simulate.effect[0]': 2 effects in one entry, expected exactly "
             "1");
   EXPECT_EQ(parse_scene("/x/a.scene",

@@ -13,7 +13,7 @@
 namespace handrail {
 namespace {
 
-std::string error_of(const std::string& text) {
+std::string text_error_of(const std::string& text) {
   pb::Scene scene;
   TextSource source;
   return source.parse("f.scene", text, scene).message();
@@ -28,80 +28,81 @@ TEST(TextSource, ReadsWhatIsRight) {
 }
 
 TEST(TextSource, PlacesAValueOutOfRange) {
-  EXPECT_EQ(error_of("name: 'a'\nguidance {\n  stiffness_n_mm: 12\n}"),
+  EXPECT_EQ(text_error_of("name: 'a'\nguidance {\n  stiffness_n_mm: 12\n}"),
             "f.scene:3:3: field 'guidance.stiffness_n_mm': 12 is outside 0 to 10 N/mm");
 }
 
 TEST(TextSource, CountsATabAsOneColumn) {
-  EXPECT_EQ(error_of("name: 'a'\nguidance {\n\t \tstiffness_n_mm: 12\n}"),
+  EXPECT_EQ(text_error_of("name: 'a'\nguidance {\n\t \tstiffness_n_mm: 12\n}"),
             "f.scene:3:4: field 'guidance.stiffness_n_mm': 12 is outside 0 to 10 N/mm");
 }
 
 TEST(TextSource, RefusesNanAndInfinity) {
-  EXPECT_EQ(error_of("name: 'a' guidance { delta_mm: nan }"),
+  EXPECT_EQ(text_error_of("name: 'a' guidance { delta_mm: nan }"),
             "f.scene:1:22: field 'guidance.delta_mm': nan is not a finite number");
-  EXPECT_EQ(error_of("name: 'a' guidance { delta_mm: 1e999 }"),
+  EXPECT_EQ(text_error_of("name: 'a' guidance { delta_mm: 1e999 }"),
             "f.scene:1:22: field 'guidance.delta_mm': inf is not a finite number");
 }
 
 TEST(TextSource, SuggestsTheFieldMeantByAWrongUnit) {
-  EXPECT_EQ(error_of("guidance {\n\tstiffness_n_m: 1\n}"),
+  EXPECT_EQ(text_error_of("guidance {\n\tstiffness_n_m: 1\n}"),
             "f.scene:2:2: field 'guidance.stiffness_n_m': no such field; did you mean "
             "'stiffness_n_mm'?");
 }
 
 TEST(TextSource, ListsTheFieldsWhenNoneIsNear) {
-  EXPECT_EQ(error_of("smoother { zzzzzz: 1 }"),
+  EXPECT_EQ(text_error_of("smoother { zzzzzz: 1 }"),
             "f.scene:1:12: field 'smoother.zzzzzz': no such field; expected one of form, samples");
 }
 
 TEST(TextSource, RefusesAKeyGivenTwice) {
-  EXPECT_EQ(error_of("name: 'a'\nname: 'b'"), "f.scene:2:1: field 'name': given twice");
-  EXPECT_EQ(error_of("mapping { }\nmapping { }"), "f.scene:2:1: field 'mapping': given twice");
+  EXPECT_EQ(text_error_of("name: 'a'\nname: 'b'"), "f.scene:2:1: field 'name': given twice");
+  EXPECT_EQ(text_error_of("mapping { }\nmapping { }"), "f.scene:2:1: field 'mapping': given twice");
 }
 
 TEST(TextSource, NamesTheValuesOfAnEnumeration) {
-  EXPECT_EQ(error_of("guidance { method: FAST }"),
+  EXPECT_EQ(text_error_of("guidance { method: FAST }"),
             "f.scene:1:20: field 'guidance.method': FAST is not one of EXACT, PUBLISHED");
 }
 
 TEST(TextSource, SaysWhichTypeAFieldHas) {
-  EXPECT_EQ(error_of("name: 7"), "f.scene:1:7: field 'name': expected string, got: 7");
-  EXPECT_EQ(error_of("mapping { scale: \"2\" }"),
+  EXPECT_EQ(text_error_of("name: 7"), "f.scene:1:7: field 'name': expected string, got: 7");
+  EXPECT_EQ(text_error_of("mapping { scale: \"2\" }"),
             "f.scene:1:18: field 'mapping.scale': expected double, got: \"2\"");
-  EXPECT_EQ(error_of("smoother { samples: -1 }"),
+  EXPECT_EQ(text_error_of("smoother { samples: -1 }"),
             "f.scene:1:21: field 'smoother.samples': expected integer, got: -");
   EXPECT_EQ(
-      error_of("mapping { scale: 2"),
+      text_error_of("mapping { scale: 2"),
       "f.scene:1:19: field 'mapping.scale': expected a field's name, got: the end of the file");
 }
 
 TEST(TextSource, PlacesListsAndTheirElements) {
-  EXPECT_EQ(error_of("name: 'a'\ntool { kind: POINT at_mm: [1, 2] }"),
+  EXPECT_EQ(text_error_of("name: 'a'\ntool { kind: POINT at_mm: [1, 2] }"),
             "f.scene:2:20: field 'tool[0].at_mm': 2 values, expected 3");
-  EXPECT_EQ(error_of("name: 'a' tool { kind: POINT }\ntool { kind: POINT at_mm: [1, 2, 9e3] }"),
-            "f.scene:2:20: field 'tool[1].at_mm[2]': 9000 is outside -5000 to 5000 mm");
-  EXPECT_EQ(error_of("name: 'a' tool { kind: POINT }\ntool { }"),
+  EXPECT_EQ(
+      text_error_of("name: 'a' tool { kind: POINT }\ntool { kind: POINT at_mm: [1, 2, 9e3] }"),
+      "f.scene:2:20: field 'tool[1].at_mm[2]': 9000 is outside -5000 to 5000 mm");
+  EXPECT_EQ(text_error_of("name: 'a' tool { kind: POINT }\ntool { }"),
             "f.scene:2:1: field 'tool[1].kind': missing, but required");
 }
 
 TEST(TextSource, AnswersDeepNestingWithOneLine) {
   std::string text;
   for (int i = 0; i < 10000; ++i) text += "tool { ";
-  EXPECT_EQ(error_of(text).substr(0, 40), "f.scene:1:8: field 'tool.tool': no such ");
+  EXPECT_EQ(text_error_of(text).substr(0, 40), "f.scene:1:8: field 'tool.tool': no such ");
 }
 
 TEST(TextSource, WritesNothingToStandardError) {
   testing::internal::CaptureStderr();
-  error_of("bogus: 1");
-  error_of("name: 'a' guidance { delta_mm: inf }");
-  error_of("}{");
+  text_error_of("bogus: 1");
+  text_error_of("name: 'a' guidance { delta_mm: inf }");
+  text_error_of("}{");
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
 // Whatever the text, an error is one line that starts with file and line.
 void expect_a_clear_answer(const std::string& text) {
-  const std::string error = error_of(text);
+  const std::string error = text_error_of(text);
   RC_ASSERT(error.empty() || error.starts_with("f.scene:"));
   RC_ASSERT(error.find('\n') == std::string::npos);
 }

@@ -14,7 +14,7 @@ pb::Tool tool_of(const std::string& text) {
   return tool;
 }
 
-std::string complaint(const std::string& text) {
+std::string tool_complaint(const std::string& text) {
   ToolCall call;
   const auto problem = tool_call_from(tool_of(text), call);
   return problem ? problem->path + ": " + problem->text : "";
@@ -47,52 +47,58 @@ TEST(ToolIo, AnchorsAtTheTipWhenNoPlaceIsGiven) {
 }
 
 TEST(ToolIo, RefusesWhatAKindWouldIgnore) {
-  EXPECT_EQ(complaint("kind: POINT direction: [1, 0, 0]"), "direction: has no meaning for POINT");
-  EXPECT_EQ(complaint("kind: LINE direction: [1, 0, 0] normal: [0, 0, 1]"),
+  EXPECT_EQ(tool_complaint("kind: POINT direction: [1, 0, 0]"),
+            "direction: has no meaning for POINT");
+  EXPECT_EQ(tool_complaint("kind: LINE direction: [1, 0, 0] normal: [0, 0, 1]"),
             "normal: has no meaning for LINE");
-  EXPECT_EQ(complaint("kind: N_ROTATION at_mm: [1, 0, 0]"), "at_mm: has no meaning for N_ROTATION");
-  EXPECT_EQ(complaint("kind: F_ROTATION one_way: true"), "one_way: has no meaning for F_ROTATION");
-  EXPECT_EQ(complaint("kind: N_ROTATION stiffness_n_mm: 1"),
+  EXPECT_EQ(tool_complaint("kind: N_ROTATION at_mm: [1, 0, 0]"),
+            "at_mm: has no meaning for N_ROTATION");
+  EXPECT_EQ(tool_complaint("kind: F_ROTATION one_way: true"),
+            "one_way: has no meaning for F_ROTATION");
+  EXPECT_EQ(tool_complaint("kind: N_ROTATION stiffness_n_mm: 1"),
             "stiffness_n_mm: has no meaning for N_ROTATION");
 }
 
 TEST(ToolIo, RefusesDirectionsWithoutLength) {
-  EXPECT_EQ(complaint("kind: LINE direction: [0, 0, 0]"), "direction: the direction has no length");
-  EXPECT_EQ(complaint("kind: PLANE normal: [0, 0, 0]"), "normal: the direction has no length");
-  EXPECT_EQ(complaint("kind: PLANE normal: [0, 0, 1] direction: [0, 0, 0]"),
+  EXPECT_EQ(tool_complaint("kind: LINE direction: [0, 0, 0]"),
             "direction: the direction has no length");
-  EXPECT_EQ(complaint("kind: F_ROTATION axis: [0, 0, 0]"), "axis: the direction has no length");
-  EXPECT_EQ(complaint("kind: LINE"), "direction: missing, but a LINE needs it");
-  EXPECT_EQ(complaint("kind: PLANE"), "normal: missing, but a PLANE needs it");
+  EXPECT_EQ(tool_complaint("kind: PLANE normal: [0, 0, 0]"), "normal: the direction has no length");
+  EXPECT_EQ(tool_complaint("kind: PLANE normal: [0, 0, 1] direction: [0, 0, 0]"),
+            "direction: the direction has no length");
+  EXPECT_EQ(tool_complaint("kind: F_ROTATION axis: [0, 0, 0]"),
+            "axis: the direction has no length");
+  EXPECT_EQ(tool_complaint("kind: LINE"), "direction: missing, but a LINE needs it");
+  EXPECT_EQ(tool_complaint("kind: PLANE"), "normal: missing, but a PLANE needs it");
 }
 
 TEST(ToolIo, RefusesForwardAlongThePlanesNormal) {
-  EXPECT_EQ(complaint("kind: PLANE normal: [0, 0, 1] direction: [0, 0, -3]"),
+  EXPECT_EQ(tool_complaint("kind: PLANE normal: [0, 0, 1] direction: [0, 0, -3]"),
             "direction: along the normal, expected one within the plane");
-  EXPECT_EQ(complaint("kind: PLANE normal: [0, 0, 1] one_way: true"),
+  EXPECT_EQ(tool_complaint("kind: PLANE normal: [0, 0, 1] one_way: true"),
             "one_way: needs a direction within the PLANE");
-  EXPECT_EQ(complaint("kind: PLANE normal: [0, 0, 1] end_mm: [1, 0, 0]"),
+  EXPECT_EQ(tool_complaint("kind: PLANE normal: [0, 0, 1] end_mm: [1, 0, 0]"),
             "end_mm: needs a direction within the PLANE");
-  EXPECT_EQ(complaint("kind: PLANE normal: [0, 0, 1] direction: [1, 0, 5] one_way: true"), "");
+  EXPECT_EQ(tool_complaint("kind: PLANE normal: [0, 0, 1] direction: [1, 0, 5] one_way: true"), "");
 }
 
 TEST(ToolIo, RefusesAnEndBehindTheStart) {
-  EXPECT_EQ(complaint("kind: LINE direction: [1, 0, 0] at_mm: [10, 0, 0] end_mm: [9, 0, 0]"),
+  EXPECT_EQ(tool_complaint("kind: LINE direction: [1, 0, 0] at_mm: [10, 0, 0] end_mm: [9, 0, 0]"),
             "end_mm: the end point lies behind the start");
-  EXPECT_EQ(complaint("kind: LINE direction: [1, 0, 0] at_mm: [10, 0, 0] end_mm: [10, 5, 0]"),
+  EXPECT_EQ(tool_complaint("kind: LINE direction: [1, 0, 0] at_mm: [10, 0, 0] end_mm: [10, 5, 0]"),
             "end_mm: the end point lies behind the start");
-  EXPECT_EQ(complaint("kind: LINE direction: [1, 0, 0] at_mm: [10, 0, 0] end_mm: [11, 0, 0]"), "");
+  EXPECT_EQ(tool_complaint("kind: LINE direction: [1, 0, 0] at_mm: [10, 0, 0] end_mm: [11, 0, 0]"),
+            "");
   // Only the master knows where a line without an anchor starts.
-  EXPECT_EQ(complaint("kind: LINE direction: [1, 0, 0] end_mm: [-9, 0, 0]"), "");
+  EXPECT_EQ(tool_complaint("kind: LINE direction: [1, 0, 0] end_mm: [-9, 0, 0]"), "");
 }
 
 TEST(ToolIo, RefusesAnEndThatNoDatagramCarries) {
   const std::string line = "kind: LINE direction: [1, 0, 0] at_mm: [-5000, 0, 0] ";
-  EXPECT_EQ(complaint(line + "end_mm: [4999, 0, 0]"), "");
-  EXPECT_EQ(complaint(line + "end_mm: [5000, 0, 0]"),
+  EXPECT_EQ(tool_complaint(line + "end_mm: [4999, 0, 0]"), "");
+  EXPECT_EQ(tool_complaint(line + "end_mm: [5000, 0, 0]"),
             "end_mm: 10000 mm from at_mm, expected less than 10000");
-  EXPECT_EQ(complaint("kind: LINE direction: [1, 1, 1] at_mm: [-5000, -5000, -5000] "
-                      "end_mm: [5000, 5000, 5000]"),
+  EXPECT_EQ(tool_complaint("kind: LINE direction: [1, 1, 1] at_mm: [-5000, -5000, -5000] "
+                           "end_mm: [5000, 5000, 5000]"),
             "end_mm: 17320.5 mm from at_mm, expected less than 10000");
 }
 

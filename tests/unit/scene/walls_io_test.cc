@@ -18,7 +18,7 @@ const std::string kRegions =
 const std::string kSquare =
     "shape { rectangle { centre_mm: [0, 0] size_mm: [40, 20] angle_deg: 90 region: 'road' } }\n";
 
-std::string error_of(const std::string& walls) {
+std::string walls_error_of(const std::string& walls) {
   return parse_scene("/x/a.scene", "name: 'a'\nwalls {\n" + walls + "}\n").message();
 }
 Walls walls_of(const std::string& text) {
@@ -91,38 +91,39 @@ TEST(WallsIo, ReadsStages) {
 
 TEST(WallsIo, SaysWhereAndWhatIsWrongWithRegions) {
   const std::string wall = "region { name: 'w' kind: WALL }\n";
-  EXPECT_EQ(
-      error_of("region { name: 'w' kind: WALL }\nregion { name: 'w' kind: FREE }\n" + kSquare),
-      "/x/a.scene:4:10: field 'walls.region[1].name': a second region 'w'");
-  EXPECT_EQ(error_of("region { name: 'f' kind: FREE stiffness_n_mm: 2 }\n" + wall + kSquare),
+  EXPECT_EQ(walls_error_of("region { name: 'w' kind: WALL }\nregion { name: 'w' kind: FREE }\n" +
+                           kSquare),
+            "/x/a.scene:4:10: field 'walls.region[1].name': a second region 'w'");
+  EXPECT_EQ(walls_error_of("region { name: 'f' kind: FREE stiffness_n_mm: 2 }\n" + wall + kSquare),
             "/x/a.scene:3:31: field 'walls.region[0].stiffness_n_mm': has no meaning for FREE");
-  EXPECT_EQ(error_of("region { name: 'f' kind: FREE colour: '#12345g' }\n" + wall + kSquare),
+  EXPECT_EQ(walls_error_of("region { name: 'f' kind: FREE colour: '#12345g' }\n" + wall + kSquare),
             "/x/a.scene:3:31: field 'walls.region[0].colour': '#12345g', expected \"#rrggbb\" or "
             "\"transparent\"");
-  EXPECT_EQ(error_of("region { name: 'road' kind: FREE colour: '#aabbcc' }\n"
-                     "region { name: 'w' kind: WALL colour: '#AABBCC' }\n" +
-                     kSquare),
+  EXPECT_EQ(walls_error_of("region { name: 'road' kind: FREE colour: '#aabbcc' }\n"
+                           "region { name: 'w' kind: WALL colour: '#AABBCC' }\n" +
+                           kSquare),
             "/x/a.scene:4:31: field 'walls.region[1].colour': '#AABBCC' is the colour of 'road' "
             "already, expected each colour once");
-  EXPECT_EQ(error_of("region { name: 'lane' kind: AISLE one_way: [0, 0] }\n" + wall + kSquare),
-            "/x/a.scene:3:35: field 'walls.region[0].one_way': has no direction");
-  EXPECT_EQ(error_of("region { name: 'w' kind: WALL stiffness_n_mm: 51 }\n" + kSquare),
+  EXPECT_EQ(
+      walls_error_of("region { name: 'lane' kind: AISLE one_way: [0, 0] }\n" + wall + kSquare),
+      "/x/a.scene:3:35: field 'walls.region[0].one_way': has no direction");
+  EXPECT_EQ(walls_error_of("region { name: 'w' kind: WALL stiffness_n_mm: 51 }\n" + kSquare),
             "/x/a.scene:3:31: field 'walls.region[0].stiffness_n_mm': 51 is outside 0.01 to 50 "
             "N/mm");
 }
 
 TEST(WallsIo, ADetentIsNothingForAWallOrADrawnRegion) {
-  EXPECT_EQ(error_of("region { name: 'w' kind: WALL detent {} }\n" + kSquare),
+  EXPECT_EQ(walls_error_of("region { name: 'w' kind: WALL detent {} }\n" + kSquare),
             "/x/a.scene:3:31: field 'walls.region[0].detent': has no meaning for WALL");
-  EXPECT_EQ(error_of("region { name: 'w' kind: WALL }\n"
-                     "region { name: 'road' kind: FREE detent {} }\n" +
-                     kSquare),
+  EXPECT_EQ(walls_error_of("region { name: 'w' kind: WALL }\n"
+                           "region { name: 'road' kind: FREE detent {} }\n" +
+                           kSquare),
             "/x/a.scene:4:34: field 'walls.region[1].detent': only used with an image; effect { "
             "detent } takes places as well");
 }
 
 TEST(WallsIo, SaysWhereAndWhatIsWrongWithShapes) {
-  const auto error = [](const std::string& text) { return error_of(kRegions + text); };
+  const auto error = [](const std::string& text) { return walls_error_of(kRegions + text); };
   EXPECT_EQ(error(""),
             "/x/a.scene:2:1: field 'walls': has neither image nor shape, expected one "
             "of them");
@@ -156,7 +157,9 @@ TEST(WallsIo, SaysWhereAndWhatIsWrongWithShapes) {
 }
 
 TEST(WallsIo, SaysWhereAndWhatIsWrongWithStages) {
-  const auto error = [](const std::string& text) { return error_of(kRegions + kSquare + text); };
+  const auto error = [](const std::string& text) {
+    return walls_error_of(kRegions + kSquare + text);
+  };
   EXPECT_EQ(error("stage { name: 'a' }\nstage { name: 'a' }"),
             "/x/a.scene:8:9: field 'walls.stage[1].name': a second stage 'a'");
   EXPECT_EQ(error("stage { name: 'a' without: ['rim', 'road'] }"),
@@ -165,21 +168,22 @@ TEST(WallsIo, SaysWhereAndWhatIsWrongWithStages) {
 
 TEST(WallsIo, ShapesThatShareASideHangTogether) {
   const auto beside = [](const std::string& x) {
-    return error_of(kRegions + kSquare + "shape { rectangle { centre_mm: [" + x +
-                    ", 3] size_mm: [0.3, 9] region: 'lane' } }\n");
+    return walls_error_of(kRegions + kSquare + "shape { rectangle { centre_mm: [" + x +
+                          ", 3] size_mm: [0.3, 9] region: 'lane' } }\n");
   };
   EXPECT_EQ(beside("10.15"), "");
   EXPECT_NE(beside("10.151"), "");
 }
 
 TEST(WallsIo, RefusesShapesThatTheHandCannotReach) {
-  EXPECT_EQ(error_of(kRegions + kSquare + "start_mm: [0, 21]\n"),
+  EXPECT_EQ(walls_error_of(kRegions + kSquare + "start_mm: [0, 21]\n"),
             "/x/a.scene:7:1: field 'walls.start_mm': the start 0, 21 mm is inside the wall, "
             "expected it in a shape");
-  EXPECT_EQ(error_of(kRegions + kSquare +
+  EXPECT_EQ(
+      walls_error_of(kRegions + kSquare +
                      "shape { disc { centre_mm: [20, 0] radius_mm: 9.99 region: 'lane' } }\n"),
-            "/x/a.scene:7:1: field 'walls.shape[1]': cannot be reached from the start, the wall "
-            "seals it off");
+      "/x/a.scene:7:1: field 'walls.shape[1]': cannot be reached from the start, the wall "
+      "seals it off");
 }
 
 TEST_F(PaintedScene, IsReadFromTheFolderOfTheScene) {
