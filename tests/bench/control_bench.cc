@@ -98,7 +98,7 @@ struct FollowCycle {
     rig.in.master.X_SU.p.y() =
         start.p.y() + (slow ? 0.05 * std::sin(0.02 * n) : (n / 40 % 2 == 0 ? 0.15 : -0.15));
     follow_step(rig.settings, rig.in, rig.state, rig.out);
-    rig.in.q_measured = rig.out.q_target;
+    rig.in.q_measured = rig.in.q_commanded = rig.out.q_target;
     benchmark::DoNotOptimize(rig.out);
     return &rig.out;
   }
