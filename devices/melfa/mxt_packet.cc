@@ -70,9 +70,7 @@ MxtParse decode_fields(std::span<const std::uint8_t> bytes, MxtPacket& out) {
 
 }  // namespace
 
-// Never inlined: g++ 12 at -O3, with set_joints() in sight, leaves the last two joints as they were
-// before the wire rounded them.
-[[gnu::noinline]] JointVector MxtBlock::joints() const noexcept {
+JointVector MxtBlock::joints() const noexcept {
   JointVector q;
   for (int i = 0; i < kJoints; ++i) q[i] = real(static_cast<std::size_t>(i));
   return q;

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <span>
 
+#include "server/base/in_32_bits.h"
 #include "server/base/joints.h"
 #include "server/base/time.h"
 
@@ -52,7 +53,7 @@ struct MxtBlock {
 
   float real(std::size_t i) const noexcept { return std::bit_cast<float>(words[i]); }
   void set_real(std::size_t i, double v) noexcept {
-    words[i] = std::bit_cast<std::uint32_t>(static_cast<float>(v));
+    words[i] = std::bit_cast<std::uint32_t>(in_32_bits(v));
   }
   JointVector joints() const noexcept;
   void set_joints(const JointVector& q) noexcept;

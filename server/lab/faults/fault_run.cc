@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "devices/omni/omni_data.h"
+#include "server/base/in_32_bits.h"
 #include "server/base/units.h"
 #include "server/master/haptic_settings.h"
 #include "server/slave/follow_settings.h"
@@ -204,7 +205,8 @@ void FaultRun::judge_halt(const std::vector<JointVector>& maybe_held, const Join
 
 // A slave that starts has where the arm is held from the controller, in 32 bits: that is no step.
 JointVector FaultRun::as_before(const JointVector& q) const {
-  const JointVector rounded = targets_[0].cast<float>().cast<double>();
+  const JointVector rounded =
+      targets_[0].unaryExpr([](double v) -> double { return in_32_bits(v); });
   return q == rounded ? targets_[0] : q;
 }
 

@@ -18,7 +18,7 @@ namespace {
 constexpr double kPreviewMargin = 6e-3;  // around drawn shapes [m]
 constexpr double kWandering = 12.0;      // [s]
 constexpr double kPreviewTick = 1e-3;    // [s]
-constexpr int kGrid = 32;                // arrows along the longer side
+constexpr int kGrid = 32;        // arrows along the longer side [1], chosen to be told apart
 constexpr double kNear = 12e-3;  // a proxy further from the hand is not what it would feel [m]
 constexpr double kLeast = 0.05;  // a force below this is not drawn [N]
 

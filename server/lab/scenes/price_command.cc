@@ -17,7 +17,7 @@ namespace handrail {
 namespace {
 
 constexpr double kShare = 0.15;       // of the price that a saving may differ by, and
-constexpr double kNanoseconds = 5;    // at least
+constexpr double kNanoseconds = 5;    // at least [ns a tick]
 constexpr double kPriceWander = 8.0;  // of the hand, through the scene [s]
 
 }  // namespace

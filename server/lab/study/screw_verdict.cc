@@ -9,7 +9,7 @@
 namespace handrail {
 namespace {
 
-constexpr double kNearFit = 0.30;  // NC-NV medians are this near to what is implied
+constexpr double kNearFit = 0.30;  // [1]: NC-NV medians are this near to what is implied
 constexpr double kLeastForce = 0.30, kMostForce = 0.70;  // lowered by protection
 constexpr double kHardest = 400.0, kGentlest = 200.0;    // worst trial without and with it [N]
 constexpr double kLeastPath = 0.20;                      // lowered by tools

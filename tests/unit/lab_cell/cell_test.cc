@@ -47,7 +47,7 @@ HapticOrder order_of(OrderKind kind) {
   return order;
 }
 
-// Ticks with an engaged_after order until engaged, at most three seconds; how long it took.
+// Ticks with an engage order until engaged, at most three seconds; how long it took.
 Nanos engaged_after(Cell& cell) {
   const Nanos start = cell.now();
   while (cell.master_state().lead.session != SessionState::kEngaged &&

@@ -1,5 +1,4 @@
-// What `why` names as the way out works, from every pair of way_out_troubles, one on top of the
-// other.
+// What `why` names as the way out works, from every pair of troubles, one on top of the other.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -143,7 +142,7 @@ const std::vector<WayOutTrouble>& way_out_troubles() {
 }
 
 TEST(WayOut, ThatWhyNamesWorksFromEveryPairOfTroubles) {
-  constexpr int kSteps = 5;  // each of two way_out_troubles may be named in turn, and once more
+  constexpr int kSteps = 5;  // each of two troubles may be named in turn, and once more
   for (const WayOutTrouble& first : way_out_troubles()) {
     for (const WayOutTrouble& second : way_out_troubles()) {
       SCOPED_TRACE(std::string(first.name) + ", then " + second.name);
@@ -161,7 +160,7 @@ TEST(WayOut, ThatWhyNamesWorksFromEveryPairOfTroubles) {
         const pb::Ledger why = o.why();
         story += "\n" + why.sentence() + "; way out: " + why.way_out();
         ASSERT_FALSE(why.way_out().empty()) << story;
-        // The second of two way_out_troubles may refuse what the first one's way out ends with.
+        // The second of two troubles may refuse what the first one's way out ends with.
         if (!o.follow(why.way_out(), refused)) story += "\n" + refused;
         o.run(kSecond / 2);
       }
