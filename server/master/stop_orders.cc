@@ -7,6 +7,7 @@
 
 #include "server/master/order_desk.h"
 #include "server/master/replies.h"
+#include "server/master/way_out.h"
 #include "server/master/why_report.h"
 
 namespace handrail {

@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "server/base/units.h"
-#include "server/kinematics/rv2a.h"
 #include "server/master/set_vector.h"
 #include "server/master/status_report.h"
+#include "server/master/way_out.h"
 
 namespace handrail {
 namespace {
@@ -205,98 +205,7 @@ void set_sentence(pb::Ledger* out, const HapticReport& report, const SlaveState&
   if (shares[0].size() >= kWorthSaying) set_way_out(shares[0].why);
 }
 
-// Out of the singular configuration that the arm is nearest to, each by what counts as near.
-const char* way_out_of_singularity(const JointVector& q) {
-  constexpr double kNearSine = 0.1, kNearAxis = 0.020;  // [m]
-  const SingularityMargin margin = singularity_margin(ArmGeometry(), q);
-  const double wrist = margin.wrist / kNearSine, shoulder = margin.shoulder / kNearAxis;
-  if (margin.elbow / kNearSine < std::min(wrist, shoulder)) return "come back toward the base";
-  return wrist <= shoulder ? "tilt the tip away from the forearm's axis"
-                           : "move out from the base axis";
-}
-
 }  // namespace
-
-std::string way_out_of(Reason reason, int joint, const JointVector& q, Stand stand) {
-  const auto then_engage = [stand](const std::string& first) {
-    return first + (stand == Stand::kLatched ? ", then reset and engage"
-                    : stand == Stand::kOff   ? ", then engage"
-                                             : "");
-  };
-  switch (reason) {
-    case Reason::kNotEngaged: return "engage";
-    case Reason::kStopRequested:
-    case Reason::kLinkLost:
-    case Reason::kPeerFault:  // of a slave that has been started anew since
-      return stand == Stand::kLatched ? "reset, then engage" : "engage";
-    case Reason::kAlignmentMismatch: return stand == Stand::kLed ? "wait" : "engage";
-    case Reason::kHoming: return then_engage("calibrate the haptic device, wait for the arm");
-    case Reason::kThreadStalled: return "wait; if it lasts, start the master anew";
-    case Reason::kRobotLost:
-    case Reason::kRobotNotConnected:
-      return then_engage(
-          "at the controller: clear its alarm, if there is one, and start its program in "
-          "AUTOMATIC; the slave's log names other causes");
-    case Reason::kRobotBadPacket:
-      return then_engage("correct packet_bytes in the slave's configuration");
-    case Reason::kRobotSilent:
-      return "wait: it goes on by itself; if it comes again, look at the controller's cable, its "
-             "network and the load of the slave's computer";
-    case Reason::kEncoderInvalid:
-    case Reason::kFollowingError:
-      return then_engage(joint >= 0 ? fmt::format("look at J{}, which reads {:.1f} deg", joint + 1,
-                                                  q[joint] / kDeg)
-                                    : "look at the encoders");
-    case Reason::kSensorStuck:
-    case Reason::kSensorInvalid:
-    case Reason::kSensorMissing:
-    case Reason::kSensorSign:
-    case Reason::kContactUnrelieved: return then_engage("check the force sensor");
-    case Reason::kHashTools:
-    case Reason::kHashMapping:
-    case Reason::kHashLimits:
-    case Reason::kHashRobot:
-    case Reason::kSceneDiffers:
-    case Reason::kSceneNotLoaded: return then_engage("give both sides the same scene and version");
-    case Reason::kDeviceInvalid: return then_engage("check the haptic device");
-    case Reason::kNoArmInScene:
-      return then_engage("load a scene with an arm: 'handrail scene load NAME'");
-    case Reason::kNoPeer: return then_engage("start the slave, or check the network");
-    case Reason::kShutdown:
-    case Reason::kSessionClosed: return then_engage("start the slave if it does not run");
-    case Reason::kLinkStale:
-    case Reason::kLinkHold:
-    case Reason::kLinkQuality:
-    case Reason::kNotConfirmed:
-      return stand == Stand::kLed ? "wait for the link, or move slower"
-                                  : then_engage("wait for the link");
-    case Reason::kLoopAge: return "move slower: what you see is old";
-    case Reason::kOtherMaster:
-      return then_engage("end that master: then the slave takes this one, without a restart");
-    case Reason::kClutched: return "let the clutch go";
-    case Reason::kPresence:
-      if (stand == Stand::kLed) {
-        return "hold the enabling button, or keep 'handrail engage --hold' running";
-      }
-      return std::string(stand == Stand::kLatched ? "reset, then " : "") +
-             "hold the enabling button and engage, or keep 'handrail engage --hold' running";
-    case Reason::kLeaseLost: return "take the lease and engage: 'handrail lease take'";
-    case Reason::kStopInput: return then_engage("close the stop circuit");
-    case Reason::kOutOfReach:
-    case Reason::kWorkspace: return "come back toward the base";
-    case Reason::kJointRange:
-      return joint >= 0 ? fmt::format("turn J{} back", joint + 1) : "turn back";
-    case Reason::kSingularity: return way_out_of_singularity(q);
-    case Reason::kJointSpeed:
-    case Reason::kJointAcceleration:
-    case Reason::kJointJerk:
-    case Reason::kTipSpeed:
-    case Reason::kApproach: return "wait, or move slower";
-    case Reason::kToolBlending: return "wait";
-    case Reason::kBumper: return "move away from the contact";
-    default: return {};
-  }
-}
 
 void set_ledger(pb::Ledger* out, const HapticReport& report, const SlaveState& slave,
                 const LinkSnapshot& link, Nanos now) {
