@@ -17,85 +17,106 @@ Folders operator+(Folders a, const Folders& b) {
   return a;
 }
 
-// A folder's own files are always allowed; a folder inside it is another one. "devices" is the
-// interfaces and the registry.
-const std::map<std::string, Folders>& table() {
-  static const Folders base = {"server/base"};
-  static const Folders model = base + Folders{"server/model"};
-  static const Folders daemons =
-      model + Folders{"server/daemon",  "server/link", "server/record", "server/scene",
-                      "server/session", "proto",       "devices"};
-  static const Folders master =
-      daemons + Folders{"server/haptic", "server/constraint", "server/kinematics"};
-  static const Folders slave =
-      daemons + Folders{"server/follow", "devices/melfa", "devices/net_ft"};
-  static const Folders sides = {"server/master", "server/slave"};
-  static const Folders sim = model + Folders{"devices", "devices/hand"};
-  static const Folders hands = {"devices/hand", "devices/omni", "devices/joystick"};
-  static const Folders rigs = {"devices/rig", "devices/rig/world", "devices/melfa",
-                               "devices/net_ft"};
+const Folders kBase = {"server/base"};
+const Folders kModel = kBase + Folders{"server/model"};
+const Folders kHands = {"devices/hand", "devices/omni", "devices/joystick"};
+const Folders kRigs = {"devices/rig", "devices/rig/world", "devices/melfa", "devices/net_ft"};
+
+using Table = std::map<std::string, Folders>;
+
+// What both sides are made of.
+Table part_rows() {
+  return {{"proto", {}},
+          {"server/base", {}},
+          {"server/model", kBase},
+          {"server/daemon", kBase},
+          {"server/task", kModel},
+          {"server/kinematics", kModel},
+          {"server/constraint", kModel},
+          {"server/constraint/drawn", kModel + Folders{"server/constraint"}},
+          {"server/constraint/painted", kModel + Folders{"server/constraint"}},
+          {"server/effects", kModel},
+          {"server/session", kModel},
+          {"server/motion", kModel + Folders{"server/kinematics"}},
+          {"server/haptic",
+           kModel + Folders{"server/session", "server/constraint", "server/constraint/drawn",
+                            "server/constraint/painted", "server/effects"}},
+          {"server/follow", kModel + Folders{"server/session", "server/constraint",
+                                             "server/kinematics", "server/motion"}},
+          {"server/painting", kModel},
+          {"server/scene", kModel + Folders{"server/kinematics", "server/painting", "proto"}},
+          {"server/link", kModel + Folders{"proto"}},
+          {"server/record", kModel + Folders{"proto"}}};
+}
+
+// The daemons, and who drives them.
+Table program_rows() {
+  const Folders daemons =
+      kModel + Folders{"server/daemon",  "server/link", "server/record", "server/scene",
+                       "server/session", "proto",       "devices"};
+  return {{"server/master",
+           daemons + Folders{"server/haptic", "server/constraint", "server/kinematics"}},
+          {"server/slave", daemons + Folders{"server/follow", "devices/melfa", "devices/net_ft"}},
+          {"client/api", kBase + Folders{"proto"}},
+          {"client/cli", kModel + Folders{"proto", "server/task", "server/scene", "client/api"}},
+          {"client/console", kBase + Folders{"proto", "client/api"}}};
+}
+
+Table lab_rows() {
+  const Folders sides = {"server/master", "server/slave"};
   // What a command of the lab is made of.
-  static const Folders lab =
-      model + Folders{"devices",           "proto",          "server/scene", "server/lab/console",
-                      "server/lab/figure", "server/lab/cell"};
-  static const std::map<std::string, Folders> rows = {
-      {"proto", {}},
-      {"server/base", {}},
-      {"server/model", base},
-      {"server/daemon", base},
-      {"server/task", model},
-      {"server/kinematics", model},
-      {"server/constraint", model},
-      {"server/constraint/drawn", model + Folders{"server/constraint"}},
-      {"server/constraint/painted", model + Folders{"server/constraint"}},
-      {"server/effects", model},
-      {"server/session", model},
-      {"server/motion", model + Folders{"server/kinematics"}},
-      {"server/haptic",
-       model + Folders{"server/session", "server/constraint", "server/constraint/drawn",
-                       "server/constraint/painted", "server/effects"}},
-      {"server/follow", model + Folders{"server/session", "server/constraint", "server/kinematics",
-                                        "server/motion"}},
-      {"server/painting", model},
-      {"server/scene", model + Folders{"server/kinematics", "server/painting", "proto"}},
-      {"server/link", model + Folders{"proto"}},
-      {"server/record", model + Folders{"proto"}},
-      {"server/master", master},
-      {"server/slave", slave},
-      {"server/lab", base + Folders{"server/lab/accuracy", "server/lab/contact",
-                                    "server/lab/faults", "server/lab/hand", "server/lab/scenes",
-                                    "server/lab/study", "server/lab/walls"}},
-      {"server/lab/console", base},
-      {"server/lab/figure", base},
-      {"server/lab/cell", model + rigs + Folders{"server/haptic", "server/follow", "server/link"}},
-      {"server/lab/study", lab + hands + rigs + sides + Folders{"server/haptic", "server/task"}},
-      {"server/lab/hand", lab + hands + sides},
-      {"server/lab/scenes", lab + hands + rigs +
+  const Folders lab =
+      kModel + Folders{"devices",           "proto",          "server/scene", "server/lab/console",
+                       "server/lab/figure", "server/lab/cell"};
+  return {
+      {"server/lab", kBase + Folders{"server/lab/accuracy", "server/lab/contact",
+                                     "server/lab/faults", "server/lab/hand", "server/lab/scenes",
+                                     "server/lab/study", "server/lab/walls"}},
+      {"server/lab/console", kBase},
+      {"server/lab/figure", kBase},
+      {"server/lab/cell",
+       kModel + kRigs + Folders{"server/haptic", "server/follow", "server/link"}},
+      {"server/lab/study", lab + kHands + kRigs + sides + Folders{"server/haptic", "server/task"}},
+      {"server/lab/hand", lab + kHands + sides},
+      {"server/lab/scenes", lab + kHands + kRigs +
                                 Folders{"server/master", "server/haptic", "server/kinematics",
                                         "server/constraint/drawn"}},
-      {"server/lab/accuracy", lab + hands +
+      {"server/lab/accuracy", lab + kHands +
                                   Folders{"server/lab/scenes", "server/master", "server/haptic",
                                           "server/constraint", "server/link"}},
-      {"server/lab/walls", lab + hands +
+      {"server/lab/walls", lab + kHands +
                                Folders{"server/lab/study", "server/master", "server/haptic",
                                        "server/constraint", "server/constraint/drawn"}},
       {"server/lab/contact", lab + Folders{"server/lab/study", "server/follow"}},
       {"server/lab/faults",
-       lab + hands + sides + Folders{"server/lab/study", "server/motion", "server/kinematics"}},
-      {"devices", model + hands},
-      {"devices/udp", base},
-      {"devices/melfa", base + Folders{"devices", "devices/udp"}},
-      {"devices/net_ft", base + Folders{"devices", "devices/udp"}},
-      {"devices/hand", sim},
-      {"devices/omni", sim},
-      {"devices/joystick", sim},
-      {"devices/rig/world", model + Folders{"server/kinematics"}},
-      {"devices/rig",
-       model + rigs +
-           Folders{"proto", "server/daemon", "server/kinematics", "server/scene", "devices/udp"}},
-      {"client/api", base + Folders{"proto"}},
-      {"client/cli", model + Folders{"proto", "server/task", "server/scene", "client/api"}},
-      {"client/console", base + Folders{"proto", "client/api"}}};
+       lab + kHands + sides + Folders{"server/lab/study", "server/motion", "server/kinematics"}}};
+}
+
+Table device_rows() {
+  const Folders sim = kModel + Folders{"devices", "devices/hand"};
+  return {{"devices", kModel + kHands},
+          {"devices/udp", kBase},
+          {"devices/melfa", kBase + Folders{"devices", "devices/udp"}},
+          {"devices/net_ft", kBase + Folders{"devices", "devices/udp"}},
+          {"devices/hand", sim},
+          {"devices/omni", sim},
+          {"devices/joystick", sim},
+          {"devices/rig/world", kModel + Folders{"server/kinematics"}},
+          {"devices/rig", kModel + kRigs +
+                              Folders{"proto", "server/daemon", "server/kinematics", "server/scene",
+                                      "devices/udp"}}};
+}
+
+// A folder's own files are always allowed; a folder inside it is another one. "devices" is the
+// interfaces and the registry.
+const Table& table() {
+  static const Table rows = [] {
+    Table all;
+    for (const Table& part : {part_rows(), program_rows(), lab_rows(), device_rows()}) {
+      all.insert(part.begin(), part.end());
+    }
+    return all;
+  }();
   return rows;
 }
 
