@@ -236,6 +236,66 @@ int run_soak(const Arguments& arguments) {
   return out.violations.empty() && !grows(out) ? handrail::kDone : handrail::kFailed;
 }
 
+// A line a sequence; those that `results` has are not run again. 0: all, or as many as came before
+// it was stopped.
+int run_sequences(const Arguments& arguments, Results& results, Summary& all) {
+  handrail::Progress progress;
+  for (std::uint64_t i = 0; i < arguments.sequences && !handrail::interrupted(); ++i) {
+    const std::uint64_t seed = arguments.seed + i;
+    const auto kept = arguments.keep / std::to_string(seed);
+    progress.show(
+        fmt::format("{} of {} sequences, {} violated", i, arguments.sequences, all.red.size()));
+    if (!results.has(seed)) {
+      const Sequence sequence = handrail::storm::draw(seed);
+      Run run(sequence, handrail::interrupted);
+      const Outcome outcome = run.go();
+      if (!outcome.complete) break;
+      if (!outcome.violations.empty()) keep(kept, sequence, outcome, run);
+      if (const auto added = results.add(line_of(sequence, outcome)); !added) {
+        return complain(added.message());
+      }
+    }
+    const auto& line = results.of(seed);
+    all.add(line);
+    progress.clear();
+    std::FILE* const to = arguments.json ? stderr : stdout;
+    if (!arguments.json || !line.ok) std::fputs(for_people(line).c_str(), to);
+    if (!line.ok) std::fputs(again(seed, kept).c_str(), to);
+    std::fflush(to);
+  }
+  return 0;
+}
+
+// How to go on with sequences that were stopped.
+std::string goes_on(const Arguments& arguments) {
+  if (arguments.results.empty()) return "with --results FILE it could go on";
+  return fmt::format("--sequences {} --seed {} --results {} goes on", arguments.sequences,
+                     arguments.seed, arguments.results);
+}
+
+int run_storm(const Arguments& arguments) {
+  std::error_code error;
+  std::filesystem::create_directories(arguments.keep, error);
+  if (error) return complain(arguments.keep.string() + ": " + error.message());
+  Results results;
+  if (const auto opened = results.open(arguments.results); !opened) {
+    return complain(opened.message());
+  }
+  if (!arguments.json) {
+    fmt::print("storm: {} sequences from seed {}\n", arguments.sequences, arguments.seed);
+    std::fflush(stdout);
+  }
+  Summary all;
+  if (const int code = run_sequences(arguments, results, all); code != 0) return code;
+  if (all.ran < arguments.sequences) {
+    (void)complain(fmt::format("stopped after {} of {} sequences, {} violated; {}", all.ran,
+                               arguments.sequences, all.red.size(), goes_on(arguments)));
+    return handrail::kCancelled;
+  }
+  std::fputs((arguments.json ? to_json(all) : for_people(all)).c_str(), stdout);
+  return all.red.empty() ? handrail::kDone : handrail::kFailed;
+}
+
 int run(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     if (std::string(argv[i]) != "--help" && std::string(argv[i]) != "-h") continue;
@@ -253,56 +313,7 @@ int run(int argc, char** argv) {
   handrail::catch_interrupts();
   if (arguments.crowded > 0) return run_crowded(arguments);
   if (arguments.soak > 0) return run_soak(arguments);
-  std::error_code error;
-  std::filesystem::create_directories(arguments.keep, error);
-  if (error) return complain(arguments.keep.string() + ": " + error.message());
-  Results results;
-  if (const auto opened = results.open(arguments.results); !opened) {
-    return complain(opened.message());
-  }
-  if (!arguments.json) {
-    fmt::print("storm: {} sequences from seed {}\n", arguments.sequences, arguments.seed);
-    std::fflush(stdout);
-  }
-  Summary all;
-  {
-    handrail::Progress progress;
-    for (std::uint64_t i = 0; i < arguments.sequences && !handrail::interrupted(); ++i) {
-      const std::uint64_t seed = arguments.seed + i;
-      const auto kept = arguments.keep / std::to_string(seed);
-      progress.show(
-          fmt::format("{} of {} sequences, {} violated", i, arguments.sequences, all.red.size()));
-      if (!results.has(seed)) {
-        const Sequence sequence = handrail::storm::draw(seed);
-        Run run(sequence, handrail::interrupted);
-        const Outcome outcome = run.go();
-        if (!outcome.complete) break;
-        if (!outcome.violations.empty()) keep(kept, sequence, outcome, run);
-        if (const auto added = results.add(line_of(sequence, outcome)); !added) {
-          return complain(added.message());
-        }
-      }
-      const auto& line = results.of(seed);
-      all.add(line);
-      progress.clear();
-      std::FILE* const to = arguments.json ? stderr : stdout;
-      if (!arguments.json || !line.ok) std::fputs(for_people(line).c_str(), to);
-      if (!line.ok) std::fputs(again(seed, kept).c_str(), to);
-      std::fflush(to);
-    }
-  }
-  if (all.ran < arguments.sequences) {
-    (void)complain(
-        fmt::format("stopped after {} of {} sequences, {} violated; {}", all.ran,
-                    arguments.sequences, all.red.size(),
-                    arguments.results.empty()
-                        ? std::string("with --results FILE it could go on")
-                        : fmt::format("--sequences {} --seed {} --results {} goes on",
-                                      arguments.sequences, arguments.seed, arguments.results)));
-    return handrail::kCancelled;
-  }
-  std::fputs((arguments.json ? to_json(all) : for_people(all)).c_str(), stdout);
-  return all.red.empty() ? handrail::kDone : handrail::kFailed;
+  return run_storm(arguments);
 }
 
 }  // namespace
