@@ -5,45 +5,54 @@
 #include <vector>
 
 #include "server/model/reason.h"
-#include "tests/unit/lab_cell/two_sides.h"
+#include "tests/unit/lab_cell/troubles.h"
 
 namespace handrail {
 namespace {
 
-using Deed = std::function<void(TwoSides&)>;
+// What an operator does.
+Deed gives(const char* order) {
+  return [order](TwoSides& t) { EXPECT_TRUE(t.done(order)) << order << ": " << t.ask(order); };
+}
+void waits(TwoSides& t) { t.run(2 * kSecond); }
+void is_there(TwoSides& t) {
+  const bool button = t.by_button();
+  if (button) {
+    t.device.sample.buttons = 4;
+    t.run(10 * kMillisecond);
+  }
+  EXPECT_EQ(t.ask(button ? "engage: true" : "engage: true hold: true"), "done: ");
+  t.holds = t.holds || !button;
+}
+void takes_lease(TwoSides& t) {
+  EXPECT_TRUE(t.done("lease { act: TAKE }"));
+  EXPECT_EQ(t.ask("engage: true"), "done: ");
+}
+void starts_controller(TwoSides& t) {
+  t.arm.state = ScriptedArm::State::kThere;
+  t.run(2 * kSecond);  // the slave tries once a second
+}
+void starts_slave(TwoSides& t) {
+  t.cut_network(false);
+  if (!t.slave_runs()) t.start_slave();
+  t.run(2 * kSecond);
+}
+void starts_master(TwoSides& t) {
+  t.run(2 * kSecond);
+  t.master_stalls = false;
+  t.start_master();
+  t.run(2 * kSecond);
+}
 
 // Everything a way out can ask for, and what an operator then does.
 const std::vector<std::pair<std::regex, Deed>>& deeds() {
-  const auto order = [](const char* text) {
-    return [text](TwoSides& t) { EXPECT_TRUE(t.done(text)) << text << ": " << t.ask(text); };
-  };
-  const auto hold_on = [](TwoSides& t) {
-    EXPECT_EQ(t.ask("engage: true hold: true"), "done: ");
-    t.holds = true;
-  };
-  const auto be_there = [hold_on](TwoSides& t) {
-    if (!t.by_button()) return hold_on(t);
-    t.device.sample.buttons = 4;
-    t.run(10 * kMillisecond);
-    EXPECT_EQ(t.ask("engage: true"), "done: ");
-  };
-  const auto controller_starts = [](TwoSides& t) {
-    t.arm.state = ScriptedArm::State::kThere;
-    t.run(2 * kSecond);  // the slave tries once a second
-  };
-  const auto slave_starts = [](TwoSides& t) {
-    t.cut_network(false);
-    if (!t.slave_runs()) t.start_slave();
-    t.run(2 * kSecond);
-  };
-  const auto wait = [](TwoSides& t) { t.run(2 * kSecond); };
   static const std::vector<std::pair<std::regex, Deed>> all = {
-      {std::regex("engage"), order("engage: true")},
-      {std::regex("reset"), order("reset: true")},
+      {std::regex("engage"), gives("engage: true")},
+      {std::regex("reset"), gives("reset: true")},
       {std::regex("at the controller: clear its alarm, if there is one, and start its program in "
                   "AUTOMATIC; the slave's log names other causes"),
-       controller_starts},
-      {std::regex("look at J3, which reads -?[0-9.]+ deg"), controller_starts},
+       starts_controller},
+      {std::regex("look at J3, which reads -?[0-9.]+ deg"), starts_controller},
       {std::regex("check the force sensor"),
        [](TwoSides& t) {
          t.sensor = true;
@@ -63,32 +72,22 @@ const std::vector<std::pair<std::regex, Deed>>& deeds() {
        [](TwoSides& t) {
          EXPECT_TRUE(t.done(std::string("scene_load: '") + TwoSides::kArm + "'"));
        }},
-      {std::regex("start the slave, or check the network"), slave_starts},
-      {std::regex("start the slave if it does not run"), slave_starts},
-      {std::regex("wait; if it lasts, start the master anew"),
-       [](TwoSides& t) {
-         t.run(2 * kSecond);
-         t.master_stalls = false;
-         t.start_master();
-         t.run(2 * kSecond);
-       }},
-      {std::regex("wait for the link(, or move slower)?"), wait},
-      {std::regex("wait: it goes on by itself.*"), wait},
-      {std::regex("wait"), wait},
+      {std::regex("start the slave, or check the network"), starts_slave},
+      {std::regex("start the slave if it does not run"), starts_slave},
+      {std::regex("wait; if it lasts, start the master anew"), starts_master},
+      {std::regex("wait for the link(, or move slower)?"), waits},
+      {std::regex("wait: it goes on by itself.*"), waits},
+      {std::regex("wait"), waits},
       {std::regex("end that master: then the slave takes this one, without a restart"),
        [](TwoSides& t) {
          t.other_master = false;
          t.run(2 * kSecond);
        }},
-      {std::regex("let the clutch go"), order("clutch: false")},
+      {std::regex("let the clutch go"), gives("clutch: false")},
       {std::regex("hold the enabling button(,| and engage,) or keep 'handrail engage --hold' "
                   "running"),
-       be_there},
-      {std::regex("take the lease and engage: 'handrail lease take'"),
-       [](TwoSides& t) {
-         EXPECT_TRUE(t.done("lease { act: TAKE }"));
-         EXPECT_EQ(t.ask("engage: true"), "done: ");
-       }},
+       is_there},
+      {std::regex("take the lease and engage: 'handrail lease take'"), takes_lease},
   };
   return all;
 }
@@ -112,185 +111,6 @@ void follow(TwoSides& t, const std::string& way) {
     rest = std::regex_replace(rest.substr(longest), kJoint, "",
                               std::regex_constants::format_first_only);
   }
-}
-
-struct Trouble {
-  const char* name;
-  Deed comes;
-  Presence presence = Presence::kNone;
-  const char* scene = TwoSides::kArm;
-};
-
-// From a cell in which nothing was done yet, or one that is led; and what may come on top.
-std::vector<Trouble> troubles() {
-  const auto order = [](const char* text) { return [text](TwoSides& t) { t.ask(text); }; };
-  const auto arm = [](ScriptedArm::State state, Nanos span) {
-    return [state, span](TwoSides& t) {
-      t.arm.state = state;
-      t.run(span);
-    };
-  };
-  return {
-      {"nothing", [](TwoSides&) {}},
-      {"disengaged", order("disengage: true")},
-      {"clutched", order("clutch: true")},
-      {"stopped", order("stop: true")},
-      {"controller silent", arm(ScriptedArm::State::kAway, kSecond / 2)},
-      {"controller lost", arm(ScriptedArm::State::kAway, 3 * kSecond)},
-      {"controller answers zeros", arm(ScriptedArm::State::kZeros, kSecond)},
-      {"controller away, slave started anew",
-       [](TwoSides& t) {
-         t.arm.state = ScriptedArm::State::kAway;
-         t.start_slave();
-         t.run(3 * kSecond);
-       }},
-      {"controller answers zeros, slave started anew",
-       [](TwoSides& t) {
-         t.arm.state = ScriptedArm::State::kZeros;
-         t.start_slave();
-         t.run(3 * kSecond);
-       }},
-      {"sensor not sound",
-       [](TwoSides& t) {
-         t.sensor = false;
-         t.run(kSecond);
-       }},
-      {"network cut for 0.1 s",
-       [](TwoSides& t) {
-         t.cut_network(true);
-         t.run(kSecond / 10);
-         t.cut_network(false);
-       }},
-      {"network cut",
-       [](TwoSides& t) {
-         t.cut_network(true);
-         t.run(2 * kSecond);
-       }},
-      {"slave ended",
-       [](TwoSides& t) {
-         t.end_slave();
-         t.run(2 * kSecond);
-       }},
-      {"slave started anew",
-       [](TwoSides& t) {
-         t.start_slave();
-         t.run(kSecond);
-       }},
-      {"slave in fault, then started anew",
-       [](TwoSides& t) {
-         t.arm.state = ScriptedArm::State::kZeros;
-         t.run(kSecond);
-         t.arm.state = ScriptedArm::State::kThere;
-         t.start_slave();
-         t.run(kSecond);
-       }},
-      {"master started anew",
-       [](TwoSides& t) {
-         t.start_master();
-         t.run(kSecond);
-       }},
-      {"haptic loop stands still",
-       [](TwoSides& t) {
-         t.master_stalls = true;
-         t.run(kSecond);
-       }},
-      {"haptic loop stood still",
-       [](TwoSides& t) {
-         t.master_stalls = true;
-         t.run(kSecond);
-         t.master_stalls = false;
-         t.run(kSecond);
-       }},
-      {"device not valid",
-       [](TwoSides& t) {
-         t.device.sample.valid = false;
-         t.run(kSecond);
-       }},
-      {"scene differs",
-       [](TwoSides& t) {
-         t.ask("disengage: true");
-         t.run(kSecond / 10);
-         t.give_slave_the_scene(false);
-         t.run(kSecond);
-       }},
-      {"another master leads",
-       [](TwoSides& t) {
-         t.other_master = true;
-         t.run(kSecond);
-       }},
-      {"lease lost",
-       [](TwoSides& t) {
-         t.ask("lease { act: RELEASE }");
-         t.run(kSecond / 10);
-         t.who = "ben";
-       }},
-      {"nobody holds on",
-       [](TwoSides& t) {
-         t.holds = false;
-         t.run(kSecond);
-       },
-       Presence::kHold},
-      {"nobody held on",
-       [](TwoSides& t) {
-         t.holds = false;
-         t.run(4 * kSecond);
-       },
-       Presence::kHold},
-      {"button not held",
-       [](TwoSides& t) {
-         t.device.sample.buttons = 0;
-         t.run(kSecond);
-       },
-       Presence::kButton},
-      {"button not held for long",
-       [](TwoSides& t) {
-         t.device.sample.buttons = 0;
-         t.run(4 * kSecond);
-       },
-       Presence::kButton},
-      {"walls", [](TwoSides&) {}, Presence::kNone, TwoSides::kWalls},
-      {"walls loaded in an arm's place",
-       [](TwoSides& t) {
-         t.ask("disengage: true");
-         t.run(kSecond / 10);
-         EXPECT_TRUE(t.done(std::string("scene_load: '") + TwoSides::kWalls + "'"));
-         t.run(2 * kSecond);
-       }},
-      {"walls loaded in a fault",
-       [](TwoSides& t) {
-         t.cut_network(true);
-         t.run(kSecond);
-         t.cut_network(false);
-         EXPECT_TRUE(t.done(std::string("scene_load: '") + TwoSides::kWalls + "'"));
-         t.run(2 * kSecond);
-       }},
-      {"homing: engage waits for a controller that is away",
-       [](TwoSides& t) {
-         t.ask("disengage: true");
-         t.arm.state = ScriptedArm::State::kAway;
-         t.start_slave();
-         t.run(2 * kSecond);
-         t.begin("engage: true");
-         t.run(kSecond);
-       }},
-      {"homing: engage has waited for a controller that is away",
-       [](TwoSides& t) {
-         t.ask("disengage: true");
-         t.arm.state = ScriptedArm::State::kAway;
-         t.start_slave();
-         t.run(2 * kSecond);
-         t.ask("engage: true");
-       }},
-      {"aligning: the slave does not hear of it",
-       [](TwoSides& t) {
-         t.ask("disengage: true");
-         t.run(kSecond / 10);
-         t.begin("engage: true");
-         t.cut_way_to_slave(true);
-         t.run(kSecond);
-         t.cut_way_to_slave(false);
-       }},
-  };
 }
 
 // One cell at a time: they share a clock.
