@@ -23,7 +23,6 @@
 #include "server/base/units.h"
 #include "server/daemon/daemon_main.h"
 #include "server/daemon/errand.h"
-#include "server/daemon/service_socket.h"
 #include "server/master/haptic_loop.h"
 #include "server/master/haptic_settings.h"
 #include "server/master/master_server.h"
@@ -41,8 +40,6 @@ namespace {
 constexpr int kHapticPriority = 85;
 // The thread has its grants by then: locking memory takes some 15 ms.
 constexpr Nanos kSetUp = 50 * kMillisecond;
-// The link must not starve on a busy machine.
-constexpr int kIoPriority = 70;
 
 const char kWhat[] =
     "The operator's side: haptic device, virtual tools and forces at 1 kHz; sends the command to\n"
@@ -187,8 +184,7 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
     return end_output("handrail-master", 0);
   }
 
-  ServiceSocket notice;
-  Announcement ready;
+  DaemonNews news;
   Errand<Result<Scene>> scenes;
   raise_descriptor_limit();
   auto boxes = std::make_unique<MasterMailboxes>();
@@ -199,28 +195,19 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
   };
   desk_options.loop_scene = loop_scene;
   OrderDesk desk(*boxes, *scene, desk_options);
-  MasterServer server(*boxes, desk, server_of(config));
+  const auto server = make_master_server(*boxes, desk, server_of(config));
   hold_endings();
-  if (const Status opened = server.open(); !opened) return fail(opened.message());
+  if (const Status opened = server->open(); !opened) return fail(opened.message());
   if (const Status opened = (*device)->open(); !opened) return fail(opened.message());
 
   HapticThread haptic(**device, first, *boxes);
   const RealtimeGrant realtime = haptic.realtime();
   desk.set_realtime(realtime.report);
-  spdlog::info("haptic thread: {}", realtime.report);
-  ready.make(fmt::format("READY link_port={} operator_socket={}", server.port(),
-                         config.operator_socket()));
-  notice.ready();
-  const RealtimeGrant io = enter_realtime(kIoPriority);
-  spdlog::info("IO thread: {}", io.report);
-  const std::string advice = realtime_advice({realtime, io});
-  if (!advice.empty()) spdlog::warn("{}", advice);
-  server.run(
-      [&] {
-        notice.stopping();
-        haptic.request_stop();
-      },
-      [&] { return haptic.finished(); }, [&](Nanos now, bool runs) { notice.tick(now, runs); });
+  news.serve(
+      *server,
+      fmt::format("READY link_port={} operator_socket={}", server->port(),
+                  config.operator_socket()),
+      {"haptic", realtime, [&] { haptic.request_stop(); }, [&] { return haptic.finished(); }});
   return 0;
 }
 
@@ -229,5 +216,5 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
 
 int main(int argc, char** argv) {
   using namespace handrail;
-  return daemon_main(argc, argv, "handrail-master", kWhat, kIoPriority, load_master_config, run);
+  return daemon_main(argc, argv, "handrail-master", kWhat, load_master_config, run);
 }

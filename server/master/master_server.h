@@ -2,11 +2,10 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <string>
 
-#include "server/base/status.h"
+#include "server/daemon/io_thread.h"
 #include "server/master/mailboxes.h"
 #include "server/master/order_desk.h"
 
@@ -20,25 +19,8 @@ struct MasterServerOptions {
   std::string operator_socket;
 };
 
-class MasterServer {
- public:
-  // Mailboxes and desk must outlive the server.
-  MasterServer(MasterMailboxes& boxes, OrderDesk& desk, MasterServerOptions options);
-  ~MasterServer();
-
-  // Binds the link's port and claims the operators' socket. The error names place and cause.
-  Status open();
-  std::uint16_t port() const;
-
-  // Serves until `finished` says so, asked a thousand times a second. ending_signals() call
-  // `on_signal` in this thread.
-  // `alive` hears at every tick whether the control loop runs.
-  void run(std::function<void()> on_signal, std::function<bool()> finished,
-           std::function<void(Nanos now, bool runs)> alive = {});
-
- private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
-};
+// On the link's port and the operators' socket. Mailboxes and desk must outlive the server.
+std::unique_ptr<IoServer> make_master_server(MasterMailboxes& boxes, OrderDesk& desk,
+                                             MasterServerOptions options);
 
 }  // namespace handrail

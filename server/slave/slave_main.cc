@@ -20,7 +20,6 @@
 #include "server/base/signals_blocked.h"
 #include "server/daemon/daemon_main.h"
 #include "server/daemon/errand.h"
-#include "server/daemon/service_socket.h"
 #include "server/scene/config_io.h"
 #include "server/scene/payload_io.h"
 #include "server/scene/scene_library.h"
@@ -37,7 +36,6 @@ namespace {
 
 constexpr int kRobotPriority = 80;
 constexpr double kMostSensorLag = 0.1;  // that the bumper can reckon with [s]
-constexpr int kIoPriority = 70;         // the link must not starve on a busy machine
 
 const char kWhat[] =
     "The robot's side: follows the master's commands on the arm, within its limits, and reports\n"
@@ -167,8 +165,7 @@ int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
   }
 
   if (!sensor_says.empty()) spdlog::info("{}", sensor_says);
-  ServiceSocket notice;
-  Announcement ready;
+  DaemonNews news;
   Errand<Result<FollowSettings>> scenes;
   SlaveMailboxes boxes;
   SlaveServerOptions options;
@@ -180,28 +177,16 @@ int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
         return scenes.poll([shared, scene] { return (*shared)(scene); });
       };
   options.log_lost = [&log] { return log.lost(); };
-  SlaveServer server(boxes, sensor.get(), options);
+  const auto server = make_slave_server(boxes, sensor.get(), options);
   hold_endings();
-  if (const Status opened = server.open(); !opened) return fail(opened.message());
+  if (const Status opened = server->open(); !opened) return fail(opened.message());
   if (sensor) {
     if (const Status started = sensor->start(); !started) return fail(started.message());
   }
   RobotThread loop(robot, *settings, boxes);
-  const RealtimeGrant realtime = loop.realtime();
-  spdlog::info("robot thread: {}", realtime.report);
-  ready.make(fmt::format("READY link_port={}", server.port()));
-  notice.ready();
-  const RealtimeGrant io = enter_realtime(kIoPriority);
-  spdlog::info("IO thread: {}", io.report);
-  const std::string advice = realtime_advice({realtime, io});
-  if (!advice.empty()) spdlog::warn("{}", advice);
-  server.run(
-      [&] {
-        notice.stopping();
-        loop.request_stop();
-      },
-      [&loop] { return loop.finished(); },
-      [&notice](Nanos now, bool runs) { notice.tick(now, runs); });
+  news.serve(
+      *server, fmt::format("READY link_port={}", server->port()),
+      {"robot", loop.realtime(), [&] { loop.request_stop(); }, [&] { return loop.finished(); }});
   loop.finish();
   if (sensor) sensor->stop();
   say_counters(robot, sensor.get());
@@ -213,5 +198,5 @@ int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
 
 int main(int argc, char** argv) {
   using namespace handrail;
-  return daemon_main(argc, argv, "handrail-slave", kWhat, kIoPriority, load_slave_config, run);
+  return daemon_main(argc, argv, "handrail-slave", kWhat, load_slave_config, run);
 }

@@ -10,54 +10,62 @@
 #include "server/slave/connection_watch.h"
 
 namespace handrail {
-
 namespace {
 
 // Between two looks for the master's scene, whatever it asks for: names that alternate must not
 // keep the disk busy, nor fill the log. An operator can wait so long for a second scene.
 constexpr Nanos kScenePause = kSecond;
 
-}  // namespace
+class SlaveServer final : public IoServer {
+ public:
+  SlaveServer(SlaveMailboxes& mailboxes, FtSensor* ft_sensor, SlaveServerOptions opts)
+      : boxes_(mailboxes), sensor_(ft_sensor), options_(std::move(opts)) {}
 
-struct SlaveServer::Impl {
-  Impl(SlaveMailboxes& mailboxes, FtSensor* ft_sensor, SlaveServerOptions opts)
-      : boxes(mailboxes), sensor(ft_sensor), options(std::move(opts)) {}
+  Status open() override { return link_.open({options_.address, options_.port}); }
+  std::uint16_t port() const override { return link_.port(); }
 
+  void run(ServerHooks hooks) override {
+    alive_ = std::move(hooks.alive);
+    link_.run({[this](Nanos now) { hear(now); }, [this](Nanos now) { tick(now); },
+               std::move(hooks.on_signal), std::move(hooks.finished), say});
+  }
+
+ private:
   void tick(Nanos now) {
     poll_sensor(now);
-    known = boxes.report.take(report) || known;
-    if (!known) return;
-    if (alive) alive(now, now <= report.good_until);
+    known_ = boxes_.report.take(report_) || known_;
+    if (!known_) return;
+    if (alive_) alive_(now, now <= report_.good_until);
     say_halts(now);
     say_connection();
     take_scene(now);
-    SlaveState told = report.state;
+    SlaveState told = report_.state;
     const auto in_words = [](Reason reason) {
       std::string out = describe(reason);
       if (reason == Reason::kRobotLost) out.append("; ").append(ConnectionWatch::kResetTries);
       return out;
     };
     const Reason why = told.state == SessionState::kFault ? told.fault : told.reason;
-    if (const auto line = session.step(now, told.state, why, in_words)) {
+    if (const auto line = session_.step(now, told.state, why, in_words)) {
       say(told.state == SessionState::kFault, *line);
     }
-    told.log_lost = options.log_lost && options.log_lost() > 0;
-    if (scene_missing && told.state == SessionState::kOff) told.reason = Reason::kSceneNotLoaded;
-    link.send(now, told, report.good_until, report.good_until);
+    told.log_lost = options_.log_lost && options_.log_lost() > 0;
+    if (scene_missing_ && told.state == SessionState::kOff) told.reason = Reason::kSceneNotLoaded;
+    link_.send(now, told, report_.good_until, report_.good_until);
   }
 
   // At most a line a second.
   void say_halts(Nanos now) {
-    if (report.halts == said_halts || now < next_halt_line) return;
+    if (report_.halts == said_halts_ || now < next_halt_line_) return;
     spdlog::warn("the controller was not heard in time: the moving arm was halted, {} times so far",
-                 report.halts);
-    said_halts = report.halts;
-    next_halt_line = now + kSecond;
+                 report_.halts);
+    said_halts_ = report_.halts;
+    next_halt_line_ = now + kSecond;
   }
 
   void say_connection() {
-    const auto line =
-        connection.step(report.connected, report.lost, text_of(report.problem), report.state.fault);
+    const auto line = connection_.step(report_.connected, report_.lost, text_of(report_.problem),
+                                       report_.state.fault);
     if (line) say(line->bad, line->text);
   }
 
@@ -66,91 +74,84 @@ struct SlaveServer::Impl {
   }
 
   void hear(Nanos now) {
-    boxes.master.publish({link.newest(), link.snapshot()});
+    boxes_.master.publish({link_.newest(), link_.snapshot()});
     follow_scene(now);
   }
 
   // While nothing moves, loads our file of the master's scene whenever the two sides differ.
   void follow_scene(Nanos now) {
-    const MasterState& master = link.newest();
+    const MasterState& master = link_.newest();
     const std::string wanted(text_of(master.scene));
-    const SlaveState& state = report.state;
+    const SlaveState& state = report_.state;
     const bool idle = state.state == SessionState::kOff || state.state == SessionState::kFault;
-    if (!differs(master) || first_difference(master, tried) != Reason::kNone) scene_missing = false;
-    if (reading) return;
-    if (wanted.empty() || !idle || !known || !differs(master) || now < next_look) return;
-    tried = master;
-    reading = wanted;
+    if (!differs(master) || first_difference(master, tried_) != Reason::kNone) {
+      scene_missing_ = false;
+    }
+    if (reading_) return;
+    if (wanted.empty() || !idle || !known_ || !differs(master) || now < next_look_) return;
+    tried_ = master;
+    reading_ = wanted;
     take_scene(now);
   }
 
   // What the disk has given of the scene that was looked for. The robot loop takes it over when it
   // may.
   void take_scene(Nanos now) {
-    if (!reading) return;
-    const auto loaded = options.load_scene(*reading);
+    if (!reading_) return;
+    const auto loaded = options_.load_scene(*reading_);
     if (!loaded) return;
-    next_look = now + kScenePause;  // the robot loop says by then that it has it
-    const std::string name = *std::exchange(reading, std::nullopt);
+    next_look_ = now + kScenePause;  // the robot loop says by then that it has it
+    const std::string name = *std::exchange(reading_, std::nullopt);
     // The master has gone on to another.
-    if (first_difference(link.newest(), tried) != Reason::kNone) return;
-    scene_missing = !*loaded;
+    if (first_difference(link_.newest(), tried_) != Reason::kNone) return;
+    scene_missing_ = !*loaded;
     if (!*loaded) {
-      if (loaded->message() != scene_problem) {
+      if (loaded->message() != scene_problem_) {
         spdlog::error("the master's scene '{}' cannot be loaded: {}", name, loaded->message());
       }
-      scene_problem = loaded->message();
+      scene_problem_ = loaded->message();
       return;
     }
-    scene_problem.clear();
-    if (name != text_of(report.state.scene)) spdlog::info("scene '{}', as the master has it", name);
-    boxes.settings.publish(**loaded);
+    scene_problem_.clear();
+    if (name != text_of(report_.state.scene)) {
+      spdlog::info("scene '{}', as the master has it", name);
+    }
+    boxes_.settings.publish(**loaded);
   }
 
   bool differs(const MasterState& master) const {
-    return first_difference(master, report.state) != Reason::kNone;
+    return first_difference(master, report_.state) != Reason::kNone;
   }
 
   void poll_sensor(Nanos now) {
     FtSample sample;
-    if (sensor == nullptr || !sensor->poll(now, sample)) return;
-    boxes.force.publish({sample.wrench, sample.status == 0, now});
+    if (sensor_ == nullptr || !sensor_->poll(now, sample)) return;
+    boxes_.force.publish({sample.wrench, sample.status == 0, now});
   }
 
-  SlaveMailboxes& boxes;
-  FtSensor* sensor;
-  SlaveServerOptions options;
-  LinkServer<SlaveState, MasterState> link{"robot", "master", boxes.doorbell};
-  SlaveReport report;
-  bool known = false;  // the robot loop has spoken
-  SessionWatch session;
-  ConnectionWatch connection{options.robot};
-  std::function<void(Nanos, bool)> alive;
-  std::uint64_t said_halts = 0;
-  Nanos next_halt_line = -kForever;
-  Nanos next_look = 0;                 // for a scene
-  MasterState tried;                   // whose scene was looked for last
-  std::optional<std::string> reading;  // its name, until the disk has given it
-  std::string scene_problem;           // last one logged
-  bool scene_missing = false;          // the last one tried could not be loaded
+  SlaveMailboxes& boxes_;
+  FtSensor* sensor_;
+  SlaveServerOptions options_;
+  LinkServer<SlaveState, MasterState> link_{"robot", "master", boxes_.doorbell};
+  SlaveReport report_;
+  bool known_ = false;  // the robot loop has spoken
+  SessionWatch session_;
+  ConnectionWatch connection_{options_.robot};
+  std::function<void(Nanos, bool)> alive_;
+  std::uint64_t said_halts_ = 0;
+  Nanos next_halt_line_ = -kForever;
+  Nanos next_look_ = 0;                 // for a scene
+  MasterState tried_;                   // whose scene was looked for last
+  std::optional<std::string> reading_;  // its name, until the disk has given it
+  std::string scene_problem_;           // last one logged
+  bool scene_missing_ = false;          // the last one tried could not be loaded
 };
 
-SlaveServer::SlaveServer(SlaveMailboxes& boxes, FtSensor* sensor, SlaveServerOptions options)
-    : impl_(std::make_unique<Impl>(boxes, sensor, std::move(options))) {}
-SlaveServer::~SlaveServer() = default;
+}  // namespace
 
-Status SlaveServer::open() {
-  return impl_->link.open({impl_->options.address, impl_->options.port});
-}
-
-std::uint16_t SlaveServer::port() const { return impl_->link.port(); }
-
-void SlaveServer::run(std::function<void()> on_signal, std::function<bool()> finished,
-                      std::function<void(Nanos, bool)> alive) {
-  Impl& impl = *impl_;
-  impl.alive = std::move(alive);
-  impl.link.run({[&impl](Nanos now) { impl.hear(now); }, [&impl](Nanos now) { impl.tick(now); },
-                 std::move(on_signal), std::move(finished), &Impl::say});
+std::unique_ptr<IoServer> make_slave_server(SlaveMailboxes& boxes, FtSensor* sensor,
+                                            SlaveServerOptions options) {
+  return std::make_unique<SlaveServer>(boxes, sensor, std::move(options));
 }
 
 }  // namespace handrail

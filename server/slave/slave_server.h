@@ -9,6 +9,7 @@
 
 #include "devices/ft_sensor.h"
 #include "server/base/status.h"
+#include "server/daemon/io_thread.h"
 #include "server/slave/mailboxes.h"
 
 namespace handrail {
@@ -25,25 +26,8 @@ struct SlaveServerOptions {
   std::function<std::optional<Result<FollowSettings>>(const std::string& scene)> load_scene;
 };
 
-class SlaveServer {
- public:
-  // Mailboxes and sensor (null: none) must outlive the server.
-  SlaveServer(SlaveMailboxes& boxes, FtSensor* sensor, SlaveServerOptions options);
-  ~SlaveServer();
-
-  // Binds the link's port. The error names address or port and what was expected.
-  Status open();
-  std::uint16_t port() const;
-
-  // Serves until `finished` says so, asked a thousand times a second. ending_signals() call
-  // `on_signal` in this thread.
-  // `alive` hears at every tick whether the control loop runs.
-  void run(std::function<void()> on_signal, std::function<bool()> finished,
-           std::function<void(Nanos now, bool runs)> alive = {});
-
- private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
-};
+// On the link's port. Mailboxes and sensor (null: none) must outlive the server.
+std::unique_ptr<IoServer> make_slave_server(SlaveMailboxes& boxes, FtSensor* sensor,
+                                            SlaveServerOptions options);
 
 }  // namespace handrail

@@ -47,13 +47,14 @@ class SlaveServerTest : public ::testing::Test {
     spdlog::set_default_logger(std::make_shared<spdlog::logger>("test", sink));
     slave_state.scene = scene_name("here");
     boxes.report.publish({slave_state});
-    ASSERT_TRUE(server.open());
+    ASSERT_TRUE(server->open());
     UdpTransportOptions options;
     options.peer_address = "127.0.0.1";
-    options.peer_port = server.port();
+    options.peer_port = server->port();
     ASSERT_TRUE(transport.open(options));
-    thread = std::thread(
-        [this] { server.run([this] { signalled = true; }, [this] { return done.load(); }); });
+    thread = std::thread([this] {
+      server->run({[this] { signalled = true; }, [this] { return done.load(); }});
+    });
   }
   void TearDown() override {
     done = true;
@@ -103,7 +104,7 @@ class SlaveServerTest : public ::testing::Test {
   SlaveMailboxes boxes;
   CountingSensor sensor;
   SlaveState slave_state;
-  SlaveServer server{boxes, &sensor, options()};
+  std::unique_ptr<IoServer> server = make_slave_server(boxes, &sensor, options());
   boost::asio::io_context io;
   UdpTransport transport{io};
   MasterPeer peer{random_session_id()};
@@ -254,11 +255,11 @@ TEST_F(SlaveServerTest, ATermSignalIsPassedOnAndServingGoesOn) {
 TEST_F(SlaveServerTest, APortInUseIsAnError) {
   SlaveMailboxes others;
   SlaveServerOptions taken = options();
-  taken.port = server.port();
-  SlaveServer second(others, nullptr, taken);
-  const Status status = second.open();
+  taken.port = server->port();
+  const auto second = make_slave_server(others, nullptr, taken);
+  const Status status = second->open();
   ASSERT_FALSE(status);
-  EXPECT_NE(status.message().find(std::to_string(server.port())), std::string::npos);
+  EXPECT_NE(status.message().find(std::to_string(server->port())), std::string::npos);
 }
 
 }  // namespace
