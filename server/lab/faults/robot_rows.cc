@@ -27,6 +27,14 @@ FaultOutcome judge_controller(FaultRun& run) {
   return out;
 }
 
+// The same of a run that has to end engaged.
+FaultOutcome judge_led(FaultRun& run, const char* if_not) {
+  const bool engaged = run.engaged();
+  FaultOutcome out = judge_controller(run);
+  find(out, !engaged, if_not);
+  return out;
+}
+
 // However fast it was, an arm stands so long after its stop: v/a + 2.5 a/j of the slowest joint,
 // 0.2 s, and the 29 ms that the stop may be late.
 constexpr Nanos kStops = 250 * kMillisecond;
@@ -115,10 +123,7 @@ FaultOutcome r1a(const RowRun& row) {
   faults.loss = row.level(kLosses);
   run.set_robot_line(faults, faults);
   run.run(row.span(30 * kSecond));
-  const bool engaged = run.engaged();
-  FaultOutcome out = judge_controller(run);
-  find(out, !engaged, "not engaged at the end");
-  return out;
+  return judge_led(run, "not engaged at the end");
 }
 
 // Replies late by up to a period, twice, both, out of order, or now and then by up to two, as those
@@ -180,10 +185,7 @@ FaultOutcome r1b(const RowRun& row) {
     run.set_robot_line(commands, {});
     run.run(run.up_to(kSecond / 2));
   }
-  const bool engaged = run.engaged();
-  FaultOutcome out = judge_controller(run);
-  find(out, !engaged, "not engaged at the end");
-  return out;
+  return judge_led(run, "not engaged at the end");
 }
 
 // The controller is silent for 10 ms to 1.4 s, or only the way to it or back is dark. In every
@@ -243,10 +245,7 @@ FaultOutcome r3b(const RowRun& row) {
     stand(run, run.up_to(kPeriod));
     run.run(run.up_to(kSecond / 10));
   }
-  const bool engaged = run.engaged();
-  FaultOutcome out = judge_controller(run);
-  find(out, !engaged, "not engaged at the end");
-  return out;
+  return judge_led(run, "not engaged at the end");
 }
 
 // A computer that is taken away now and then, for up to three cycles, with the slave and with what
@@ -287,10 +286,7 @@ FaultOutcome r3c(const RowRun& row) {
   }
   run.set_robot_line({}, {});
   run.drive(6 * kSecond);
-  const bool engaged = run.engaged();
-  FaultOutcome out = judge_controller(run);
-  find(out, !engaged, "not engaged again");
-  return out;
+  return judge_led(run, "not engaged again");
 }
 
 // The encoders read zero, or beyond a joint's range, from one moment on.

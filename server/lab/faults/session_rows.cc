@@ -6,40 +6,6 @@
 #include "server/master/lease.h"
 
 namespace handrail::rows {
-namespace {
-
-ToolCall point_at(const Vec3& p_SA) {
-  ToolCall call;
-  call.kind = ToolKind::kPoint;
-  call.at_present = false;
-  call.p_SA = p_SA;
-  return call;
-}
-
-// Each part up to `size` either way.
-Vec3 any_vector(Random& random, double size) {
-  Vec3 v;
-  for (int k = 0; k < 3; ++k) v[k] = size * (2.0 * random.uniform() - 1.0);
-  return v;
-}
-
-ToolCall tool_anywhere(Random& random, const Vec3& p) {
-  const auto any = [&random](double size) { return any_vector(random, size); };
-  ToolCall call;
-  call.kind = std::array{ToolKind::kPoint, ToolKind::kLine, ToolKind::kPlane,
-                         ToolKind::kFRotation}[static_cast<std::size_t>(4.0 * random.uniform())];
-  call.at_present = false;
-  call.p_SA = p + any(random.uniform() < 0.5 ? 0.02 : 0.6);
-  call.direction_S = any(1.0);
-  call.normal_S = any(1.0);
-  call.has_axis = true;
-  call.axis_S = any(1.0);
-  call.has_end = random.uniform() < 0.3;
-  call.p_SE = p + any(0.6);
-  return call;
-}
-
-}  // namespace
 
 // Over a link that is not GOOD nobody engages; one that turns POOR holds the arm.
 FaultOutcome n1d(const RowRun& row) {
@@ -291,89 +257,6 @@ FaultOutcome p8(const RowRun& row) {
   find(out, early, "stops confirmed before they can have arrived");
   find(out, !engaged, "not engaged again");
   find(out, releases < 3, "hardly anything was released");
-  return out;
-}
-
-// Tools called anywhere while the hand stands still. In every other run the hand is then pulled off
-// the tool, and stands still while another tool, or none, takes its place. In the others they are
-// approached, and the clutch is held on the way. When it is let go the command stays, and an arm
-// that cannot reach it goes no further from it.
-FaultOutcome x2c(const RowRun& row) {
-  constexpr double kReach = 0.020;    // of the scene [m]
-  constexpr double kRounding = 1e-5;  // of what the arm comes to rest by [m]
-  constexpr double kThere = 1e-3;     // an arm this near its command reaches it [m]
-  FaultRun run(row.seed);
-  bool still = false, clutched = false;
-  HandReading held;
-  run.layers().hand = [&](Nanos, HandReading& hand) {
-    if (!still) held = hand;
-    hand = held;
-    hand.v_MH.setZero();
-    hand.clutch_button = clutched;
-  };
-  if (!run.engage()) return not_engaged();
-  still = true;
-  run.run(kSecond);
-  const auto way_from = [&run](const Vec3& p) { return (run.auditor().tip() - p).norm(); };
-  const auto asked = [&run] { return run.cell().master().link.X_SU.p; };
-  Vec3 home = run.auditor().tip();
-  double furthest = 0.0, crept = 0.0, approached = 0.0;
-  const Vec3 middle = held.X_MH.p;
-  // Out of reach an arm goes on sliding towards its command: there the command alone is judged.
-  const auto stay = [&](Nanos wait) {
-    home = run.auditor().tip();
-    const Vec3 sent = asked();
-    const bool there = (sent - home).norm() < kThere;
-    for (const Nanos end = run.now() + wait; run.now() < end;) {
-      run.tick();
-      furthest = std::max({furthest, (asked() - sent).norm(), there ? way_from(home) : 0.0});
-    }
-  };
-  const auto pull = [&](const Vec3& p_MH) {
-    const Vec3 step = (p_MH - held.X_MH.p) / 1000.0;
-    for (int i = 0; i < 1000; ++i) {
-      held.X_MH.p += step;
-      run.tick();
-    }
-    run.run(3 * kSecond);
-  };
-  for (int call = 0; call < 20; ++call) {
-    HapticOrder order = order_of(OrderKind::kTool);
-    order.tool = tool_anywhere(run.random(), home);
-    // One that moves the arm for certain.
-    if (call == 0) order.tool = point_at(home + Vec3(0.0, 0.0, -0.01));
-    order.tool.approach = row.index % 2 == 1;
-    run.tick(order);
-    const Nanos wait = from_seconds(0.5 + run.random().uniform());
-    if (row.index % 2 == 0) {
-      stay(wait);
-      approached = std::max(approached, way_from(home));
-      pull(middle + any_vector(run.random(), 0.02));
-      HapticOrder other = order_of(call % 4 < 2 ? OrderKind::kToolOff : OrderKind::kTool);
-      other.tool.kind = call % 4 == 2 ? ToolKind::kPlane : ToolKind::kLine;
-      other.tool.normal_S = other.tool.direction_S = any_vector(run.random(), 1.0);
-      run.tick(other);
-      stay(3 * kSecond);
-    } else {
-      run.run(wait);
-      approached = std::max(approached, way_from(home));
-      clutched = true;
-      run.run(500 * kMillisecond);
-      home = run.auditor().tip();
-      const Vec3 still_asked = asked();
-      const double behind = run.auditor().behind();
-      clutched = false;
-      run.run(kSecond);
-      crept = std::max({crept, (asked() - still_asked).norm(), run.auditor().behind() - behind});
-    }
-    run.tick(order_of(OrderKind::kToolOff));
-    stay(kSecond);
-  }
-  FaultOutcome out = run.outcome();
-  measure(out, 1e3 * std::max(furthest, crept), 1e3 * (row.index % 2 == 0 ? kReach : 0.0));
-  find(out, furthest > kReach + kRounding, "further by itself than a tool may be called");
-  find(out, crept > kRounding, "went on after the clutch");
-  find(out, approached < 0.001, "no tool moved anything");
   return out;
 }
 
