@@ -89,12 +89,6 @@ std::string default_socket() {
   return default_operator_socket();
 }
 
-std::string joined(const std::vector<std::string>& words) {
-  std::string out;
-  for (const std::string& word : words) out += (out.empty() ? "" : ", ") + word;
-  return out;
-}
-
 // The first words of the commands after `group`, which ends with a blank or is empty.
 std::vector<std::string> words_after(const std::string& group) {
   std::vector<std::string> out;
@@ -122,7 +116,7 @@ std::string unknown_command(const std::vector<std::string>& args) {
     if (std::find(words.begin(), words.end(), args[i]) == words.end()) {
       const std::string nearest = nearest_name(args[i], words);
       return "no command '" + group + args[i] + "'" +
-             (nearest.empty() ? "; there are " + joined(words)
+             (nearest.empty() ? "; there are " + joined(words, ", ")
                               : "; did you mean '" + group + nearest + "'?");
     }
     if (words_after(group + args[i] + ' ').empty()) return {};
@@ -130,7 +124,7 @@ std::string unknown_command(const std::vector<std::string>& args) {
   }
   return "expected a command after 'handrail" +
          (group.empty() ? "" : " " + group.substr(0, group.size() - 1)) +
-         "': " + joined(words_after(group)) + " (see handrail --help)";
+         "': " + joined(words_after(group), ", ") + " (see handrail --help)";
 }
 
 }  // namespace

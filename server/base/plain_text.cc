@@ -139,6 +139,12 @@ TextPlace place_at(std::string_view text, std::size_t offset) {
   return scanner.place();
 }
 
+std::string joined(const std::vector<std::string>& parts, const char* separator) {
+  std::string out;
+  for (const std::string& part : parts) out += (out.empty() ? "" : separator) + part;
+  return out;
+}
+
 std::string number_text(double value) {
   std::array<char, 32> buffer;
   // Everyday sizes without an exponent.

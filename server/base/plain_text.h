@@ -14,6 +14,8 @@ bool is_plain_text(std::string_view text);
 // near enough to be what was meant.
 std::string nearest_name(std::string_view word, const std::vector<std::string>& candidates);
 
+std::string joined(const std::vector<std::string>& parts, const char* separator);
+
 // The shortest decimal text that reads back as `value`.
 std::string number_text(double value);
 

@@ -27,12 +27,6 @@ std::vector<std::string> split(std::string_view text, char separator) {
   }
 }
 
-std::string joined(const std::vector<std::string>& parts) {
-  std::string out;
-  for (const std::string& part : parts) out += (out.empty() ? "" : ", ") + part;
-  return out;
-}
-
 // What the name behind `before` (empty or ending in a dot) should have been.
 std::string unknown_field(const Descriptor& type, const std::string& before,
                           const std::string& name) {
@@ -41,7 +35,7 @@ std::string unknown_field(const Descriptor& type, const std::string& before,
   const std::string nearest = nearest_name(name, names);
   const std::string no_field = "no field '" + before + name + "'";
   if (!nearest.empty()) return no_field + "; did you mean '" + before + nearest + "'?";
-  return no_field + "; expected one of " + joined(names);
+  return no_field + "; expected one of " + joined(names, ", ");
 }
 
 std::string wrong_value(const FieldDescriptor& f, const std::string& value) {
@@ -55,7 +49,7 @@ std::string wrong_value(const FieldDescriptor& f, const std::string& value) {
       for (int i = 0; i < f.enum_type()->value_count(); ++i) {
         names.push_back(f.enum_type()->value(i)->name());
       }
-      return is_not + "not one of " + joined(names);
+      return is_not + "not one of " + joined(names, ", ");
     }
     case FieldDescriptor::CPPTYPE_UINT32:
     case FieldDescriptor::CPPTYPE_UINT64: return is_not + "not a whole number, 0 or more";

@@ -55,12 +55,6 @@ const Descriptor* descend(const Descriptor* type, const std::vector<std::string>
   return type;
 }
 
-std::string joined(const std::vector<std::string>& parts, const char* separator) {
-  std::string out;
-  for (const std::string& part : parts) out += (out.empty() ? "" : separator) + part;
-  return out;
-}
-
 std::string unknown_field_hint(const Descriptor* type, const std::string& name) {
   if (type == nullptr) return "no such field";
   std::vector<std::string> names;

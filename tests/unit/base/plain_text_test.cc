@@ -33,6 +33,12 @@ TEST(NearestName, GivesNoneWhenNothingIsNear) {
   EXPECT_EQ(nearest_name("", {"method"}), "");
 }
 
+TEST(Joined, PutsTheSeparatorBetween) {
+  EXPECT_EQ(joined({"a", "b", "c"}, ", "), "a, b, c");
+  EXPECT_EQ(joined({"a"}, ", "), "a");
+  EXPECT_EQ(joined({}, ", "), "");
+}
+
 TEST(PlaceAt, NamesTheMessagesAroundAByte) {
   const std::string text = "a: 1 # { not open\nb { c: \"}\" d [ { e: X ";
   const TextPlace place = place_at(text, text.size());
