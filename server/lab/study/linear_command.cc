@@ -1,7 +1,6 @@
 #include "server/lab/study/linear_command.h"
 
 #include "server/lab/study/linear_drawing.h"
-#include "server/lab/study/linear_figure.h"
 #include "server/lab/study/linear_fit.h"
 #include "server/lab/study/linear_report_io.h"
 
@@ -34,10 +33,7 @@ int run_linear_fit(const FitCommand& command, const std::atomic<bool>& cancelled
   job.suits = suits_linear;
   job.mode = name_of(StudyMode::kFree);
   job.known = "published";
-  for (int i = 0; i < kPublishedFigures; ++i) {
-    const LinearFigureInfo& info = info_of(static_cast<LinearFigure>(i));
-    job.aims.push_back({info.title, info.unit, info.published[0]});
-  }
+  job.aims = linear_aims();
   job.fit = [](const StudySetup& setup, const FitOptions& options) {
     return fit_linear(setup.machine, setup.population, options);
   };

@@ -4,30 +4,17 @@
 
 namespace handrail {
 
+std::vector<FitAim> linear_aims() {
+  return fit_aims<LinearFigure>(kPublishedFigures,
+                                [](const LinearFigureInfo& info) { return info.published[0]; });
+}
+
 Result<FitResult> fit_linear(const StudyMachine& machine, const Population& population,
                              const FitOptions& options) {
-  StudyOptions study;
-  study.operators = options.operators;
-  study.seed = options.seed;
-  study.threads = options.threads;
-  study.cancelled = options.cancelled;
-  study.only = {static_cast<int>(StudyMode::kFree)};
-  std::vector<double> aims;
-  for (int i = 0; i < kPublishedFigures; ++i) {
-    aims.push_back(info_of(static_cast<LinearFigure>(i)).published[0]);
-  }
-  const auto medians_of = [&](const Population& candidate) -> Result<std::vector<double>> {
-    const Result<LinearStudy> result = run_linear_study(machine, candidate, study);
-    if (!result) return result.status();
-    std::vector<double> medians;
-    for (int i = 0; i < kPublishedFigures; ++i) {
-      const auto figure = static_cast<LinearFigure>(i);
-      medians.push_back(median(pooled(values_of(*result, StudyMode::kFree, figure))) *
-                        info_of(figure).per_si);
-    }
-    return medians;
+  const auto run = [&](const Population& candidate, const StudyPlan& plan) {
+    return run_linear_study(machine, candidate, {plan});
   };
-  return fit_population(population, aims, medians_of, options);
+  return fit_study<LinearFigure>(population, linear_aims(), StudyMode::kFree, run, options);
 }
 
 }  // namespace handrail

@@ -1,6 +1,5 @@
 #include "server/lab/study/linear_trial.h"
 
-#include <cmath>
 #include <memory>
 
 namespace handrail {
@@ -62,67 +61,42 @@ OperatorAim aim_of(const LinearTask& task, LinearPhase phase, bool tools) {
   return aim;
 }
 
-// A trial on the bench: the procedure and its clock.
-class Trial {
+// A trial on the bench.
+class LinearTrialRun : TimedTrial<TrialResult> {
  public:
-  Trial(const LinearTask& task, const TrialOptions& options, StudyBench& bench)
-      : task_(task), options_(options), bench_(bench), measure_(task) {}
+  LinearTrialRun(const LinearTask& task, const TrialOptions& options, StudyBench& bench)
+      : TimedTrial(options, bench, kTrialLimit), task_(task), options_(options), measure_(task) {}
 
   TrialResult run() {
-    const double pause =
-        options_.person.pause * std::pow(options_.number, -options_.person.practice);
     const bool tools = options_.mode == StudyMode::kTools;
     const double call =
         tools ? options_.person.call_homing + kOrders * options_.person.call_key : 0.0;
-    bool ok = bench_.engage() || fail(TrialEnd::kSession);
+    bool ok = engage();
     for (int i = 0; ok && i < kLinearPhases; ++i) {
       phase_ = static_cast<LinearPhase>(i);
-      ok = wait(pause) && start_clock() && wait(call) && call_tools(tools) && act(tools);
+      ok = decide() && start_clock() && wait(call) && call_tools(tools) && act(tools);
     }
-    result_.execution_time = bench_.now() - started_;
-    result_.simulated_time = bench_.now();
+    result_.execution_time = elapsed();
     result_.path = measure_.path();
     result_.position_error = measure_.position_error();
     result_.position_error_on_lines = measure_.position_error_on_lines();
     result_.orientation_error = measure_.orientation_error();
     result_.orientation_error_to_reference = measure_.orientation_error_to_reference();
     result_.orientation_error_to_nominal = measure_.orientation_error_to_nominal();
-    return std::move(result_);
+    return finish();
   }
 
  private:
-  bool fail(TrialEnd end) {
-    result_.end = end;
-    return false;
-  }
-
-  // One tick with everything that is watched all the time.
-  bool step(const HapticOrder& order = {}) {
-    bench_.tick(order);
-    if (!bench_.driving()) return fail(TrialEnd::kSession);
-    if (!timed_) return true;
+  bool watch(const HapticOrder&) override {
+    if (!timed()) return true;
     if (bench_.cell().robot_cycle()) {
       measure_.add(bench_.tip());
       if (options_.keep_trace) result_.trace.push_back({bench_.tip().p, phase_});
     }
-    return bench_.now() - started_ <= kTrialLimit || fail(TrialEnd::kTimeOut);
+    return in_time();
   }
 
-  bool wait(double seconds) {
-    const double until = bench_.now() + seconds;
-    while (bench_.now() < until) {
-      if (!step()) return false;
-    }
-    return true;
-  }
-
-  bool start_clock() {
-    if (timed_) return true;
-    timed_ = true;
-    started_ = bench_.now();
-    measure_.add(bench_.tip());
-    return true;
-  }
+  void begin() override { measure_.add(bench_.tip()); }
 
   // Takes the same ticks in either mode.
   bool call_tools(bool tools) {
@@ -147,12 +121,8 @@ class Trial {
 
   LinearTask task_;
   const TrialOptions& options_;
-  StudyBench& bench_;
   LinearMeasure measure_;
-  TrialResult result_;
   LinearPhase phase_ = LinearPhase::kToB;
-  double started_ = 0.0;
-  bool timed_ = false;
 };
 
 }  // namespace
@@ -178,7 +148,7 @@ Result<TrialResult> run_linear_trial(const StudyMachine& machine, const TrialOpt
                                options.seed + 2);
   if (!cell) return cell.status();
   const auto bench = std::make_unique<StudyBench>(machine, **cell, options.person, options.seed);
-  return Trial(task, options, *bench).run();
+  return LinearTrialRun(task, options, *bench).run();
 }
 
 }  // namespace handrail

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "devices/hand/operator_parameters.h"
 #include "server/base/status.h"
 #include "server/lab/study/study_bench.h"
 #include "server/task/linear_measure.h"
@@ -19,14 +18,8 @@ const char* name_of(StudyMode mode) noexcept;
 enum class TrialEnd : std::uint8_t { kDone, kTimeOut, kOffTarget, kSession };
 const char* name_of(TrialEnd end) noexcept;
 
-struct TrialOptions {
-  StudyMode mode = StudyMode::kFree;
-  OperatorParameters person;
-  int number = 1;              // of this trial among all the operator makes, from 1
-  std::uint64_t seed = 1;      // of everything that differs from trial to trial
-  std::uint64_t arm_seed = 1;  // of the arm's joint lags
-  bool tools_act = true;       // false: V goes through its motions, but no tool is called
-  bool keep_trace = false;
+struct TrialOptions : TrialPlan<StudyMode> {
+  bool tools_act = true;  // false: V goes through its motions, but no tool is called
 };
 
 struct TracePoint {

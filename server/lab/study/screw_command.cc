@@ -1,7 +1,6 @@
 #include "server/lab/study/screw_command.h"
 
 #include "server/lab/study/screw_drawing.h"
-#include "server/lab/study/screw_figure.h"
 #include "server/lab/study/screw_fit.h"
 #include "server/lab/study/screw_report_io.h"
 
@@ -39,10 +38,7 @@ int run_screw_fit(const FitCommand& command, const std::atomic<bool>& cancelled)
   job.suits = suits_screw;
   job.mode = name_of(ScrewMode::kNCNV);
   job.known = "implied";
-  for (int i = 0; i < kImpliedFigures; ++i) {
-    const ScrewFigureInfo& info = info_of(static_cast<ScrewFigure>(i));
-    job.aims.push_back({info.title, info.unit, info.implied[0]});
-  }
+  job.aims = screw_aims();
   job.fit = [](const StudySetup& setup, const FitOptions& options) {
     return fit_screw(setup.machine, setup.population, options);
   };

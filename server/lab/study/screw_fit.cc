@@ -4,30 +4,17 @@
 
 namespace handrail {
 
+std::vector<FitAim> screw_aims() {
+  return fit_aims<ScrewFigure>(kImpliedFigures,
+                               [](const ScrewFigureInfo& info) { return info.implied[0]; });
+}
+
 Result<FitResult> fit_screw(const StudyMachine& machine, const Population& population,
                             const FitOptions& options) {
-  ScrewStudyOptions study;
-  study.operators = options.operators;
-  study.seed = options.seed;
-  study.threads = options.threads;
-  study.cancelled = options.cancelled;
-  study.only = {static_cast<int>(ScrewMode::kNCNV)};
-  std::vector<double> aims;
-  for (int i = 0; i < kImpliedFigures; ++i) {
-    aims.push_back(info_of(static_cast<ScrewFigure>(i)).implied[0]);
-  }
-  const auto medians_of = [&](const Population& candidate) -> Result<std::vector<double>> {
-    const Result<ScrewStudy> result = run_screw_study(machine, candidate, study);
-    if (!result) return result.status();
-    std::vector<double> medians;
-    for (int i = 0; i < kImpliedFigures; ++i) {
-      const auto figure = static_cast<ScrewFigure>(i);
-      medians.push_back(median(pooled(values_of(*result, ScrewMode::kNCNV, figure))) *
-                        info_of(figure).per_si);
-    }
-    return medians;
+  const auto run = [&](const Population& candidate, const StudyPlan& plan) {
+    return run_screw_study(machine, candidate, {plan});
   };
-  return fit_population(population, aims, medians_of, options);
+  return fit_study<ScrewFigure>(population, screw_aims(), ScrewMode::kNCNV, run, options);
 }
 
 }  // namespace handrail

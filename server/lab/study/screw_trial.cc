@@ -43,34 +43,32 @@ HapticOrder tools_off() {
   return order;
 }
 
-// A trial on the bench: the procedure and its clock.
-class ScrewTrialRun {
+// A trial on the bench.
+class ScrewTrialRun : TimedTrial<ScrewResult> {
  public:
   ScrewTrialRun(const StudyMachine& machine, const Workpiece& work,
                 const ScrewTrialOptions& options, StudyBench& bench)
-      : task_(*machine.scene.screw),
+      : TimedTrial(options, bench, kScrewLimit),
+        task_(*machine.scene.screw),
         work_(work),
         options_(options),
         person_(options.person),
-        bench_(bench),
         give_(*machine.scene.simulate),
         dt_(to_seconds(machine.tick)),
         R_SM_(machine.scene.mapping.R_SM),
         q_start_(bench.tip().q) {}
 
   ScrewResult run() {
-    const double pause = person_.pause * std::pow(options_.number, -person_.practice);
-    bool ok = bench_.engage() || fail(ScrewEnd::kSession);
+    bool ok = engage();
     while (ok) {
-      ok = wait(pause) && start_clock() && insert() && turn() && lift();
+      ok = decide() && start_clock() && insert() && turn() && lift();
       // A key lifted from a tight screw ends the trial when it is clear.
       while (ok && tight()) ok = lift();
       ok = ok && turn_back();
     }
-    result_.completion_time = bench_.now() - started_;
-    result_.simulated_time = bench_.now();
+    result_.completion_time = elapsed();
     result_.measured = measure_.measured();
-    return std::move(result_);
+    return finish();
   }
 
  private:
@@ -79,48 +77,26 @@ class ScrewTrialRun {
   bool tight() const { return world().screw_angle() >= task_.tight; }
   double height(const Vec3& p_S) const { return (p_S - work_.p_SK).dot(work_.out); }
   Vec3 above(double height) const { return work_.p_SK + height * work_.out; }
-  bool fail(ScrewEnd end) {
-    result_.end = end;
-    return false;
-  }
 
-  // One tick with everything that is watched all the time. False ends the trial.
-  bool step(const HapticOrder& order = {}) {
-    bench_.tick(order);
-    if (!bench_.driving()) return fail(ScrewEnd::kSession);
+  bool watch(const HapticOrder& order) override {
     if (order.kind != OrderKind::kNone && bench_.cell().master().order_result != Reason::kNone) {
       return fail(ScrewEnd::kSession);
     }
-    if (!timed_) return true;
+    if (!timed()) return true;
     const double force = world().on_tip().force.norm();
     measure_.add(dt_, bench_.tip().p, force);
     if (options_.keep_trace && bench_.cell().robot_cycle()) {
       const Vec3 spring = R_SM_ * bench_.cell().master().shares.spring;
-      result_.trace.push_back(
-          {bench_.now() - started_, phase_, bench_.tip().p, world().on_tip().force, spring});
+      result_.trace.push_back({elapsed(), phase_, bench_.tip().p, world().on_tip().force, spring});
     }
     if (force > kTooHard) return fail(ScrewEnd::kForce);
     // A key lifted out while it is still wound up slips too, which loses nothing.
     if (phase_ == ScrewPhase::kTurn && world().slipped()) return fail(ScrewEnd::kKeyLost);
     if (tight() && height(bench_.tip().p) >= task_.clear) return false;
-    return bench_.now() - started_ <= kScrewLimit || fail(ScrewEnd::kTimeOut);
+    return in_time();
   }
 
-  bool wait(double seconds) {
-    const double until = bench_.now() + seconds;
-    while (bench_.now() < until) {
-      if (!step()) return false;
-    }
-    return true;
-  }
-
-  bool start_clock() {
-    if (timed_) return true;
-    timed_ = true;
-    started_ = bench_.now();
-    bench_.clutch(false);
-    return true;
-  }
+  void begin() override { bench_.clutch(false); }
 
   // One key press each; the hand goes to the keys once and stays there.
   bool call(std::initializer_list<HapticOrder> orders) {
@@ -303,16 +279,12 @@ class ScrewTrialRun {
   Workpiece work_;
   const ScrewTrialOptions& options_;
   const OperatorParameters& person_;
-  StudyBench& bench_;
   Compliance give_;
   double dt_;
   Mat3 R_SM_;
   Quat q_start_;
   ScrewMeasure measure_;
-  ScrewResult result_;
   ScrewPhase phase_ = ScrewPhase::kAlign;
-  double started_ = 0.0;
-  bool timed_ = false;
   bool at_keys_ = false;
   bool on_line_ = false;       // a line is called
   bool line_found_ = false;    // with tools: the line stands over the socket

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "devices/hand/operator_parameters.h"
 #include "server/base/status.h"
 #include "server/lab/study/study_bench.h"
 #include "server/model/bumper_settings.h"
@@ -28,14 +27,8 @@ constexpr bool has_protection(ScrewMode mode) noexcept {
 enum class ScrewEnd : std::uint8_t { kDone, kForce, kKeyLost, kTimeOut, kSession };
 const char* name_of(ScrewEnd end) noexcept;
 
-struct ScrewTrialOptions {
-  ScrewMode mode = ScrewMode::kNCNV;
-  OperatorParameters person;
-  int number = 1;              // of this trial among all the operator makes, from 1
-  std::uint64_t seed = 1;      // of everything that differs from trial to trial
-  std::uint64_t arm_seed = 1;  // of the arm's joint lags
+struct ScrewTrialOptions : TrialPlan<ScrewMode> {
   BumperSettings::Form bumper = BumperSettings::Form::kDefault;  // in the modes with protection
-  bool keep_trace = false;
 };
 
 struct ScrewTracePoint {

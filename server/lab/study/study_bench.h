@@ -1,8 +1,10 @@
 // A simulated operator at the whole cell: what the studies' trials have in common.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <memory>
+#include <utility>
 
 #include "devices/hand/operator_model.h"
 #include "devices/omni/sim_omni.h"
@@ -56,6 +58,85 @@ class StudyBench {
   SimOmni omni_;
   OperatorModel mind_;
   Pose tip_;
+};
+
+// What every trial is told.
+template <typename Mode>
+struct TrialPlan {
+  Mode mode = {};
+  OperatorParameters person;
+  int number = 1;              // of this trial among all the operator makes, from 1
+  std::uint64_t seed = 1;      // of everything that differs from trial to trial
+  std::uint64_t arm_seed = 1;  // of the arm's joint lags
+  bool keep_trace = false;
+};
+
+// The procedure's steps give false once the trial has ended. `Outcome`: with its `end`, which is
+// kDone, kSession, kTimeOut or of the trial's own, and `simulated_time`.
+template <typename Outcome>
+class TimedTrial {
+ public:
+  using End = decltype(Outcome::end);
+
+  template <typename Mode>
+  TimedTrial(const TrialPlan<Mode>& plan, StudyBench& bench, double limit)
+      : bench_(bench),
+        limit_(limit),
+        pause_(plan.person.pause * std::pow(plan.number, -plan.person.practice)) {}
+  virtual ~TimedTrial() = default;
+
+ protected:
+  bool fail(End end) {
+    result_.end = end;
+    return false;
+  }
+  bool engage() { return bench_.engage() || fail(End::kSession); }
+
+  // One tick with everything that is watched all the time.
+  bool step(const HapticOrder& order = {}) {
+    bench_.tick(order);
+    return bench_.driving() ? watch(order) : fail(End::kSession);
+  }
+  bool wait(double seconds) {
+    const double until = bench_.now() + seconds;
+    while (bench_.now() < until) {
+      if (!step()) return false;
+    }
+    return true;
+  }
+  // To decide what to do next; practice shortens it.
+  bool decide() { return wait(pause_); }
+
+  bool start_clock() {
+    if (timed_) return true;
+    timed_ = true;
+    started_ = bench_.now();
+    begin();
+    return true;
+  }
+  bool timed() const { return timed_; }
+  double elapsed() const { return bench_.now() - started_; }  // [s]
+  bool in_time() { return elapsed() <= limit_ || fail(End::kTimeOut); }
+
+  // After the last step.
+  Outcome finish() {
+    result_.simulated_time = bench_.now();
+    return std::move(result_);
+  }
+
+  StudyBench& bench_;
+  Outcome result_;
+
+ private:
+  // What the tick with `order` has brought.
+  virtual bool watch(const HapticOrder& order) = 0;
+  // Called when the clock starts.
+  virtual void begin() = 0;
+
+  double limit_;  // [s]
+  double pause_;  // [s]
+  double started_ = 0.0;
+  bool timed_ = false;
 };
 
 }  // namespace handrail

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/base/output.h"
+#include "server/base/plain_text.h"
 #include "server/base/read_file.h"
 #include "server/lab/study/population_io.h"
 #include "server/scene/text_io.h"
@@ -29,12 +30,6 @@ Result<std::vector<std::vector<std::string>>> variations_of(const StudyCommand& 
   return out;
 }
 
-std::string joined(const std::vector<std::string>& words) {
-  std::string out;
-  for (const std::string& word : words) out += (out.empty() ? "" : " ") + word;
-  return out;
-}
-
 }  // namespace
 
 Result<std::vector<StudyRun>> study_runs(const StudyCommand& command, const Suits& suits) {
@@ -46,7 +41,7 @@ Result<std::vector<StudyRun>> study_runs(const StudyCommand& command, const Suit
     auto setup = study_setup(command.scene, command.population, settings);
     if (!setup) return setup.status();
     if (Status s = suits(*setup); !s) return s;
-    out.push_back({joined(settings), std::move(*setup)});
+    out.push_back({joined(settings, " "), std::move(*setup)});
   }
   return out;
 }

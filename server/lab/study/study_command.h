@@ -127,12 +127,6 @@ int run_study_command(const StudyCommand& command, const StudyJob<Study>& job,
   return drawn ? kDone : complain(drawn, kFailed);
 }
 
-struct FitAim {
-  const char* title;
-  const char* unit;
-  double value;
-};
-
 // What differs between fits.
 struct FitJob {
   Suits suits;
