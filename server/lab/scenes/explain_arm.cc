@@ -23,19 +23,35 @@ Pose hand_at(int i) {
   return out;
 }
 
+// That hand, over and over.
+class Hands {
+ public:
+  Hands() {
+    for (int i = 0; i < 4096; ++i) all_.push_back(hand_at(i));
+  }
+  const Pose& first() const { return all_[0]; }
+  const Pose& next() {
+    const Pose& hand = all_[next_];
+    next_ = (next_ + 1) % all_.size();
+    return hand;
+  }
+
+ private:
+  std::vector<Pose> all_;
+  std::size_t next_ = 0;
+};
+
 // The guide with the tools the task calls, or without one of them.
 std::function<void()> guide(const Scene& scene, bool position, bool orientation) {
   struct State {
     GuideSettings settings;
     Guide guide;
-    std::vector<Pose> hands;
-    std::size_t next = 0;
+    Hands hands;
   };
   auto s = std::make_shared<State>();
   s->settings = haptic_settings(scene, omni_capabilities(false)).guide;
-  for (int i = 0; i < 4096; ++i) s->hands.push_back(hand_at(i));
-  s->guide.restart(s->settings, s->hands[0]);
-  Pose hand = s->hands[0];
+  Pose hand = s->hands.first();
+  s->guide.restart(s->settings, hand);
   ToolCall call;
   call.kind = ToolKind::kLine;
   call.direction_S = -Vec3::UnitY();
@@ -43,10 +59,7 @@ std::function<void()> guide(const Scene& scene, bool position, bool orientation)
   call.kind = ToolKind::kNRotation;
   if (orientation) (void)s->guide.call(s->settings, call, hand.p, hand);
   return [s] {
-    for (int i = 0; i < kCalls; ++i) {
-      keep(s->guide.step(s->settings, s->hands[s->next], kTick));
-      s->next = (s->next + 1) % s->hands.size();
-    }
+    for (int i = 0; i < kCalls; ++i) keep(s->guide.step(s->settings, s->hands.next(), kTick));
   };
 }
 
@@ -54,18 +67,16 @@ std::function<void()> smoother(const Scene& scene) {
   struct State {
     PositionSmoother position;
     OrientationSmoother orientation;
-    std::vector<Pose> hands;
-    std::size_t next = 0;
+    Hands hands;
   };
   auto s = std::make_shared<State>();
-  for (int i = 0; i < 4096; ++i) s->hands.push_back(hand_at(i));
-  s->position.reset(s->hands[0].p, scene.smoother_samples);
-  s->orientation.reset(s->hands[0].q, scene.smoother_samples);
+  s->position.reset(s->hands.first().p, scene.smoother_samples);
+  s->orientation.reset(s->hands.first().q, scene.smoother_samples);
   return [s] {
     for (int i = 0; i < kCalls; ++i) {
-      keep(s->position.push(s->hands[s->next].p));
-      keep(s->orientation.push(s->hands[s->next].q));
-      s->next = (s->next + 1) % s->hands.size();
+      const Pose& hand = s->hands.next();
+      keep(s->position.push(hand.p));
+      keep(s->orientation.push(hand.q));
     }
   };
 }

@@ -8,14 +8,6 @@
 namespace handrail {
 namespace {
 
-constexpr double kSettle = 1.0;  // after the driver's or a recording's end [s]
-
-const EffectSpec* find(const Scene& scene, EffectKind kind) {
-  const auto it = std::find_if(scene.effects.begin(), scene.effects.end(),
-                               [&](const EffectSpec& e) { return e.kind == kind; });
-  return it == scene.effects.end() ? nullptr : &*it;
-}
-
 // What is judged of gears.
 class GearJudge {
  public:
@@ -66,8 +58,8 @@ const char* name_of(GearEvent::Kind kind) noexcept {
 }
 
 Result<GearGate> GearGate::of(const Scene& scene) {
-  const EffectSpec* detent = find(scene, EffectKind::kDetent);
-  const EffectSpec* spring = find(scene, EffectKind::kReturn);
+  const EffectSpec* detent = effect_of(scene, EffectKind::kDetent);
+  const EffectSpec* spring = effect_of(scene, EffectKind::kReturn);
   if (scene.walls == nullptr || detent == nullptr || spring == nullptr) {
     return Status::error("scene '" + scene.name +
                          "' lists no detent and return spring to shift gears with");
@@ -121,7 +113,7 @@ GearshiftResult shift_gears(const Scene& scene, const GearGate& gate, const Joys
   GearDriver driver(gate, person.pace);
   GearshiftResult result;
   double done = 0.0;  // when the driver was
-  while (!(driver.done() && bench.now().t > done + kSettle) && !options.is_cancelled()) {
+  while (!(driver.done() && bench.now().t > done + kWallSettle) && !options.is_cancelled()) {
     if (driver.lets_go()) {
       bench.let_go();
     } else {
@@ -145,14 +137,8 @@ GearshiftResult shift_gears(const Scene& scene, const GearGate& gate, const Joys
   WallJudge judge(*scene.walls, bench, gate.junctions(), gate.junction_reach(), options);
   GearJudge gears(gate);
   GearshiftResult result;
-  const double end = recording.duration() + kSettle;
-  while (bench.now().t < end && !options.is_cancelled()) {
-    WallTick tick = bench.step();
-    tick.ball = tick.hand;
-    judge.see(tick, result);
-    gears.see(tick, result);
-  }
-  judge.report(result);
+  play(recording, bench, judge, options, result,
+       [&](const WallTick& tick) { gears.see(tick, result); });
   gears.report(result);
   return result;
 }

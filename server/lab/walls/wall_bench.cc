@@ -1,5 +1,6 @@
 #include "server/lab/walls/wall_bench.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "server/master/wall_runs.h"
@@ -15,6 +16,12 @@ std::shared_ptr<const Walls> centred(const Walls& walls, const Vec2& middle) {
 }
 
 }  // namespace
+
+const EffectSpec* effect_of(const Scene& scene, EffectKind kind) {
+  const auto it = std::find_if(scene.effects.begin(), scene.effects.end(),
+                               [&](const EffectSpec& e) { return e.kind == kind; });
+  return it == scene.effects.end() ? nullptr : &*it;
+}
 
 WallBench::WallBench(const Scene& scene, const HandOptions& hand,
                      std::optional<RecordedMotion> recording, const Vec2& middle)

@@ -12,6 +12,9 @@ namespace handrail {
 
 inline constexpr double kBenchTick = 1e-3;  // the haptic period [s]
 
+// The first effect of that kind; null: the scene lists none.
+const EffectSpec* effect_of(const Scene& scene, EffectKind kind);
+
 // What was true and what was rendered in one tick. Frame of the walls, SI.
 struct WallTick {
   double t = 0.0;                // since the first [s]

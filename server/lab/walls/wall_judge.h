@@ -25,6 +25,8 @@ struct WallRunResult {
   std::vector<WallTick> trace;  // if asked for
 };
 
+inline constexpr double kWallSettle = 1.0;  // after what leads the hand has come to its end [s]
+
 // Sees every tick of a run.
 class WallJudge {
  public:
@@ -46,5 +48,19 @@ class WallJudge {
   GuidanceWatch guidance_;
   const WallRunOptions& options_;
 };
+
+// A recorded hand to its end and a little longer; `see(tick)` hears what the judge does.
+template <typename Run, typename See>
+void play(const RecordedMotion& recording, WallBench& bench, WallJudge& judge,
+          const WallRunOptions& options, Run& result, const See& see) {
+  const double end = recording.duration() + kWallSettle;
+  while (bench.now().t < end && !options.is_cancelled()) {
+    WallTick tick = bench.step();
+    tick.ball = tick.hand;
+    judge.see(tick, result);
+    see(tick);
+  }
+  judge.report(result);
+}
 
 }  // namespace handrail

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "proto/wall_study.pb.h"
+#include "server/base/plain_text.h"
 #include "server/base/units.h"
 #include "server/lab/study/statistics.h"
 #include "server/scene/json_io.h"
@@ -79,12 +80,6 @@ std::string joined(const std::vector<double>& values, const char* format) {
   return out;
 }
 
-std::string joined(const std::vector<std::string>& words) {
-  std::string out;
-  for (const std::string& word : words) out += (out.empty() ? "" : " ") + word;
-  return out;
-}
-
 std::string whose(const WallHeader& header, std::size_t people) {
   if (!header.hand.empty()) return "recorded hand " + header.hand;
   return fmt::format("{} simulated hand{}, seed {}", people, people == 1 ? "" : "s", header.seed);
@@ -102,6 +97,15 @@ std::string forces_table(const std::vector<Person>& people) {
 }
 
 // The fields that both studies have.
+template <typename Study>
+void fill_header(const char* experiment, const WallHeader& header, std::size_t people, Study& out) {
+  out.set_experiment(experiment);
+  out.set_simulated(true);
+  out.set_seed(header.seed);
+  out.set_scene(header.scene);
+  if (!header.hand.empty()) out.set_hand(header.hand);
+  out.set_operators(static_cast<std::uint32_t>(people));
+}
 template <typename Person, typename Study>
 void fill_forces(const std::vector<Person>& people, Study& out) {
   out.set_max_force_n(rounded(largest(people, &WallRunResult::most_force)));
@@ -132,17 +136,12 @@ std::vector<WallAnalogue> analogues_of(const std::vector<GearshiftResult>& peopl
 
 std::string wrench_json(const WallHeader& header, const std::vector<WrenchResult>& people) {
   pb::WrenchStudy out;
-  out.set_experiment("wrench");
-  out.set_simulated(true);
-  out.set_seed(header.seed);
-  out.set_scene(header.scene);
-  if (!header.hand.empty()) out.set_hand(header.hand);
+  fill_header("wrench", header, people.size(), out);
   out.set_c(header.c);
   out.set_turns(static_cast<std::uint32_t>(header.turns));
   out.set_loosen(static_cast<std::uint32_t>(header.loosen));
   out.set_loop_s(kLoopTime);
   out.set_radius_mm(rounded(header.radius / kMm));
-  out.set_operators(static_cast<std::uint32_t>(people.size()));
   for (const double peak : medians(people, &WrenchTurn::peak)) out.add_peaks_n(rounded(peak));
   for (const double alpha : medians(people, &WrenchTurn::alpha)) out.add_alpha_rad(rounded(alpha));
   fill_forces(people, out);
@@ -184,12 +183,7 @@ std::string wrench_table(const WallHeader& header, const std::vector<WrenchResul
 
 std::string gearshift_json(const WallHeader& header, const std::vector<GearshiftResult>& people) {
   pb::GearStudy out;
-  out.set_experiment("gearshift");
-  out.set_simulated(true);
-  out.set_seed(header.seed);
-  out.set_scene(header.scene);
-  if (!header.hand.empty()) out.set_hand(header.hand);
-  out.set_operators(static_cast<std::uint32_t>(people.size()));
+  fill_header("gearshift", header, people.size(), out);
   for (const std::string& gear : people.front().visited) out.add_visited(gear);
   for (const GearEvent& event : people.front().events) {
     pb::GearEvent& e = *out.add_events();
@@ -216,7 +210,7 @@ std::string gearshift_table(const WallHeader& header, const std::vector<Gearshif
   const GearshiftResult& first = people.front();
   std::string out = fmt::format("Manual gearshift, scene {}, {}, simulated joystick\n\n",
                                 header.scene, whose(header, people.size()));
-  out += "  visited                 " + joined(first.visited) + '\n';
+  out += "  visited                 " + joined(first.visited, " ") + '\n';
   for (const GearEvent& event : first.events) {
     out += fmt::format("  {:8.2f} s  {:<8}{}\n", event.t, name_of(event.kind), event.gear);
   }

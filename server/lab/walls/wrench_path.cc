@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/lab/walls/wall_bench.h"
+
 namespace handrail {
 
 Result<WrenchPath> WrenchPath::of(const Scene& scene) {
-  const auto friction =
-      std::find_if(scene.effects.begin(), scene.effects.end(),
-                   [](const EffectSpec& e) { return e.kind == EffectKind::kProgressive; });
-  if (scene.walls == nullptr || friction == scene.effects.end()) {
+  const EffectSpec* friction = effect_of(scene, EffectKind::kProgressive);
+  if (scene.walls == nullptr || friction == nullptr) {
     return Status::error("scene '" + scene.name + "' lists no progressive effect to turn against");
   }
   const auto& shapes = scene.walls->shapes;

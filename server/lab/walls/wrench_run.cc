@@ -7,7 +7,6 @@ namespace handrail {
 namespace {
 
 constexpr double kJunctionReach = 1.5;  // widths of the aisle
-constexpr double kWrenchSettle = 1.0;   // after the ball's or the recording's end [s]
 
 bool turning(const Walls& walls, const WallTick& tick) {
   return walls.regions[tick.contact.region].progressive;
@@ -68,7 +67,7 @@ WrenchResult turn_wrench(const Scene& scene, const WrenchPath& path, const Joyst
   WrenchResult result;
   result.turns.resize(static_cast<std::size_t>(options.turns + options.loosen));
   const int last = static_cast<int>(result.turns.size()) - 1;
-  const double end = ball.duration() + kWrenchSettle;
+  const double end = ball.duration() + kWallSettle;
   while (bench.now().t < end && !options.is_cancelled()) {
     const WallTick& before = bench.now();
     ball.move(before.t, before.hand);
@@ -92,14 +91,8 @@ WrenchResult turn_wrench(const Scene& scene, const WrenchPath& path, const Joyst
   WallJudge judge = judge_of(scene, path, bench, options);
   Visits visits(0.25 * path.turn_length() / path.radius());
   WrenchResult result;
-  const double end = recording.duration() + kWrenchSettle;
-  while (bench.now().t < end && !options.is_cancelled()) {
-    WallTick tick = bench.step();
-    tick.ball = tick.hand;
-    judge.see(tick, result);
-    visits.see(turning(*scene.walls, tick), tick, result.turns);
-  }
-  judge.report(result);
+  play(recording, bench, judge, options, result,
+       [&](const WallTick& tick) { visits.see(turning(*scene.walls, tick), tick, result.turns); });
   return result;
 }
 
