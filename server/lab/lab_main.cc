@@ -66,6 +66,17 @@ void add_hand(CLI::App& app, HandCommand& hand) {
   sub->add_flag("--json", hand.json, "print the result as JSON");
 }
 
+void add_operators(CLI::App& sub, int& operators, const char* what) {
+  sub.add_option("--operators", operators, what)
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+}
+
+void add_threads(CLI::App& sub, int& threads,
+                 const char* what = "0: one a core; results do not depend on it") {
+  sub.add_option("--threads", threads, what)->check(CLI::Range(0, 1024))->capture_default_str();
+}
+
 // The words of studies and fits.
 struct StudyWords {
   StudyCommand linear{"linear-movement"};
@@ -85,16 +96,12 @@ const std::map<std::string, BumperSettings::Form> kForms = {
 
 // What all studies have in common. `block`: of the scene, that the study needs.
 void add_study(CLI::App& sub, StudyCommand& study, const std::string& block) {
-  sub.add_option("--operators", study.operators, "how many")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
+  add_operators(sub, study.operators, "how many");
   sub.add_option("--trials", study.trials, "successful trials of each in each mode")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   sub.add_option("--seed", study.seed, "another seed, other people")->capture_default_str();
-  sub.add_option("--threads", study.threads, "0: one a core; results do not depend on it")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
+  add_threads(sub, study.threads);
   sub.add_option("--scene", study.scene, "scene, with a " + block)->capture_default_str();
   sub.add_option("--population", study.population, "name or file of the operators' population")
       ->capture_default_str();
@@ -137,16 +144,12 @@ void add_screw(CLI::App& app, StudyWords& words) {
 void add_fit(CLI::App& fits, FitCommand& fit, const char* name, const std::string& mode,
              const std::string& block) {
   CLI::App* sub = fits.add_subcommand(name, "to mode " + mode);
-  sub->add_option("--operators", fit.operators, "how many")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
+  add_operators(*sub, fit.operators, "how many");
   sub->add_option("--evaluations", fit.evaluations, "candidates to try, at most")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
   sub->add_option("--seed", fit.seed, "other people than a study's")->capture_default_str();
-  sub->add_option("--threads", fit.threads, "0: one a core; the fit does not depend on it")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
+  add_threads(*sub, fit.threads, "0: one a core; the fit does not depend on it");
   sub->add_option("--scene", fit.scene, "scene, with a " + block)->capture_default_str();
   sub->add_option("--population", fit.population, "name or file to start from")
       ->capture_default_str();
@@ -228,13 +231,9 @@ void add_effects(CLI::App& app, SceneToolCommand& tool) {
 
 // What wrench and gearshift have in common.
 void add_walls(CLI::App& sub, WallCommand& command) {
-  sub.add_option("--operators", command.operators, "how many; the first is the typical one")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
+  add_operators(sub, command.operators, "how many; the first is the typical one");
   sub.add_option("--seed", command.seed, "another seed, other people")->capture_default_str();
-  sub.add_option("--threads", command.threads, "0: one a core; results do not depend on it")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
+  add_threads(sub, command.threads);
   sub.add_option("--scene", command.scene, "scene, drawn alike")->capture_default_str();
   sub.add_flag("--json", command.json, "print the result as JSON");
   sub.add_option("--figures", command.figures, "folder for the figures (SVG)");
@@ -281,9 +280,7 @@ void add_faults(CLI::App& app, FaultCommand& faults) {
       "--results", faults.results,
       "file to add finished runs to; those it has are not run again, by the same program");
   auto* out = sub->add_option("--out", faults.out, "text file for the table");
-  sub->add_option("--threads", faults.threads, "0: one a core; results do not depend on it")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
+  add_threads(*sub, faults.threads);
   sub->add_flag("--json", faults.json, "print the rows as JSON");
   auto* without = sub->add_option("--delete", faults.without,
                                   "leave a check out, such as jerk; needs the build 'deletable'")
@@ -306,9 +303,7 @@ void add_bumper(CLI::App& app, BumperCommand& bumper) {
   sub->add_option("--noise", bumper.noise, "of the sensor, standard deviation [N]")
       ->check(kFinite)
       ->check(CLI::Range(0.0, 9.0));
-  sub->add_option("--threads", bumper.threads, "0: one a core; results do not depend on it")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
+  add_threads(*sub, bumper.threads);
   sub->add_flag("--json", bumper.json, "print every cell as JSON");
   sub->add_option("--figures", bumper.figures, "folder for the figure (SVG)");
 }
