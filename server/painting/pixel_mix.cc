@@ -71,16 +71,21 @@ float PixelMixer::largest_difference(const Colour& coded, const Colour& mixed) c
   return out;
 }
 
+PixelMixer::PixelColour PixelMixer::pixel_of(const std::uint8_t* rgba) const noexcept {
+  PixelColour out;
+  for (std::size_t k = 0; k < 3; ++k) {
+    out.coded[k] = static_cast<float>(rgba[k]) / 255.0f;
+    out.mixed[k] = decode_[rgba[k]];
+  }
+  return out;
+}
+
 Mixture PixelMixer::mixture_of(const std::uint8_t* rgba, const int* near,
                                int count) const noexcept {
   Mixture best;
   const float opaque = static_cast<float>(rgba[3]) / 255.0f;
   if (rgba[3] != 255 && transparent_ < 0) return best;
-  Colour coded, mixed;
-  for (std::size_t k = 0; k < 3; ++k) {
-    coded[k] = static_cast<float>(rgba[k]) / 255.0f;
-    mixed[k] = decode_[rgba[k]];
-  }
+  const auto [coded, mixed] = pixel_of(rgba);
   for (int i = 0; i < count; ++i) {
     // With itself too: a colour over the transparent one.
     for (int k = opaque < 1.0f ? i : i + 1; k < count; ++k) {
@@ -128,11 +133,7 @@ Mixture PixelMixer::meeting_of(const std::uint8_t* rgba, const int* near,
                                int count) const noexcept {
   if (rgba[3] != 255) return {};
   Mixture best = mixture_of(rgba, near, count);
-  Colour coded, mixed;
-  for (std::size_t k = 0; k < 3; ++k) {
-    coded[k] = static_cast<float>(rgba[k]) / 255.0f;
-    mixed[k] = decode_[rgba[k]];
-  }
+  const auto [coded, mixed] = pixel_of(rgba);
   for (int i = 0; i < count; ++i) {
     for (int k = i + 1; k < count; ++k) {
       for (int l = k + 1; l < count; ++l) {

@@ -63,6 +63,11 @@ class PixelMixer {
   struct Fit {
     float t = 0.0f, error = 0.0f;
   };
+  // A pixel's colour as coded, and in the space that edges mix in.
+  struct PixelColour {
+    Colour coded, mixed;
+  };
+  PixelColour pixel_of(const std::uint8_t* rgba) const noexcept;
   Fit fit(const Colour& coded, const Colour& mixed, int a, int b) const noexcept;
   float largest_difference(const Colour& coded, const Colour& mixed) const noexcept;
   // Of three entries; an error above 1 where the colour lies outside their triangle, or there is
