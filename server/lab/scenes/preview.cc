@@ -1,14 +1,19 @@
 #include "server/lab/scenes/preview.h"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "devices/joystick/joystick_data.h"
+#include "server/base/units.h"
 #include "server/constraint/drawn/outline.h"
 #include "server/constraint/drawn/wall_shape.h"
+#include "server/lab/scenes/legend.h"
 #include "server/lab/scenes/view.h"
 #include "server/master/wall_runs.h"
 
@@ -18,9 +23,16 @@ namespace {
 constexpr double kPreviewMargin = 6e-3;  // around drawn shapes [m]
 constexpr double kWandering = 12.0;      // [s]
 constexpr double kPreviewTick = 1e-3;    // [s]
-constexpr int kGrid = 32;        // arrows along the longer side [1], chosen to be told apart
+constexpr int kGrid = 32;               // arrows along the longer side [1], chosen to be told apart
+constexpr double kLongestArrow = 0.95;  // of the grid's width: none reaches the next
 constexpr double kNear = 12e-3;  // a proxy further from the hand is not what it would feel [m]
 constexpr double kLeast = 0.05;  // a force below this is not drawn [N]
+constexpr double kLongest =
+    1e-3;                         // a proxy that goes further within a tick went round a corner [m]
+constexpr int kLeastWidth = 460;  // of the picture: the longest line of the legend [pixels]
+
+// Of lines, and half the size of marks [pixels].
+constexpr double kHandLine = 1.4, kProxyLine = 3.0, kStartDot = 6.0, kLeftOutCross = 2.5;
 
 // Between the walls' frame and the picture.
 struct Scale {
@@ -30,6 +42,7 @@ struct Scale {
   explicit Scale(const View& v) : view(v), per_metre(kPreviewSide / (2.0 * v.half().maxCoeff())) {}
   int width() const { return pixels(2.0 * view.half().x()); }
   int height() const { return pixels(2.0 * view.half().y()); }
+  double spacing() const { return 2.0 * view.half().maxCoeff() / kGrid; }  // of arrows [m]
   Vec2 to_picture(const Vec2& p) const {
     return per_metre * Vec2(p.x() - view.low.x(), view.high.y() - p.y());
   }
@@ -74,23 +87,23 @@ class Ground {
   std::optional<Outline> outline_;
 };
 
+// Paler than painted, so that arrows and ways stand out.
 Colour colour_of(const Walls& walls, std::uint8_t index) {
   constexpr Colour kFree = {255, 255, 255}, kAisle = {195, 215, 240}, kWall = {50, 50, 62};
   const WallRegion& region = walls.regions[index];
-  if (walls.map) return region.rgb;
-  return region.kind == RegionKind::kWall    ? kWall
-         : region.kind == RegionKind::kAisle ? kAisle
-                                             : kFree;
+  Colour colour = walls.map                           ? region.rgb
+                  : region.kind == RegionKind::kWall  ? kWall
+                  : region.kind == RegionKind::kAisle ? kAisle
+                                                      : kFree;
+  for (auto& c : colour) c = static_cast<std::uint8_t>(255 - (255 - c) * 2 / 5);
+  return colour;
 }
 
 void draw_ground(const Walls& walls, const Scale& scale, Canvas& canvas) {
   const Ground ground(walls);
-  for (int y = 0; y < canvas.height(); ++y) {
-    for (int x = 0; x < canvas.width(); ++x) {
-      Colour colour = colour_of(walls, ground.region_at(scale.to_walls(x + 0.5, y + 0.5)));
-      // Paler than painted, so that arrows and ways stand out.
-      for (auto& c : colour) c = static_cast<std::uint8_t>(255 - (255 - c) * 2 / 5);
-      canvas.set(x, y, colour);
+  for (int y = 0; y < scale.height(); ++y) {
+    for (int x = 0; x < scale.width(); ++x) {
+      canvas.set(x, y, colour_of(walls, ground.region_at(scale.to_walls(x + 0.5, y + 0.5))));
     }
   }
 }
@@ -125,7 +138,7 @@ class Hand {
 void draw_forces(const Scene& scene, const Scale& scale, Canvas& canvas) {
   constexpr int kSettle = 120;  // ticks until what comes on gradually is there
   Hand hand(scene);
-  const double spacing = 2.0 * scale.view.half().maxCoeff() / kGrid;
+  const double spacing = scale.spacing();
   for (double y = scale.view.low.y() + 0.5 * spacing; y < scale.view.high.y(); y += spacing) {
     for (double x = scale.view.low.x() + 0.5 * spacing; x < scale.view.high.x(); x += spacing) {
       const Vec2 p(x, y);
@@ -133,9 +146,13 @@ void draw_forces(const Scene& scene, const Scale& scale, Canvas& canvas) {
       WallOutput out;
       for (int i = 0; i < kSettle; ++i) out = hand.at(p);
       const Vec2 force = out.effects.force;
-      if (force.norm() < kLeast || (out.contact.proxy - p).norm() > kNear) continue;
+      if ((out.contact.proxy - p).norm() > kNear) {
+        draw_cross(canvas, scale.to_picture(p), kLeftOutCross, kForceColour);
+        continue;
+      }
+      if (force.norm() < kLeast) continue;
       const double share = std::min(1.0, force.norm() / kJoystickPeakForce);
-      const Vec2 way = 0.95 * spacing * std::sqrt(share) * force.normalized();
+      const Vec2 way = kLongestArrow * spacing * std::sqrt(share) * force.normalized();
       canvas.arrow(scale.to_picture(p), scale.to_picture(p + way), 1.6, kForceColour);
     }
   }
@@ -153,17 +170,49 @@ void draw_ways(const Scene& scene, const Scale& scale, Canvas& canvas) {
   }
   constexpr std::size_t kEach = 5;  // ticks a stroke
   for (std::size_t i = kEach; i < ways.size(); i += kEach) {
-    canvas.line(scale.to_picture(ways[i - kEach].hand), scale.to_picture(ways[i].hand), 1.4,
+    canvas.line(scale.to_picture(ways[i - kEach].hand), scale.to_picture(ways[i].hand), kHandLine,
                 kHandColour);
   }
   // Around a corner a proxy goes in one tick along the wall; no straight line is drawn there.
-  constexpr double kLongest = 1e-3;  // [m]
   for (std::size_t i = 1; i < ways.size(); ++i) {
     if ((ways[i].proxy - ways[i - 1].proxy).norm() > kLongest) continue;
-    canvas.line(scale.to_picture(ways[i - 1].proxy), scale.to_picture(ways[i].proxy), 3.0,
+    canvas.line(scale.to_picture(ways[i - 1].proxy), scale.to_picture(ways[i].proxy), kProxyLine,
                 kProxyColour);
   }
-  canvas.disc(scale.to_picture(scene.walls->start), 6.0, kStartColour);
+  canvas.disc(scale.to_picture(scene.walls->start), kStartDot, kStartColour);
+}
+
+// Of the regions: as they are named, and what they are to the hand.
+void add_regions(const Walls& walls, Legend& legend) {
+  constexpr const char* kKinds[] = {"free", "wall", "aisle"};
+  std::vector<std::string> said;
+  for (std::size_t i = 0; i < walls.regions.size(); ++i) {
+    const WallRegion& region = walls.regions[i];
+    const char* kind = kKinds[static_cast<std::size_t>(region.kind)];
+    // Drawn shapes have the colour of their kind.
+    const std::string words =
+        !walls.map || region.name == kind ? kind : fmt::format("{} ({})", region.name, kind);
+    if (std::find(said.begin(), said.end(), words) != said.end()) continue;
+    said.push_back(words);
+    legend.add(
+        {LegendEntry::Mark::kArea, colour_of(walls, static_cast<std::uint8_t>(i)), 0.0, words});
+  }
+}
+
+Legend legend_of(const Walls& walls, const Scale& scale, int width) {
+  using Mark = LegendEntry::Mark;
+  Legend out(width, scale.per_metre);
+  add_regions(walls, out);
+  out.add({Mark::kDot, kStartColour, kStartDot, "start"});
+  out.add({Mark::kLine, kHandColour, kHandLine, "a hand that wanders"});
+  out.add({Mark::kLine, kProxyColour, kProxyLine,
+           fmt::format("its proxy; leaps over {:g} mm are left out", kLongest / kMm)});
+  out.add({Mark::kArrow, kForceColour, kLongestArrow * scale.spacing() * scale.per_metre,
+           fmt::format("{:.0f} N on a hand at rest; half as long: a quarter", kJoystickPeakForce)});
+  out.add({Mark::kCross, kForceColour, kLeftOutCross,
+           fmt::format("no arrow: its proxy is over {:g} mm away", kNear / kMm)});
+  out.add({Mark::kNone, {}, 0.0, fmt::format("neither arrow nor cross: below {:g} N", kLeast)});
+  return out;
 }
 
 }  // namespace
@@ -173,10 +222,13 @@ Result<Canvas> preview_scene(const Scene& scene) {
     return Status::error(scene.file + ": the scene has no walls to draw");
   }
   const Scale scale(view_of(*scene.walls, kPreviewMargin));
-  Canvas canvas(scale.width(), scale.height(), {255, 255, 255});
+  const int width = std::max(scale.width(), kLeastWidth);
+  const Legend legend = legend_of(*scene.walls, scale, width);
+  Canvas canvas(width, scale.height() + legend.height(), {255, 255, 255});
   draw_ground(*scene.walls, scale, canvas);
   draw_forces(scene, scale, canvas);
   draw_ways(scene, scale, canvas);
+  legend.draw(canvas, scale.height());
   return canvas;
 }
 
