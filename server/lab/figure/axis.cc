@@ -124,6 +124,12 @@ std::vector<Tick> ticks(Scale scale, Range range, int most) {
   return scale == Scale::kLog ? log_ticks(range, most) : linear_ticks(range, most);
 }
 
+std::vector<Tick> with_none(std::vector<Tick> ticks, double none) {
+  std::erase_if(ticks, [&](const Tick& tick) { return tick.value < kAboveNone * none; });
+  ticks.insert(ticks.begin(), {none, "0"});
+  return ticks;
+}
+
 std::vector<Tick> category_ticks(const std::vector<std::string>& categories) {
   std::vector<Tick> out;
   for (const std::string& category : categories) {

@@ -15,8 +15,12 @@ struct Axis {
   Scale scale = Scale::kLinear;
   std::optional<double> low = {};  // end of the axis; unset: from the data, with a margin
   std::optional<double> high = {};
+  std::optional<double> none = {};  // logarithmic: the place that stands for 0, below all values
   std::vector<std::string> categories = {};  // when given, category k from 0 stands at k + 1
 };
+
+// Times Axis::none: values begin above that.
+inline constexpr double kAboveNone = 1.7;
 
 struct Range {
   double low = 0.0, high = 0.0;
@@ -36,6 +40,9 @@ Range showable(Scale scale, Range range);
 // with 2 and 5 between when there is room and minor ticks at the other multiples; within one decade
 // as linear.
 std::vector<Tick> ticks(Scale scale, Range range, int most);
+
+// The same with a tick for 0 at `none`, and no others near it.
+std::vector<Tick> with_none(std::vector<Tick> ticks, double none);
 
 // One tick for each category.
 std::vector<Tick> category_ticks(const std::vector<std::string>& categories);

@@ -180,11 +180,13 @@ Panel::Layout Panel::layout_for(const Rect& frame) const {
     if (ratio < 1.0) x = widened(x, 1.0 / ratio);
     if (ratio > 1.0) y = widened(y, ratio);
   }
+  std::vector<Tick> y_ticks =
+      ticks(y_axis_.scale, y, std::clamp(static_cast<int>(frame.height / 30.0), 2, 8));
+  if (y_axis_.none) y_ticks = with_none(std::move(y_ticks), *y_axis_.none);
   return {frame,
           x_axis_.categories.empty() ? roomy_ticks(x_axis_, x, frame.width)
                                      : category_ticks(x_axis_.categories),
-          ticks(y_axis_.scale, y, std::clamp(static_cast<int>(frame.height / 30.0), 2, 8)),
-          AxisMap(x_axis_.scale, x, frame.left, frame.right()),
+          std::move(y_ticks), AxisMap(x_axis_.scale, x, frame.left, frame.right()),
           AxisMap(y_axis_.scale, y, frame.bottom(), frame.top)};
 }
 

@@ -16,6 +16,9 @@ constexpr double kTickLength = 4.0;
 constexpr double kCap = 3.5;     // half the width of an error bar's end
 constexpr double kCell = 3.0;    // of the grid that keeps labels off lines
 constexpr double kBeside = 6.0;  // from a mark to its label
+constexpr double kMark = 5.0;    // half of what a marker takes, with a label's halo
+constexpr double kFar = 10.0;    // from a mark to a label that needs a line to it
+constexpr double kWidest = 1.1;  // times Helvetica's are the letters of other sans-serif fonts
 
 // A label in a place found for it.
 void write_in(Svg& svg, const Rect& place, const std::string& text) {
@@ -23,7 +26,24 @@ void write_in(Svg& svg, const Rect& place, const std::string& text) {
            {.size = kNoteFont, .anchor = Anchor::kMiddle, .halo = true});
 }
 
-double note_width(const std::string& text) { return text_width(text, kNoteFont) + 2.0; }
+// ... beside the point it speaks of: from the side that faces it, however wide the viewer's font
+// is, and with a line to it where it is far away.
+void write_beside(Svg& svg, const Rect& place, const Point& of, const std::string& text) {
+  const Point near = nearest_of(place, of);
+  const double away = std::hypot(near.x - of.x, near.y - of.y);
+  if (away > kFar) {
+    const double share = kMark / away;
+    svg.line({std::lerp(of.x, near.x, share), std::lerp(of.y, near.y, share)}, near, kPaleInk, 0.6);
+  }
+  const double base = place.center_y() + kBaseLine * kNoteFont;
+  TextStyle style = {.size = kNoteFont, .anchor = Anchor::kMiddle, .halo = true};
+  double x = place.center_x();
+  if (place.left > of.x) x = place.left, style.anchor = Anchor::kStart;
+  if (place.right() < of.x) x = place.right(), style.anchor = Anchor::kEnd;
+  svg.text({x, base}, text, style);
+}
+
+double note_width(const std::string& text) { return kWidest * text_width(text, kNoteFont) + 2.0; }
 constexpr double kNoteHeight = kNoteFont + 3.0;
 
 Rect around(const Point& p, double half) {
@@ -59,6 +79,10 @@ void Panel::draw_axes(Svg& svg, const Layout& layout) const {
     svg.line({frame.left, y}, {frame.right(), y}, kGrid, tick.label.empty() ? 0.5 : 1.0);
     svg.text({frame.left - kBeside, y + kBaseLine * kTickFont}, tick.label,
              {.size = kTickFont, .anchor = Anchor::kEnd});
+  }
+  if (y_axis_.none) {
+    const double y = layout.y(kAboveNone * *y_axis_.none);
+    svg.line({frame.left, y}, {frame.right(), y}, kPaleInk, 0.8, Dash::kDotted);
   }
   const double count = static_cast<double>(x_axis_.categories.size());
   const double size = count > 0.0 ? category_size(frame.width) : kTickFont;
@@ -179,7 +203,7 @@ void Panel::keep_clear(const Layout& layout, LabelPlacer& placer) const {
       continue;
     }
     for (std::size_t i = 0; i < placed.size(); ++i) {
-      if (frame.contains(placed[i])) placer.take(around(placed[i], 4.0));
+      if (frame.contains(placed[i])) placer.take_mark(around(placed[i], kMark));
       const bool bar = i < s.bars.size() && frame.contains({placed[i].x, frame.top});
       if (!bar || std::isnan(s.bars[i].low) || std::isnan(s.bars[i].high)) continue;
       pass({placed[i].x, layout.y.clamped(s.bars[i].low)},
@@ -201,7 +225,7 @@ void Panel::keep_clear(const Layout& layout, LabelPlacer& placer) const {
     }
     if (!b.published) continue;
     const Point at = layout.place({b.at, b.published->value});
-    if (frame.contains(at)) placer.take(around(at, 5.0));
+    if (frame.contains(at)) placer.take_mark(around(at, kMark));
   }
 }
 
@@ -225,7 +249,8 @@ void Panel::draw_labels(Svg& svg, const Layout& layout) const {
   for (const Text& n : notes_) {
     const Point at = layout.place(n.at);
     if (!frame.contains(at)) continue;
-    write_in(svg, placer.place_beside(at, note_width(n.text), kNoteHeight, kBeside), n.text);
+    const Rect place = placer.place_beside(at, note_width(n.text), kNoteHeight, kBeside);
+    write_beside(svg, place, at, n.text);
   }
 }
 

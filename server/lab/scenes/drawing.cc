@@ -58,9 +58,13 @@ struct ErrorScale {
       any = true;
     }
   }
+  double none() const { return least / 3.0; }
+  bool any_exact(const AccuracyRows& rows) const {
+    return std::any_of(rows.begin(), rows.end(), [&](const AccuracyRow& r) { return exact(r); });
+  }
   bool exact(const AccuracyRow& row) const { return row.error.rms <= nothing; }
-  // What is nothing stands below the rest: a logarithmic axis has no zero.
-  double place(const AccuracyRow& row) const { return exact(row) ? least / 3.0 : row.error.rms; }
+  // What is nothing stands at the axis's place for it: a logarithmic axis has no zero.
+  double place(const AccuracyRow& row) const { return exact(row) ? none() : row.error.rms; }
 };
 
 // A setting in few letters.
@@ -89,11 +93,13 @@ Figure figure_of(const AccuracyRows& rows) {
       "answer. Dashed: the efficient settings.",
       options);
   const bool lag = rows[0].cost.unit == "ms";
+  figure::Axis y = {.label = fmt::format("{} [{}]", words.error, rows[0].error.unit),
+                    .scale = figure::Scale::kLog};
+  if (errors.any_exact(rows)) y.none = errors.none();
   Panel panel("",
               {.label = fmt::format("{} [{}]", words.cost, rows[0].cost.unit),
                .scale = lag ? figure::Scale::kLinear : figure::Scale::kLog},
-              {.label = fmt::format("{} [{}]", words.error, rows[0].error.unit),
-               .scale = figure::Scale::kLog});
+              y);
   std::vector<std::string> methods;
   for (const AccuracyRow& row : rows) {
     if (std::find(methods.begin(), methods.end(), row.method) == methods.end()) {

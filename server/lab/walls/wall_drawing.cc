@@ -133,11 +133,12 @@ Panel scores_panel(const std::vector<std::string>& names, const std::vector<doub
   Panel panel("Opinions of 8 people (Fig. 2.11)", questions, scores);
   std::vector<Point> mean_points, median_points;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    mean_points.push_back({static_cast<double>(i) + 0.9, means[i]});
-    median_points.push_back({static_cast<double>(i) + 1.1, medians[i]});
+    mean_points.push_back({static_cast<double>(i) + 1.0, means[i]});
+    median_points.push_back({static_cast<double>(i) + 1.0, medians[i]});
   }
-  panel.points(std::move(mean_points), figure::style_of(1), "published mean score");
+  // The mean is smaller and filled: where both are the same, the median's corners look out.
   panel.points(std::move(median_points), figure::kReferenceStyle, "published median score");
+  panel.points(std::move(mean_points), figure::style_of(1), "published mean score");
   return panel;
 }
 

@@ -100,6 +100,15 @@ TEST(LogTicks, WithinADecadeAreLinear) {
   for (const double v : values(Scale::kLog, {1e-12, 0.5}, 2)) EXPECT_GT(v, 0.0);
 }
 
+TEST(LogTicks, WithAPlaceForNothingHaveAZeroThereAndNoOthersBelow) {
+  const std::vector<Tick> all = with_none(ticks(Scale::kLog, {0.008, 30.0}, 8), 0.01);
+  ASSERT_GE(all.size(), 3u);
+  EXPECT_EQ(all[0].value, 0.01);
+  EXPECT_EQ(all[0].label, "0");
+  EXPECT_GE(all[1].value, 0.01 * kAboveNone);
+  EXPECT_EQ(all.back().value, 30.0);
+}
+
 TEST(Showable, MovesTheEndsOfASingleValueApart) {
   const Range one = showable(Scale::kLinear, {5, 5});
   EXPECT_NEAR(one.low, 4.5, 1e-12);

@@ -136,6 +136,40 @@ TEST(Panel, AMarkStandsWhereItsPlaceIs) {
   EXPECT_TRUE(panel.legend().front().name.empty());
 }
 
+TEST(Panel, WhatIsNothingStandsAtTheZeroOfALogarithmicAxis) {
+  Panel panel("", kX, {.scale = Scale::kLog, .low = 0.01, .high = 100.0, .none = 0.1});
+  panel.points({{10, 0.1}}, kRed);
+  const std::string svg = drawn(panel);
+  const auto circles = elements(svg, "circle");
+  ASSERT_EQ(circles.size(), 1u);
+  EXPECT_EQ(value(circles[0], "cy"), 125.0);  // a quarter up from 150
+  bool zero = false;
+  for (const std::string& text : elements(svg, "text")) {
+    const bool there = std::abs(value(text, "y") - 125.0) < 5.0 && value(text, "x") < 100.0;
+    zero |= there && svg.find(text + "0<") != std::string::npos;
+  }
+  EXPECT_TRUE(zero);
+}
+
+TEST(Panel, ALabelGrowsAwayFromItsPointWhateverTheFont) {
+  Panel panel("", kX, kY);
+  panel.points({{10, 5}, {20, 5}}, kRed);
+  panel.note({10, 5}, "right");
+  panel.note({20, 5}, "left");
+  const std::string svg = drawn(panel);
+  int starts = 0, ends = 0;
+  for (const std::string& text : elements(svg, "text")) {
+    if (svg.find(text + "right<") != std::string::npos) {
+      starts += attribute(text, "text-anchor") == "start" && value(text, "x") > 203.0;
+    }
+    if (svg.find(text + "left<") != std::string::npos) {
+      ends += attribute(text, "text-anchor") == "end" && value(text, "x") < 297.0;
+    }
+  }
+  EXPECT_GE(starts, 1);
+  EXPECT_GE(ends, 1);
+}
+
 TEST(Panel, SharedAxesShowWhatAnyOfThemDoes) {
   std::vector<Panel> panels;
   for (const double size : {1.0, 10.0, 3.0}) {

@@ -107,6 +107,34 @@ TEST(LabelPlacer, PutsLabelsOfOnePointBesideEachOther) {
   }
 }
 
+TEST(LabelPlacer, CoversALineRatherThanAMark) {
+  LabelPlacer placer({0, 0, 200, 200});
+  placer.take({0, 0, 200, 200});
+  placer.take_mark({130, 90, 4, 20});  // the label to the right would reach it
+  EXPECT_EQ(placer.place_beside({100, 100}, 40, 12, 6).right(), 94);
+}
+
+TEST(LabelPlacer, FindsRoomInACrowdOfMarksAndAWayToItPastThem) {
+  LabelPlacer placer({0, 0, 300, 200});
+  std::vector<Point> at;
+  for (int i = 0; i < 6; ++i) at.push_back({5.0 + 6.0 * i, 100.0 + 9.0 * i});
+  std::vector<Rect> taken;
+  for (const Point& p : at) taken.push_back({p.x - 4.0, p.y - 4.0, 8.0, 8.0});
+  for (const Rect& mark : taken) placer.take_mark(mark);
+  for (const Point& p : at) {
+    const Rect label = placer.place_beside(p, 60, 12, 6);
+    for (const Rect& other : taken) EXPECT_TRUE(apart(label, other)) << p.x << ' ' << other.left;
+    const Point end = nearest_of(label, p);
+    for (const Point& mark : at) {
+      for (int i = 0; i <= 20 && !(mark == p); ++i) {
+        const double x = std::lerp(p.x, end.x, i / 20.0), y = std::lerp(p.y, end.y, i / 20.0);
+        EXPECT_GT(std::hypot(x - mark.x, y - mark.y), 3.0) << p.x << ' ' << mark.x;
+      }
+    }
+    taken.push_back(label);
+  }
+}
+
 TEST(LabelPlacer, PrefersTheRightAndStaysInTheFrame) {
   LabelPlacer placer({0, 0, 200, 100});
   const Rect right = placer.place_beside({50, 50}, 30, 12, 6);
