@@ -88,8 +88,11 @@ Table lab_rows() {
                                Folders{"server/lab/study", "server/master", "server/haptic",
                                        "server/constraint", "server/constraint/drawn"}},
       {"server/lab/contact", lab + Folders{"server/lab/study", "server/follow"}},
-      {"server/lab/faults",
-       lab + kHands + sides + Folders{"server/lab/study", "server/motion", "server/kinematics"}}};
+      {"server/lab/faults/audit",
+       kModel + Folders{"server/lab/cell", "server/motion", "server/kinematics"}},
+      {"server/lab/faults", lab + kHands + sides +
+                                Folders{"server/lab/faults/audit", "server/lab/study",
+                                        "server/motion", "server/kinematics"}}};
 }
 
 Table device_rows() {

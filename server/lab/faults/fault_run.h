@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "server/lab/cell/cell.h"
-#include "server/lab/faults/auditor.h"
+#include "server/lab/faults/audit/auditor.h"
 #include "server/lab/faults/controller_audit.h"
 
 namespace handrail {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/lab/faults/auditor.h"
+#include "server/lab/faults/audit/auditor.h"
 
 namespace handrail {
 

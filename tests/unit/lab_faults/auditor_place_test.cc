@@ -1,5 +1,5 @@
 // The auditor on where a tip may be: where it was asked to, on its tool, or on its way there.
-#include "server/lab/faults/auditor.h"
+#include "server/lab/faults/audit/auditor.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The auditor against command streams made by hand: sound ones pass, each wrong one is named.
-#include "server/lab/faults/auditor.h"
+#include "server/lab/faults/audit/auditor.h"
 
 #include <gtest/gtest.h>
 

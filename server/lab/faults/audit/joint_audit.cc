@@ -1,4 +1,4 @@
-#include "server/lab/faults/joint_audit.h"
+#include "server/lab/faults/audit/joint_audit.h"
 
 #include <algorithm>
 #include <cmath>
