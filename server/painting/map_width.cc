@@ -8,13 +8,17 @@
 namespace handrail {
 namespace {
 
-constexpr int kBlock = 8;          // pixels are looked at where their block is not all alike
-constexpr int kApron = 2;          // around it
-constexpr int kFar = 8;            // runs longer than this to one side do not end
+constexpr int kBlock = 8;  // pixels are looked at where their block is not all alike
+constexpr int kApron = 2;  // around it
+// Runs longer than this to one side do not end. A strip below kNoPixelFull crosses rows or columns
+// in sqrt(2) times its width, 3.2 pixels, at most.
+constexpr int kFar = 8;
 constexpr double kNothing = 0.02;  // shares below do not count: rounding of the editor
 constexpr double kWideAisle = 1.99, kThickWall = 0.99;  // two pixels and one, with rounding
 constexpr int kAround = 3, kSeveral = 6;  // half the square in which narrow pixels must be so many
-constexpr double kNoPixelFull = 2.2;      // the widest strip that may hold no pixel as a whole
+// The widest strip that may hold no pixel as a whole: at 45 deg a pixel is sqrt(2) across and the
+// next is 1 / sqrt(2) further on, 2.12 together; with rounding.
+constexpr double kNoPixelFull = 2.2;
 constexpr double kEndless = 1e9;
 constexpr std::uint16_t kHalf = 32768;  // of CoverageMap::open
 

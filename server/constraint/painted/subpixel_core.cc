@@ -6,8 +6,10 @@
 namespace handrail {
 namespace {
 
-constexpr double kCore = 0.45;  // a wall one pixel thin fills this much of some pixel all along
-constexpr int kMargin = 2;      // of pixels around the tile
+// In brackets: the range in which the tests hold, see WALLS.md. Else derived.
+constexpr double kCore = 0.45;  // [0.45, 0.562] so much a wall one pixel thin fills of some pixel
+// Around the tile: a pixel whose core reaches in, and the next, which it is joined to.
+constexpr int kMargin = 2;
 constexpr int kAcross = 8 + 2 * kMargin;
 
 struct CorePixel {

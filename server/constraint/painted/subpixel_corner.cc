@@ -10,20 +10,20 @@
 namespace handrail {
 namespace {
 
-// Lengths in pixels.
-constexpr double kFarthestCorner = 7.0;  // along u from a surface's end to its corner
-constexpr double kNearest = 0.1;         // a surface goes on at least
-constexpr double kParallel = 0.08;       // sine between surfaces that do not meet
-constexpr double kRoughly = 0.3;         // ... if either is rough
-constexpr double kHint = 0.3;            // coverage worth a closer look
-constexpr double kAgree = 0.06;          // coverage as the corner has it
-constexpr double kRefined = 0.5;         // a surface is not moved or turned more
-constexpr double kRough = 20.0;          // rough ends come last
-constexpr double kBeside = 1.0;          // pixels this near its surfaces are looked at
-constexpr double kSame = 1.0;            // corners this near are one
-constexpr double kGoesOn = 0.8;          // a piece this near an end goes on there
-constexpr double kAhead = 1.0;           // looked at where none does, so far past the end
-constexpr double kSkin = 0.3;            // ... and so far inside the wall
+// Lengths in pixels. In brackets: the range in which the tests hold, see WALLS.md. Else derived.
+constexpr double kFarthestCorner = 7.0;  // [5.6, any] along u from a surface's end to its corner
+constexpr double kNearest = 0.1;         // [0, 0.3] a surface goes on at least
+constexpr double kParallel = 0.08;       // [0.0264, 0.4] sine between surfaces that do not meet
+constexpr double kRoughly = 0.3;         // [0.24, 0.45] ... if either is rough
+constexpr double kHint = 0.3;            // [0.06, 0.375] coverage worth a closer look
+constexpr double kAgree = 0.06;          // [0.003, 0.075] coverage as the corner has it
+constexpr double kRefined = 0.5;         // [0.1, any] a surface is not moved or turned more
+constexpr double kRough = 20.0;          // rough ends come last: above 2 kFarthestCorner
+constexpr double kBeside = 1.0;          // [0.65, 1] pixels this near its surfaces are looked at
+constexpr double kSame = 1.0;            // [0, 2] corners this near are one
+constexpr double kGoesOn = 0.8;          // [0.72, any] a piece this near an end goes on there
+constexpr double kAhead = 1.0;           // [0, any] looked at where none does, so far past the end
+constexpr double kSkin = 0.3;            // [0, any] ... and so far inside the wall
 constexpr int kCell = 8;
 
 double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }

@@ -11,15 +11,17 @@
 namespace handrail {
 namespace {
 
-constexpr double kReach = 3.0;           // distances are kept to here
-constexpr double kFineReach = 1.5;       // ... in fine tiles
-constexpr double kDelicate = 3.3;        // tiles this near a delicate piece are fine
-constexpr double kUnit = 1.0 / 8192;     // of a sample [pixels]
+// In brackets: the range in which the tests hold, see WALLS.md. Else derived.
+constexpr double kReach = 3.0;      // [1.95, 3.75] distances are kept to here
+constexpr double kFineReach = 1.5;  // [0.975, 3] ... in fine tiles
+constexpr double kDelicate = 3.3;   // [0, 3.63] tiles this near a delicate piece are fine
+// Of a sample: the finest power of 2 by which 16 bits hold kReach.
+constexpr double kUnit = 1.0 / 8192;
 constexpr int kCoarse = 10, kFine = 34;  // samples along a tile, one beyond each edge
-constexpr int kAround = 4;               // fine samples looked at beyond those
+constexpr int kAround = 4;               // fine samples looked at beyond those: 2 kDisc, rounded up
 constexpr int kWide = kFine + 2 * kAround;
-constexpr double kDisc = 0.4;   // free space narrower than such a disc is none
-constexpr double kNook = 0.08;  // ... where it is off by more than the samples' grid makes it
+constexpr double kDisc = 0.4;   // [0.32, 0.5] free space narrower than such a disc is none
+constexpr double kNook = 0.08;  // [0.072, 0.12] ... where it is off by more than the grid makes it
 
 // From a coordinate to the nearer border of its pixel.
 double to_border(double x) { return 0.5 - std::abs(x - std::floor(x) - 0.5); }

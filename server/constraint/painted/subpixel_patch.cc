@@ -7,25 +7,26 @@
 namespace handrail {
 namespace {
 
+// In brackets: the range in which the tests hold, see WALLS.md. Else derived.
 constexpr int kTile = 8;
-constexpr int kWindowMargin = 8;  // of the window around the tile; more than kThin at 45 deg
+constexpr int kWindowMargin = 8;  // of the window around the tile: kThin sqrt(2), rounded up
 constexpr int kWindow = kTile + 2 * kWindowMargin;
-constexpr int kColumnsBeside = 3;  // columns looked at to either side of the tile's
+constexpr int kColumnsBeside = 3;  // of the tile: 1 to the next, 2 for its five heights
 constexpr int kColumns = kTile + 2 * kColumnsBeside;
-constexpr double kProminence = 0.3;     // coverage must change by this from free to wall
-constexpr int kShort = 3;               // pixels a crossing takes in a column not along it
-constexpr double kMatch = 1.5;          // heights of one surface in adjacent columns
-constexpr double kSteepest = 1.25;      // slopes beyond are for the other axis
-constexpr double kSharpest = 0.5;       // bends beyond are corners
-constexpr double kKink = 0.05;          // ... and beyond these may be beside one
-constexpr double kSmoother = 0.3;       // which shows in how much straighter one side is
-constexpr double kSmooth = 0.02;        // bends of one surface in adjacent columns differ by less
-constexpr double kSmoothBend = 0.2;     // ... and by this much of the bend more
-constexpr double kStraightest = 0.004;  // bends below are noise of the coverage
-constexpr double kRoughBend = 0.2;      // a short surface beside corners looks as bent
-constexpr double kFirm = 1.8;           // pixels of a thinner wall or gap show both its faces
-constexpr double kThin = 5.0;           // walls and gaps below need fine samples
-constexpr double kTight = 0.1;          // so do curves of less than 10 pixels
+constexpr double kProminence = 0.3;  // [0.195, 0.45] coverage must change by this from free to wall
+constexpr int kShort = 3;            // [3, any] pixels a crossing takes in a column not along it
+constexpr double kMatch = 1.5;       // [1.5, 1.65] heights of one surface in adjacent columns
+constexpr double kSteepest = 1.25;   // [1.12, 1.25] slopes beyond are for the other axis
+constexpr double kSharpest = 0.5;    // [0.4, any] bends beyond are corners
+constexpr double kKink = 0.05;       // [0.04, 0.1] ... and beyond these may be beside one
+constexpr double kSmoother = 0.3;    // [0, 0.45] which shows in how much straighter one side is
+constexpr double kSmooth = 0.02;  // [0.02, 0.03] bends side by side, of one surface, differ by less
+constexpr double kSmoothBend = 0.2;     // [0.2, 0.6] ... and by this much of the bend more
+constexpr double kStraightest = 0.004;  // bends below are of 8 bits: 3 (8/14) (0.5/255)
+constexpr double kRoughBend = 0.2;      // [0.13, any] a short surface beside corners looks as bent
+constexpr double kFirm = 1.8;   // [0, 1.8] a pixel of thinner walls and gaps holds both faces
+constexpr double kThin = 5.0;   // [3.25, 15] walls and gaps below need fine samples
+constexpr double kTight = 0.1;  // [0.08, any] so do curves of less than 10 pixels
 
 using Column = std::array<double, kWindow>;
 using Window = std::array<Column, kWindow>;

@@ -9,7 +9,8 @@
 
 namespace handrail {
 
-inline constexpr double kFull = 0.997;  // a pixel this much wall is all wall
+// A pixel this much wall is all wall: above 254/255, so that a step of 8 bits counts.
+inline constexpr double kFull = 0.997;
 
 // Pixels of a map as the builder sees them: how much of each is wall, Y up from the lower left
 // corner; outside the map all is wall. Walls of regions in `gone` (bit = region) are free.

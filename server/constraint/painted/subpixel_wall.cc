@@ -10,22 +10,22 @@
 namespace handrail {
 namespace {
 
-// All lengths in pixels.
-constexpr int kMaxWork = 192;          // probes a tick; the proxy then carries on next tick
-constexpr double kAtRest = 1e-3;       // the hand's foot is this near
-constexpr double kOnSurface = 1e-3;    // distance counts as zero
-constexpr double kLongSlide = 5.0;     // along a surface in one step
-constexpr double kShortSlide = 0.5;    // ... where walls may be one pixel thin
-constexpr double kRound = 0.7;         // ... nor turning further [rad]
-constexpr double kMiss = 0.3;          // a slide that ends further off the surface is halved
-constexpr double kTurn = 0.5;          // ... and one that turns the normal further (cosine)
-constexpr double kLongStride = 1.0;    // through free space, at least
-constexpr double kShortStride = 0.25;  // ... where walls may be one pixel thin
-constexpr double kInnerCorner = 0.2;   // an inner corner bends more [1/pixel]
-constexpr double kOff = 0.1;           // off the surface before it is tried
-constexpr double kHop = 2.0;           // out of it
-constexpr double kGain = 0.1;          // what makes leaving it worth while
-constexpr int kSearch = 50;            // for free space around a hand inside a wall
+// All lengths in pixels. In brackets: the range in which the tests hold, see WALLS.md.
+constexpr int kMaxWork = 192;        // [125, 211] probes a tick; the next carries on
+constexpr double kAtRest = 1e-3;     // [5e-5, 0.005] the hand's foot is this near
+constexpr double kOnSurface = 1e-3;  // [0, 0.02] distance counts as zero
+constexpr double kLongSlide = 5.0;   // [1, any] along a surface in one step
+constexpr double kShortSlide = 0.5;  // [0.4, 0.625] ... where walls may be one pixel thin
+constexpr double kRound = 0.7;       // [0.231, 3.5] ... nor turning further [rad]
+constexpr double kMiss = 0.3;        // [0.099, 1.5] a slide that ends further off is halved
+constexpr double kTurn = 0.5;        // [0, 0.75] ... and one that turns the normal further (cosine)
+constexpr double kLongStride = 1.0;  // [0.05, 5] through free space, at least
+constexpr double kShortStride = 0.25;  // [0.163, 0.375] ... where walls may be one pixel thin
+constexpr double kInnerCorner = 0.2;   // [0.13, 0.6] an inner corner bends more [1/pixel]
+constexpr double kOff = 0.1;           // [0.005, 2] off the surface before it is tried
+constexpr double kHop = 2.0;           // [0.4, 3] out of it
+constexpr double kGain = 0.1;          // [0.005, 0.11] what makes leaving it worth while
+constexpr int kSearch = 50;            // [16, 75] for free space around a hand inside a wall
 
 class SubpixelWall final : public WallProxy {
  public:
