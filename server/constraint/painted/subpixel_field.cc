@@ -23,6 +23,8 @@ constexpr int kWide = kFine + 2 * kAround;
 constexpr double kDisc = 0.4;   // [0.32, 0.5] free space narrower than such a disc is none
 constexpr double kNook = 0.08;  // [0.072, 0.12] ... where it is off by more than the grid makes it
 
+constexpr double kBorder = 0.9;  // [0, 0.9] so near its border no whole pixel holds a surface
+
 // From a coordinate to the nearer border of its pixel.
 double to_border(double x) { return 0.5 - std::abs(x - std::floor(x) - 0.5); }
 
@@ -94,7 +96,7 @@ struct Grid {
     for (int j = 0; j < n; ++j) {
       for (int i = 0; i < n; ++i) {
         const Vec2 p = at(i, j);
-        const double inside = 0.9 * std::min(to_border(p.x()), to_border(p.y()));
+        const double inside = kBorder * std::min(to_border(p.x()), to_border(p.y()));
         const double w = wall_at(view, p);
         double& v = value_at(i, j);
         if (w >= kFull) v = std::min(v, -inside);

@@ -16,6 +16,7 @@ constexpr int kColumns = kTile + 2 * kColumnsBeside;
 constexpr double kProminence = 0.3;  // [0.195, 0.45] coverage must change by this from free to wall
 constexpr int kShort = 3;            // [3, any] pixels a crossing takes in a column not along it
 constexpr double kMatch = 1.5;       // [1.5, 1.65] heights of one surface in adjacent columns
+constexpr double kAlong = 0.7;       // [0.63, 0.875] rise of coverage in a column, of that across
 constexpr double kSteepest = 1.25;   // [1.12, 1.25] slopes beyond are for the other axis
 constexpr double kSharpest = 0.5;    // [0.4, any] bends beyond are corners
 constexpr double kKink = 0.05;       // [0.04, 0.1] ... and beyond these may be beside one
@@ -158,7 +159,7 @@ bool along(const Window& w, std::size_t u, std::size_t v) {
     du += weight * (w[u + 1][v + k - 1] - w[u - 1][v + k - 1]);
     dv += weight * (w[u + k - 1][v + 1] - w[u + k - 1][v - 1]);
   }
-  return std::abs(dv) >= 0.7 * std::abs(du);
+  return std::abs(dv) >= kAlong * std::abs(du);
 }
 
 // The surface through `c` and its neighbours, from `columns` on; `at`: the column of `c`.

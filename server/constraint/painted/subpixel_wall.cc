@@ -17,13 +17,17 @@ constexpr double kOnSurface = 1e-3;  // [0, 0.02] distance counts as zero
 constexpr double kLongSlide = 5.0;   // [1, any] along a surface in one step
 constexpr double kShortSlide = 0.5;  // [0.4, 0.625] ... where walls may be one pixel thin
 constexpr double kRound = 0.7;       // [0.231, 3.5] ... nor turning further [rad]
-constexpr double kMiss = 0.3;        // [0.099, 1.5] a slide that ends further off is halved
-constexpr double kTurn = 0.5;        // [0, 0.75] ... and one that turns the normal further (cosine)
-constexpr double kLongStride = 1.0;  // [0.05, 5] through free space, at least
+constexpr double kCentre = 0.05;  // [0, 0.25] of its radius from a bend's centre any way is nearer
+constexpr double kMiss = 0.3;     // [0.099, 1.5] a slide that ends further off is halved
+constexpr double kTurn = 0.5;     // [0, 0.75] ... and one that turns the normal further (cosine)
+constexpr double kLongStride = 1.0;    // [0.05, 5] through free space, at least
 constexpr double kShortStride = 0.25;  // [0.163, 0.375] ... where walls may be one pixel thin
+constexpr double kTrust = 0.9;         // [0, 0.99] of a distance is free, but for
+constexpr double kTrustLess = 0.1;     // [0, 10] ... this
 constexpr double kInnerCorner = 0.2;   // [0.13, 0.6] an inner corner bends more [1/pixel]
 constexpr double kOff = 0.1;           // [0.005, 2] off the surface before it is tried
 constexpr double kHop = 2.0;           // [0.4, 3] out of it
+constexpr double kAside = 0.8;         // [0.4, any] ... and to the sides, twice [rad]
 constexpr double kGain = 0.1;          // [0.005, 0.11] what makes leaving it worth while
 constexpr int kSearch = 50;            // [16, 75] for free space around a hand inside a wall
 
@@ -144,7 +148,7 @@ class SubpixelWall final : public WallProxy {
 
   // How far the proxy may go unseen from a probe in free space.
   void trust(const Probe& at) noexcept {
-    clearance_ = std::max(0.9 * at.distance - 0.1, 0.0);
+    clearance_ = std::max(kTrust * at.distance - kTrustLess, 0.0);
     stride_ = at.fine ? kShortStride : kLongStride;
   }
 
@@ -204,7 +208,7 @@ class SubpixelWall final : public WallProxy {
     // Round a tip no further than the surface is known to bend there.
     const double longest = std::min(
         {limit_, fine_ ? kShortSlide : kLongSlide, kRound / std::max(std::abs(bend_), 1e-9)});
-    if (left > 0.05) {
+    if (left > kCentre) {
       const double g = std::sqrt(left * left + bend_ * bend_ * s * s);
       along = s / g;
       drop = bend_ * s * along / (left + g);
@@ -212,7 +216,7 @@ class SubpixelWall final : public WallProxy {
     } else if (std::abs(s) < kAtRest) {
       return false;
     }
-    if (!(left > 0.05) || std::abs(along) > longest) {
+    if (!(left > kCentre) || std::abs(along) > longest) {
       along = std::copysign(longest, s);
       drop = 0.5 * bend_ * along * along;
     }
@@ -256,7 +260,7 @@ class SubpixelWall final : public WallProxy {
     const double nearest = (hand_ - p_).squaredNorm();
     const Vec2 off = rest.p + kOff * rest.n;
     if (probe(off).distance < 0.0) return false;  // no room there
-    for (const double turn : {0.0, 0.8, -0.8, 1.6, -1.6}) {
+    for (const double turn : {0.0, kAside, -kAside, 2.0 * kAside, -2.0 * kAside}) {
       const Vec2 way = Pose2::turned(rest.n, turn);
       const Vec2 hand = hand_;
       hand_ = rest.p + kHop * way;
