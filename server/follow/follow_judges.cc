@@ -59,12 +59,6 @@ Reason judge_arm(const FollowSettings& settings, const FollowInput& in,
   return Reason::kFollowingError;
 }
 
-Vec3 rest_place(const FollowSettings& settings, const MotionState& motion) noexcept {
-  const StopPlan& stop = motion.stop;
-  if (stop.done()) return motion.X_ST.p;
-  return forward(settings.motion.arm, stop.q[static_cast<std::size_t>(stop.size - 1)]).p;
-}
-
 Reason judge_contact(const FollowSettings& settings, const Vec3& p_measured,
                      FollowState& s) noexcept {
   const Vec3 moved = p_measured - s.p_measured;
@@ -77,8 +71,8 @@ Reason judge_contact(const FollowSettings& settings, const Vec3& p_measured,
     s.contact = ContactMonitor();
     return Reason::kNone;
   }
-  const Reason found = s.contact.judge(settings.bumper, s.f_E_S, moved,
-                                       rest_place(settings, s.motion), settings.motion.dt);
+  const Reason found =
+      s.contact.judge(settings.bumper, s.f_E_S, moved, rest_place(s.motion), settings.motion.dt);
   if (found == Reason::kSensorSign && !kept(Check::kSensorSign)) return Reason::kNone;
   if (found == Reason::kContactUnrelieved && !kept(Check::kRelief)) return Reason::kNone;
   return found;

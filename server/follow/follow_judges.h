@@ -20,7 +20,4 @@ Reason judge_arm(const FollowSettings& settings, const FollowInput& in,
 Reason judge_contact(const FollowSettings& settings, const Vec3& p_measured,
                      FollowState& state) noexcept;
 
-// Where the commands so far bring the tip to rest [S, m]. Real-time safe.
-Vec3 rest_place(const FollowSettings& settings, const MotionState& motion) noexcept;
-
 }  // namespace handrail

@@ -73,21 +73,16 @@ void advance_session(const FollowSettings& settings, const FollowInput& in, Foll
 // The commands of one cycle, through the guard; returns what intervened.
 Reason move_once(const FollowSettings& settings, const FollowInput& in, FollowState& s,
                  FollowLedger& ledger) {
-  Reason intervention = Reason::kNone;
-  const GuardState before = s.motion.joints;
-  if (follows(s.session)) {
-    intervention = lead(settings, in, s, ledger);
-  } else {
-    brake(settings.motion, s.motion);
-  }
-  const Vec3 planned = s.motion.X_ST.p;
-  const Verdict safe = pass_guard(settings.motion, before, s.motion);
-  if (safe.reason == Reason::kNone) return intervention;
+  const bool following = follows(s.session);
+  const Led led = following ? lead(settings, in, s, ledger)
+                            : Led{brake(settings.motion, s.motion), Reason::kNone};
+  const Verdict safe = command(settings.motion, led.next, s.motion);
+  if (safe.reason == Reason::kNone) return led.why;
   ++s.guarded;
-  if (follows(s.session)) {
+  if (following) {
     put_stage(ledger, FollowStage::kLimits,
               ledger.off_S.col(static_cast<int>(FollowStage::kLimits)).cast<double>() +
-                  s.motion.X_ST.p - planned,
+                  s.motion.X_ST.p - led.next.X_ST.p,
               safe.reason);
   }
   return safe.reason;

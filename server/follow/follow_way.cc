@@ -46,8 +46,8 @@ Stage hold_on_tool(const FollowInput& in, const Pose& X_SN, const FollowState& s
 
 // From where the bumper reckons: where the tip comes to rest, but never further out of a contact
 // than it is told to be now. An arm that turns fast stops late, and would be led ever further out.
-Vec3 bumped_from(const FollowSettings& settings, const FollowState& s) {
-  const Vec3 rest = rest_place(settings, s.motion), now = s.motion.X_ST.p;
+Vec3 bumped_from(const FollowState& s) {
+  const Vec3 rest = rest_place(s.motion), now = s.motion.X_ST.p;
   return s.bumper.touching() && (rest - now).dot(s.bumper.n_S) > 0.0 ? now : rest;
 }
 
@@ -67,7 +67,7 @@ Stage yield(const FollowSettings& settings, const Vec3& p_SN, FollowState& s, Re
   contact.delay = settings.bumper.sensor_lag + (kept(Check::kLag) ? s.lag.lag() : 0.0);
   contact.dt = settings.motion.dt;
   const bool published = settings.bumper.form == BumperSettings::Form::kPublished;
-  contact.p_last = published ? s.motion.X_ST.p : bumped_from(settings, s);
+  contact.p_last = published ? s.motion.X_ST.p : bumped_from(s);
   Bumped bumped{p_SN};
   if (kept(Check::kContact)) bumped = bump(settings.bumper, contact, s.bumper);
   if (published) bumped.p_SB = s.tube.bounded(bumped.p_SB, most_yielding(settings));
@@ -93,11 +93,10 @@ TipSpace space_to(const Vec3& p, const FollowState& s) {
 
 }  // namespace
 
-Reason lead(const FollowSettings& settings, const FollowInput& in, FollowState& s,
-            FollowLedger& ledger) noexcept {
+Led lead(const FollowSettings& settings, const FollowInput& in, FollowState& s,
+         FollowLedger& ledger) noexcept {
   if (const Reason refused = refusal(in, s); refused != Reason::kNone) {
-    brake(settings.motion, s.motion);
-    return refused;
+    return {brake(settings.motion, s.motion), refused};
   }
   s.oldest_applied = std::max(s.oldest_applied, age_of_master(in));
   s.applied_sequence = in.master_sequence;
@@ -113,14 +112,14 @@ Reason lead(const FollowSettings& settings, const FollowInput& in, FollowState& 
   const Moved moved = move_toward(settings.motion, space_to(bumped.p, s), {bumped.p, X_SN.q},
                                   share_of_speed(age_of_master(in)), s.motion);
   const Stage reached{moved.p_goal, moved.reach.reason};
-  const Stage limited{s.motion.X_ST.p, moved.limit.reason};
+  const Stage limited{moved.next.X_ST.p, moved.limit.reason};
   const Stage* const way[] = {&command, &tool, &bumped, &reached, &limited};
   for (int i = 0; i < FollowLedger::kStages; ++i) {
     put_stage(ledger, static_cast<FollowStage>(i), way[i + 1]->p - way[i]->p, way[i + 1]->why);
   }
   const Verdict& why = moved.reach.reason != Reason::kNone ? moved.reach : moved.limit;
   ledger.joint = why.joint;
-  return contact != Reason::kNone ? contact : why.reason;
+  return {moved.next, contact != Reason::kNone ? contact : why.reason};
 }
 
 }  // namespace handrail

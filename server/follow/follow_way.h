@@ -10,9 +10,15 @@ inline bool valid_command(const MasterState& master) noexcept {
   return master.has_command && is_place(master.X_SU);
 }
 
-// One cycle toward the master's newest command; brakes where that is not to be followed. `ledger`
-// gets what each stage did. Returns what intervened. Real-time safe.
-Reason lead(const FollowSettings& settings, const FollowInput& in, FollowState& state,
-            FollowLedger& ledger) noexcept;
+// What a cycle decided, and what intervened.
+struct Led {
+  TipMotion next;
+  Reason why = Reason::kNone;
+};
+
+// Decides one cycle toward the master's newest command; brakes where that is not to be followed.
+// `ledger` gets what each stage did. Real-time safe.
+Led lead(const FollowSettings& settings, const FollowInput& in, FollowState& state,
+         FollowLedger& ledger) noexcept;
 
 }  // namespace handrail

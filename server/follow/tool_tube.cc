@@ -26,7 +26,6 @@ double let_go(double size, double rate, double dt) {
 void ToolTube::take_position(const ToolDefinition& tool, const Pose& X_ST,
                              const Pose& X_SU) noexcept {
   position_ = tool;
-  position_hash_ = hash_of(tool);
   radius_ = distance(X_ST.p);
   past_end_ = std::max(past_end(X_ST.p), past_end(X_SU.p));
   pace_ = std::max(way_to(X_ST.p), way_to(X_SU.p));
@@ -35,7 +34,6 @@ void ToolTube::take_position(const ToolDefinition& tool, const Pose& X_ST,
 void ToolTube::take_orientation(const ToolDefinition& tool, const Pose& X_ST,
                                 const Pose& X_SU) noexcept {
   orientation_ = OrientationTool(tool);
-  orientation_hash_ = hash_of(tool);
   orientation_.start(X_ST.q);
   angle_ = orientation_.deviation(X_ST.q);
   turn_pace_ = std::max(angle_, orientation_.deviation(X_SU.q));
@@ -51,8 +49,8 @@ Reason ToolTube::take(const MasterState& master, const Pose& X_ST) noexcept {
   const ToolDefinition& p = master.position_tool;
   const ToolDefinition& o = master.orientation_tool;
   const bool stale = p.epoch < position_epoch() || o.epoch < orientation_epoch() ||
-                     (p.epoch == position_epoch() && hash_of(p) != position_hash_) ||
-                     (o.epoch == orientation_epoch() && hash_of(o) != orientation_hash_);
+                     (p.epoch == position_epoch() && !same_tool(p, position_)) ||
+                     (o.epoch == orientation_epoch() && !same_tool(o, orientation_.definition()));
   if (stale) return Reason::kHashTools;
   if (p.epoch == position_epoch() && o.epoch == orientation_epoch()) return Reason::kNone;
   if (p.epoch != position_epoch()) take_position(p, X_ST, master.X_SU);

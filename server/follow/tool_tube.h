@@ -63,8 +63,6 @@ class ToolTube {
 
   ToolDefinition position_;
   OrientationTool orientation_;
-  std::uint64_t position_hash_ = 0;
-  std::uint64_t orientation_hash_ = 0;
   std::uint64_t hash_ = 0;
   double radius_ = 0.0;
   double past_end_ = 0.0;  // how far beyond the tool's end a command may be [m]

@@ -99,10 +99,13 @@ void decide(const HapticSettings& settings, const HapticInput& in, const LadderS
             double dt, HapticState& s, HapticOutput& out) {
   const std::uint32_t epochs_before = tool_epochs(s);
   see_presence(settings, in, dt, s);
-  out.tool_distance = 0.0;
-  const Vec3 hand_before = s.command.engagement.to_slave(s.hand.X_MH).p;
-  out.order_result = carry_out(settings, in, ladder, s, out.tool_distance);
-  out.hand_latched = (s.command.engagement.to_slave(s.hand.X_MH).p - hand_before).norm();
+  out.tool_distance = out.hand_latched = 0.0;
+  out.order_result = Reason::kNone;
+  if (in.order.kind != OrderKind::kNone) {
+    const Vec3 before = s.command.engagement.to_slave(s.hand.X_MH).p;
+    out.order_result = carry_out(settings, in, ladder, s, out.tool_distance);
+    out.hand_latched = (s.command.engagement.to_slave(s.hand.X_MH).p - before).norm();
+  }
   if (in.hand.drop_button && !s.hand.button_was_down) drop_tools(settings, true, true, s);
   s.hand.button_was_down = in.hand.drop_button;
   advance_session(settings, in, ladder, dt, s);

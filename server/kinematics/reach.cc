@@ -11,18 +11,14 @@ namespace handrail {
 namespace {
 
 constexpr double kAsTurned = 1e-5;  // [rad]
-constexpr double kStrict = 1e8;     // weight of staying on the space; of going along it it is 1
+constexpr double kStrict = 1e10;    // weight of staying on the space; of going along it it is 1
 constexpr double kTurn = 1e-8;      // weight of the orientation beside the place [m^2]
 constexpr double kDamping = 1e-11;  // so that a solution exists
 constexpr double kSlack = 1e-6;     // less beyond an end is rounding [rad]
-constexpr double kLongest = 0.3;    // of one step of a search [rad]
-constexpr double kFound = 1e-10;    // [rad]
-constexpr double kBeyond = 100.0;   // what a radian beyond a range counts beside one of turning
-constexpr double kNearer = 1e-6;    // less is no difference [m]
-constexpr int kArmSteps = 16;
-// Of 2800 pairs of searches for a turn out of range, from 20 mm beside its place, 98 % find the
-// same joints to 0.03 mrad with so many steps, to 5 mrad with 16; at the mean they take 19.
-constexpr int kWristSteps = 64;
+constexpr int kSteps = 4;
+constexpr double kFound = 1e-10;  // [rad]
+constexpr double kLongest = 0.3;  // of one step [rad]
+constexpr double kBeyond = 1e6;   // what is within the ranges comes first
 
 struct Ranges {
   JointVector low, high;
@@ -81,25 +77,47 @@ JointVector best_wrist(const Ranges& ranges, const JointVector& q, const JointVe
   return best;
 }
 
-// Turns J1 to J3 so that the wrist centre comes to `goal`, or as near as it may along the space;
-// where it comes.
+// How the way to the wrist centre's goal turns with J1 to J3, for a part `way` of it that stays:
+// the second derivative of half its square beside the first ones' products.
+Mat3 bend_of(const ArmGeometry& to_wrist, const JointVector& q, const Vec3& way) {
+  const TipJacobian J = tip_jacobian(to_wrist, q);
+  Mat3 bend;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = i; j < 3; ++j) {
+      bend(i, j) = bend(j, i) = -way.dot(J.angular.col(i).cross(J.linear.col(j)));
+    }
+  }
+  return bend;
+}
+
+// One step of J1 to J3 that brings the wrist centre toward `goal`, or as near as it may along the
+// space; where it comes.
 Vec3 reach_wrist(const ArmGeometry& arm, const Ranges& ranges, const TipSpace& space,
                  const Vec3& goal, JointVector& q) {
   ArmGeometry to_wrist = arm;
   to_wrist.d6 = 0.0;
   q = q.cwiseMax(ranges.low).cwiseMin(ranges.high);
-  for (int step = 0; step < kArmSteps; ++step) {
+  for (int step = 0; step < kSteps; ++step) {
     const Mat3 J = tip_jacobian(to_wrist, q).linear.leftCols<3>();
     const Vec3 way = goal - forward(to_wrist, q).p;
-    // What of the way stays out of reach bends the circles the joints move on: without it the
-    // steps toward something far away would overshoot.
-    Mat3 H = (way.norm() * J.colwise().norm().array() + kDamping).matrix().asDiagonal();
-    Vec3 g = Vec3::Zero();
+    Vec3 along = Vec3::Zero(), g = Vec3::Zero();
+    Mat3 H = kDamping * Mat3::Identity();
     for (int k = 0; k < 3; ++k) {
-      const Vec3 row = J.transpose() * space.axes_S.col(k);
+      const Vec3 axis = space.axes_S.col(k);
+      const Vec3 row = J.transpose() * axis;
       const double weight = k < space.freedom() ? 1.0 : kStrict;
+      if (k < space.freedom()) along += axis.dot(way) * axis;
       H += weight * row * row.transpose();
-      g += weight * space.axes_S.col(k).dot(way) * row;
+      g += weight * axis.dot(way) * row;
+    }
+    // What of the way stays out of reach bends the circles the joints move on: without that the
+    // steps toward something far away would overshoot. Where the exact bend has no least, the most
+    // it can be.
+    const Mat3 exact = H + bend_of(to_wrist, q, along);
+    if (exact.ldlt().isPositive() && exact.ldlt().vectorD().minCoeff() > kDamping) {
+      H = exact;
+    } else {
+      H.diagonal() += along.norm() * J.colwise().norm().transpose();
     }
     const Vec3 longest = Vec3::Constant(kLongest);
     const Vec3 low = (ranges.low - q).head<3>().cwiseMax(-longest);
@@ -111,30 +129,26 @@ Vec3 reach_wrist(const ArmGeometry& arm, const Ranges& ranges, const TipSpace& s
   return forward(to_wrist, q).p;
 }
 
-// Joints that turn the tip as near to `goal` as the ranges allow, in its place.
+// One step that turns the tip toward `goal` as near as the ranges allow, in its place.
 JointVector turn_tip(const ArmGeometry& arm, const Ranges& ranges, const Pose& goal,
                      JointVector q) {
   q = q.cwiseMax(ranges.low).cwiseMin(ranges.high);
-  double most = kLongest;
-  JointVector last = JointVector::Zero();
-  for (int step = 0; step < kWristSteps; ++step) {
+  for (int step = 0; step < kSteps; ++step) {
     const Pose X = forward(arm, q);
     const TipJacobian J = tip_jacobian(arm, q);
+    const Vec3 turn = rotation_log(goal.q * X.q.conjugate());
     Eigen::Matrix<double, kJoints, kJoints> H =
         J.linear.transpose() * J.linear + kTurn * J.angular.transpose() * J.angular;
-    H.diagonal().array() += kDamping;
-    const JointVector g = J.linear.transpose() * (goal.p - X.p) +
-                          kTurn * J.angular.transpose() * rotation_log(goal.q * X.q.conjugate());
-    const JointVector longest = JointVector::Constant(most);
+    // As above, for what stays of the turn.
+    H.diagonal().array() += kDamping + kTurn * turn.norm();
+    const JointVector g =
+        J.linear.transpose() * (goal.p - X.p) + kTurn * J.angular.transpose() * turn;
+    const JointVector longest = JointVector::Constant(kLongest);
     const JointVector low = (ranges.low - q).cwiseMax(-longest);
     const JointVector high = (ranges.high - q).cwiseMin(longest);
     const JointVector d = solve_in_box<kJoints>(H, g, low, high, JointVector::Ones());
     q += d;
-    const double way = d.cwiseAbs().maxCoeff();
-    if (way < kFound) break;
-    // A step back means that the last one went too far: what stays of the turn bends the way.
-    if (d.dot(last) < 0.0) most = 0.5 * std::min(most, way);
-    last = d;
+    if (d.cwiseAbs().maxCoeff() < kFound) break;
   }
   return q;
 }
@@ -142,8 +156,8 @@ JointVector turn_tip(const ArmGeometry& arm, const Ranges& ranges, const Pose& g
 }  // namespace
 
 Reached nearest_reachable(const ArmGeometry& arm, const JointLimits& limits, const TipSpace& space,
-                          const Pose& X, const JointVector& seed, const JointVector& inside,
-                          const Vec3* p_held) noexcept {
+                          const Pose& X, const JointVector& seed,
+                          const JointVector& inside) noexcept {
   const Ranges ranges{limits.lower + inside, limits.upper - inside};
   Reached out{seed, X, -1, false};
   const bool solved = inverse_near(arm, X, seed, out.q) == InverseStatus::kOk;
@@ -162,21 +176,17 @@ Reached nearest_reachable(const ArmGeometry& arm, const JointLimits& limits, con
     const Vec3 to_tip = arm.d6 * (goal.q * Vec3::UnitZ());
     goal.p = space.nearest(reach_wrist(arm, ranges, space, X.p - to_tip, q) + to_tip);
     out.joint = ranges.nearest_end(q, 0, 2);
-    inverse_near(arm, goal, q, q);
+    // The place in reach moves as the tip turns; it is not left for one that is further away.
+    const Vec3 here = space.nearest(forward(arm, seed).p);
+    if ((here - X.p).norm() < (goal.p - X.p).norm()) {
+      goal.p = here;
+      q = seed;
+    } else {
+      inverse_near(arm, goal, q, q);
+    }
   }
   out.q = turn_tip(arm, ranges, {goal.p, X.q}, q);
-  out.X = forward(arm, out.q);
-  if (p_held == nullptr) return out;
-  const auto off = [&](const Vec3& p) { return (p - X.p).norm(); };
-  const Vec3 p_tip = space.nearest(forward(arm, seed).p), p_before = space.nearest(*p_held);
-  const Vec3 known = off(p_tip) < off(p_before) ? p_tip : p_before;
-  if (off(known) > off(out.X.p) - kNearer) return out;
-  const JointVector held = turn_tip(arm, ranges, {known, X.q}, seed);
-  const Pose X_held = forward(arm, held);
-  if (off(X_held.p) < off(out.X.p)) {
-    out.q = held;
-    out.X = X_held;
-  }
+  out.X = {goal.p, forward(arm, out.q).q};
   return out;
 }
 

@@ -9,21 +9,20 @@ namespace handrail {
 
 struct Reached {
   JointVector q;
-  Pose X;                  // tip at q
+  Pose X;                  // tip at q, but for what the step rounds
   std::int8_t joint = -1;  // 0 to 5: whose range ends there; -1: it is the pose asked for
   bool arm = false;        // the place had to yield
 };
 
-// The pose in reach for one asked for. The place comes first: where the arm, turned as at `seed`,
+// The pose in reach for one asked for, a step toward it from `seed`: asked again from there, again
+// and again, it comes to the nearest. The place comes first: where the arm, turned as at `seed`,
 // does not get there it yields, along `space` if it is asked for on it. Then the tip turns as near
-// to what is asked for as it may in its place. Given `p_held`, a place gone to before, the place is
-// no further from the one asked for than it or the tip at `seed`: else it would move away while the
-// tip turns, and the tip after it. On the seed's way of standing (shoulder and elbow), of the
-// wrist's two ways the one that turns it least within its ranges, `inside` [rad] from every range's
-// end. Real-time safe, at most 112 solutions of three and 1664 of six equations; one inverse
-// kinematics where X is in reach.
+// to what is asked for as it may in its place. On the seed's way of standing (shoulder and elbow),
+// of the wrist's two ways the one that turns it least within its ranges, `inside` [rad] from every
+// range's end. Real-time safe: one inverse kinematics where X is in reach, else three and one least
+// squares of three and of six unknowns.
 Reached nearest_reachable(const ArmGeometry& arm, const JointLimits& limits, const TipSpace& space,
-                          const Pose& X, const JointVector& seed, const JointVector& inside,
-                          const Vec3* p_held = nullptr) noexcept;
+                          const Pose& X, const JointVector& seed,
+                          const JointVector& inside) noexcept;
 
 }  // namespace handrail

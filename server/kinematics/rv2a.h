@@ -73,4 +73,7 @@ struct SingularityMargin {
 };
 SingularityMargin singularity_margin(const ArmGeometry& arm, const JointVector& q) noexcept;
 
+// Whether both wrists or both shoulders are near, as inverse_near means it. Real-time safe.
+bool near_singular(const ArmGeometry& arm, const JointVector& q) noexcept;
+
 }  // namespace handrail

@@ -185,6 +185,11 @@ void inverse_all(const ArmGeometry& arm, const Pose& X_ST, const JointVector& se
   }
 }
 
+bool near_singular(const ArmGeometry& arm, const JointVector& q) noexcept {
+  const SingularityMargin margin = singularity_margin(arm, q);
+  return margin.wrist < kWristZone || margin.shoulder < kShoulderZone;
+}
+
 InverseStatus inverse_near(const ArmGeometry& arm, const Pose& X_ST, const JointVector& seed,
                            JointVector& q) noexcept {
   const ArmPlane plane = arm_plane(arm, seed);

@@ -36,6 +36,10 @@ struct ToolDefinition {
   double stiffness = 0.0;  // K_t [N/m] at the hand; K_N, K_F [N m/rad] for orientation tools
 };
 
+// Whether both are the same definition (kind and geometry, not id or epoch). A NaN is never the
+// same. Real-time safe.
+bool same_tool(const ToolDefinition& a, const ToolDefinition& b) noexcept;
+
 // Identity of the definition (kind and geometry, not id or epoch) for comparison across the link:
 // FNV-1a over the fields' bytes, with -0.0 folded into 0.0. Not a cryptographic hash.
 std::uint64_t hash_of(const ToolDefinition& tool) noexcept;

@@ -18,38 +18,37 @@ double clearance_of(const Workspace& workspace, const Vec3& p) {
   return std::min((p - workspace.low).minCoeff(), (workspace.high - p).minCoeff());
 }
 
-// Cheap and sufficient: all of it true means allowed, but for the workspace.
+// Cheap and sufficient: true means allowed, but for the workspace. A NaN makes it false.
 bool plainly_allowed(const GuardLimits& limits, const GuardState& state, const JointVector& wanted,
                      const JointVector& step, const JointVector& change) {
-  bool allowed = true;
-  for (int i = 0; i < kJoints; ++i) {
-    const AxisLimits& l = limits.axis[static_cast<std::size_t>(i)];
-    const double a = std::abs(change[i]);
-    // Bitwise, so that the loop has no branches; a NaN makes every comparison
-    // false.
-    allowed &= (a <= l.acceleration) & (std::abs(change[i] - state.change[i]) <= l.jerk) &
-               (std::abs(step[i]) * l.jerk + 0.5 * a * a <= l.speed * l.jerk) &
-               (limits.upper[i] - wanted[i] >= limits.plenty[i]) &
-               (wanted[i] - limits.lower[i] >= limits.plenty[i]);
-  }
-  return allowed;
+  const auto a = change.array().abs();
+  return (a <= limits.acceleration.array()).all() &&
+         ((change - state.change).array().abs() <= limits.jerk.array()).all() &&
+         (step.array().abs() * limits.jerk.array() + 0.5 * a * a <=
+          limits.speed.array() * limits.jerk.array())
+             .all() &&
+         (wanted.array() <= limits.plain_upper.array()).all() &&
+         (wanted.array() >= limits.plain_lower.array()).all();
 }
 
 Verdict joint_verdict(const GuardLimits& limits, const JointVector& wanted, const JointVector& step,
                       const JointVector& change, const JointVector& last_change) {
-  for (std::int8_t i = 0; i < kJoints; ++i) {
+  for (int i = 0; i < kJoints; ++i) {
     const AxisLimits& l = limits.axis[static_cast<std::size_t>(i)];
     const double v = step[i], a = change[i];
     const double above = limits.upper[i] - wanted[i], below = wanted[i] - limits.lower[i];
     // Beyond its range a joint may stand or come back.
     const double up = v <= 0.0 && a <= 0.0 ? 0.0 : stop_reach(l, v, a) - above;
     const double down = v >= 0.0 && a >= 0.0 ? 0.0 : stop_reach(l, -v, -a) - below;
-    if (kept(Check::kRange) && (up > 0.0 || down > 0.0)) return {Reason::kJointRange, i};
-    if (kept(Check::kSpeed) && stop_peak(l, v, a) > l.speed) return {Reason::kJointSpeed, i};
+    if (kept(Check::kRange) && (up > 0.0 || down > 0.0))
+      return {Reason::kJointRange, static_cast<std::int8_t>(i)};
+    if (kept(Check::kSpeed) && stop_peak(l, v, a) > l.speed)
+      return {Reason::kJointSpeed, static_cast<std::int8_t>(i)};
     if (kept(Check::kAcceleration) && std::abs(a) > l.acceleration) {
-      return {Reason::kJointAcceleration, i};
+      return {Reason::kJointAcceleration, static_cast<std::int8_t>(i)};
     }
-    if (kept(Check::kJerk) && std::abs(a - last_change[i]) > l.jerk) return {Reason::kJointJerk, i};
+    if (kept(Check::kJerk) && std::abs(a - last_change[i]) > l.jerk)
+      return {Reason::kJointJerk, static_cast<std::int8_t>(i)};
   }
   return {};
 }
@@ -145,8 +144,13 @@ GuardLimits::GuardLimits(const JointLimits& joints, const ArmGeometry& geometry,
     l.speed = kInside * joints.max_speed[i] * dt;
     l.acceleration = kInside * joints.max_acceleration[i] * dt * dt;
     l.jerk = std::min(kInside * joints.max_jerk[i] * dt * dt * dt, 4.0 * l.acceleration);
+    speed[i] = l.speed;
+    acceleration[i] = l.acceleration;
+    jerk[i] = l.jerk;
     plenty[i] = l.speed * (0.5 * l.speed / l.acceleration + 1.5 * l.acceleration / l.jerk + 1.0);
   }
+  plain_lower = lower + plenty;
+  plain_upper = upper - plenty;
   furthest = lever.dot(plenty);
 }
 

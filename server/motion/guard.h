@@ -30,10 +30,12 @@ struct GuardLimits {
               double dt) noexcept;
 
   std::array<AxisLimits, kJoints> axis;
-  JointVector lower, upper;  // [rad]
-  JointVector plenty;        // more room to a range's end than any stop takes [rad]
-  JointVector lever;         // the tip moves at most this far with one radian of the joint [m]
-  double furthest = 0.0;     // more than the tip goes in any stop [m]
+  JointVector speed, acceleration, jerk;  // of `axis`
+  JointVector lower, upper;               // [rad]
+  JointVector plain_lower, plain_upper;   // plenty inside of them [rad]
+  JointVector plenty;                     // more room to a range's end than any stop takes [rad]
+  JointVector lever;      // the tip moves at most this far with one radian of the joint [m]
+  double furthest = 0.0;  // more than the tip goes in any stop [m]
   ArmGeometry arm;
   Workspace workspace;
 };

@@ -46,6 +46,10 @@ inline double stop_change(const AxisLimits& limits, double v, double a) noexcept
                     std::min(a + limits.jerk, limits.acceleration));
 }
 
+// By so much of a full change stop_reach is too large at most: 1/8 by its own rounding, the rest by
+// the sums', for acceleration/jerk of 0.25 to 12.5 cycles.
+inline constexpr double kStopReachOver = 0.135;
+
 // Upper bound of how far the axis goes on in the positive direction when stop_change acts from
 // (v, a); mirror both signs for the other direction. From continuous time; sums over cycles are
 // shorter by v/2 but for their rounding, at most acceleration/8. Never short for acceleration/jerk
@@ -76,15 +80,11 @@ inline double stop_peak(const AxisLimits& limits, double v, double a) noexcept {
 
 // Change of step toward `target`: the largest whose stop is not beyond it and whose speed stays
 // within the limit, so that the axis never passes the target even if nothing is ever asked again;
-// an axis that must pass it stops, with up to `hard` >= 1 times the acceleration and jerk: with
-// some to spare, limits that shrink a little on the way make it pass nothing. Faster than the limit
-// it slows to it. Bounded work.
-inline double track_change(const AxisLimits& limits, const AxisState& s, double target,
-                           double hard = 1.0) noexcept {
+// an axis that must pass it stops. Faster than the limit it slows to it. Bounded work.
+inline double track_change(const AxisLimits& limits, const AxisState& s, double target) noexcept {
   const double side = target >= s.x ? 1.0 : -1.0;
   const double room = side * (target - s.x), v = side * s.v, a = side * s.a;
-  const double brake =
-      stop_change({limits.speed, hard * limits.acceleration, hard * limits.jerk}, v, a);
+  const double brake = stop_change(limits, v, a);
   const auto left = [&](double change) {
     const double next = v + change;
     return room - next - stop_reach(limits, next, change);

@@ -5,8 +5,10 @@
 #include <array>
 
 #include "server/base/spatial.h"
+#include "server/kinematics/tip_place.h"
 #include "server/model/tip_space.h"
 #include "server/motion/guard.h"
+#include "server/motion/motion_constants.h"
 
 namespace handrail {
 
@@ -18,20 +20,12 @@ struct StopPlan {
   std::array<JointVector, kCapacity> q;
   int size = 0;
   int next = 0;
+  Vec3 p_end = Vec3::Zero();  // where the tip comes to rest, frame S [m]
 
   bool done() const noexcept { return next >= size; }
 };
 
-// What a radian counts beside a metre where place and turn are one motion [m].
-inline constexpr double kTurnLength = 0.2;
-
 using Vector6 = Eigen::Matrix<double, 6, 1>;
-
-inline Vector6 six(const Twist& t) noexcept {
-  Vector6 out;
-  out << t.linear, kTurnLength * t.angular;
-  return out;
-}
 
 // Where the commands stand: nothing here is measured.
 struct TipMotion {
@@ -46,29 +40,44 @@ struct PlanLimits {
   explicit PlanLimits(const GuardLimits& of) noexcept;
   GuardLimits guard;
   std::array<AxisLimits, kJoints> axis;
+  JointVector speed, acceleration, jerk;  // of `axis`
   JointVector from_end;  // of a joint's range, where the guard surely lets it come to rest [rad]
 };
 
-// Whether `wanted` is within the planned share of speed, acceleration and jerk,
-// and the guard lets it pass. Real-time safe.
+// Whether `wanted` is within the planned share of speed, acceleration and jerk, and the guard lets
+// it pass. Real-time safe.
 Verdict plan_allows(const PlanLimits& limits, const GuardState& state,
                     const JointVector& wanted) noexcept;
 
-// `wanted` becomes the newest command.
+// `wanted` becomes the newest command. Real-time safe.
 void advance(const PlanLimits& limits, GuardState& state, const JointVector& wanted) noexcept;
 
-// Solves X on the branch of `seed`; of both wrist branches the one nearer to it
-// where J5 is small, since a path straight through J5 = 0 keeps J4 and J6.
-// Real-time safe.
-bool solve_near(const ArmGeometry& arm, const Pose& X, const JointVector& seed,
-                JointVector& q) noexcept;
+// The smallest turns of the joints that take the tip somewhere, in units of what each joint can do.
+class PlaceInverse {
+ public:
+  // Around one pose.
+  PlaceInverse(const PlanLimits& limits, const TipPlace& tip) noexcept;
+  // Turns the joints on from `q` until `tip` is at `p` [m], to below a nanometre; from then on
+  // around there if that is far. False: it does not come there. Real-time safe.
+  bool bring_to(const Vec3& p, TipPlace& tip, JointVector& q) noexcept;
 
-// Stops from `from` along its path, on `space` throughout, no longer than v/a
-// + 2.5 a/j of the slowest-stopping joint. Every command of it was asked of the
-// guard. Where the path's own stop does not fit each joint may stop by itself, if that ends less
-// than `beside` [m] beside the path; 0: never. False with the reason in `why` when there is none.
-// Real-time safe, at most 9 x 64 inverse kinematics.
-bool plan_stop(const PlanLimits& limits, const TipSpace& space, const TipMotion& from,
-               double beside, StopPlan& plan, Verdict& why) noexcept;
+ private:
+  void turn_around(const TipPlace& tip) noexcept;
+
+  const PlanLimits& limits_;
+  Eigen::Matrix<double, kJoints, 3> R_;  // [rad/m]
+};
+
+// How the joints stop.
+enum class Stopping {
+  kAsOne,  // all together: the tip keeps its way
+  kEach,   // each by its own law: as fast as it can
+};
+
+// Rolls out a stop from `from`, on `space` throughout, no longer than v/a + 2.5 a/j of the
+// slowest-stopping joint. Every command of it was asked of the guard. False with the reason in
+// `why` when there is none. Real-time safe.
+bool plan_stop(const PlanLimits& limits, const TipSpace& space, const TipMotion& from, Stopping how,
+               StopPlan& plan, Verdict& why) noexcept;
 
 }  // namespace handrail

@@ -31,15 +31,12 @@ struct MotionSettings {
 // The newest target.
 struct TipTarget {
   Pose X;
-  Vec3 p_gone_to = Vec3::Zero();  // the place gone to for it [m]
-  bool beyond = false;            // it is out of reach
-  double least = 0.0;             // the nearest that the tip was to it while it stands [m]
+  bool beyond = false;  // it is out of reach
+  double least = 0.0;   // the nearest that the tip was to it while it stands [m]
 };
 
 struct MotionState : TipMotion {
-  StopPlan stop;
-  int sliding = 0;  // > 0: past where the straight way ends; so many straight steps end it
-  int around = 0;   // > 0: the joints go round what is in the way, so many cycles more
+  StopPlan stop;  // from the step that was decided last
   std::optional<TipTarget> asked;
 };
 
@@ -48,33 +45,39 @@ MotionState standing_at(const ArmGeometry& arm, const JointVector& q) noexcept;
 
 // What a cycle came to.
 struct Moved {
+  TipMotion next;              // to be commanded
   Vec3 p_goal = Vec3::Zero();  // the place gone to: the target's, or the nearest in reach [m]
   Verdict reach;               // what keeps it from being the target; kNone: nothing
   Verdict limit;               // what slows the way there
 };
 
-// One cycle toward `target` within `space`; a tip outside of it goes straight to the target. As far
-// as joint range, speed, acceleration and jerk allow, and slow enough to stop on the target. Out of
-// reach the nearest reachable pose is gone to (nearest_reachable); beyond the workspace the nearest
+// Decides one cycle toward `target` within `space`; a tip outside of it goes straight to the
+// target. As far as joint range, speed, acceleration and jerk allow, and slow enough to stop on the
+// target. Out of reach the nearest reachable pose is gone to; beyond the workspace the nearest
 // place 5 mm inside. From a target that stands the tip goes no further than it was, nor in a stop.
-// Where the straight way does not fit the joints, as near singular poses, the tip is slowed, then
-// goes on by what the joints can do: it keeps its place, and its orientation lags. `share` 0..1
-// slows the approach. Real-time safe, at most 15 stop plans, mostly one.
+// Where the straight way does not fit the joints, as near singular poses, the tip keeps its place
+// and its way, and its orientation lags. `share` 0..1 slows the approach. The plan in `state`
+// becomes the one from the step decided; `command` is to follow. Real-time safe, at most four
+// stops.
 Moved move_toward(const MotionSettings& settings, const TipSpace& space, const Pose& target,
                   double share, MotionState& state) noexcept;
 
-// One cycle of the stop plan; at rest it holds.
-void brake(const MotionSettings& settings, MotionState& state) noexcept;
+// Decides one cycle of the stop plan; at rest it holds. `command` is to follow.
+TipMotion brake(const MotionSettings& settings, MotionState& state) noexcept;
 
-// Sends the newest command through the guard; `before` is where the commands
-// stood before it. When the guard does not let it pass, `state` becomes what
-// the guard sends instead. Real-time safe.
-Verdict pass_guard(const MotionSettings& settings, const GuardState& before,
-                   MotionState& state) noexcept;
+// Sends what was decided through the guard, which commits it, or sends what `state` becomes
+// instead. Real-time safe.
+Verdict command(const MotionSettings& settings, const TipMotion& decided,
+                MotionState& state) noexcept;
 
 // True when the arm is commanded to rest.
 inline bool standing(const MotionState& state) noexcept {
   return state.joints.step.isZero(0.0) && state.joints.change.isZero(0.0);
+}
+
+// Where the commands so far bring the tip to rest [S, m]. Real-time safe.
+inline Vec3 rest_place(const MotionState& state) noexcept {
+  return state.stop.done() ? state.X_ST.p : state.stop.p_end;
 }
 
 }  // namespace handrail

@@ -18,8 +18,11 @@ constexpr double kToolTarget = 50.0;      // [ns]
 constexpr double kLedgerTarget = 50.0;    // [ns]
 constexpr double kHapticTarget = 1000.0;  // [ns]
 constexpr double kGuardTarget = 100.0;    // [ns]
-constexpr double kFollowTarget = 20e3;    // [ns]
-constexpr double kHostileTarget = 200e3;  // [ns]
+// Beside KDL's forward kinematics in the same run.
+constexpr double kFollowFactor = 6.0;
+constexpr double kLimitsFactor = 9.0;
+constexpr double kLateFactor = 40.0;
+constexpr std::int64_t kFollowCycles = 1000000;  // the worst of so many is told
 constexpr int kBatch = 20;
 
 // A hand at up to 0.2 m/s along a fixed pattern: 0.2 mm a tick.
@@ -189,11 +192,9 @@ void haptic_tools(benchmark::State& s) {
 void haptic_free(benchmark::State& s) {
   run(s, "haptic_step/no tool", 1, kHapticTarget, HapticTick(false));
 }
-void follow_free(benchmark::State& s) {
-  run(s, "follow_step/line", 1, kFollowTarget, FollowCycle(true));
-}
+void follow_free(benchmark::State& s) { run(s, "follow_step/line", 1, 0.0, FollowCycle(true)); }
 void follow_limited(benchmark::State& s) {
-  run(s, "follow_step/line under limits", 1, kHostileTarget, FollowCycle(false));
+  run(s, "follow_step/line under limits", 1, 0.0, FollowCycle(false));
 }
 void guard_pass(benchmark::State& s) {
   run(s, "guard/passes", kBatch, kGuardTarget, GuardCall(true, true));
@@ -216,15 +217,18 @@ BENCHMARK(published_line)->Name("tool_line_published");
 BENCHMARK(published_plane)->Name("tool_plane_published");
 BENCHMARK(haptic_tools)->Name("haptic_step_tools");
 BENCHMARK(haptic_free)->Name("haptic_step_free");
-BENCHMARK(follow_free)->Name("follow_step_free");
-BENCHMARK(follow_limited)->Name("follow_step_limited");
+BENCHMARK(follow_free)->Name("follow_step_free")->Iterations(kFollowCycles);
+BENCHMARK(follow_limited)->Name("follow_step_limited")->Iterations(kFollowCycles);
 BENCHMARK(guard_pass)->Name("guard_passes");
 BENCHMARK(guard_refuse)->Name("guard_brakes");
 
 [[maybe_unused]] const bool steps_compared = [] {
   // The same targets on the machine where KDL's forward took 595 ns.
   compare("haptic_step/line and N-rotation", "interleaved/kdl_forward", 1000.0 / 595.0);
-  compare("follow_step/line under limits", "interleaved/kdl_forward", kHostileTarget / 595.0);
+  compare("follow_step/line", "interleaved/kdl_forward", kFollowFactor);
+  compare("follow_step/line under limits", "interleaved/kdl_forward", kLimitsFactor);
+  compare_late("follow_step/line", "interleaved/kdl_forward", kLateFactor);
+  compare_late("follow_step/line under limits", "interleaved/kdl_forward", kLateFactor);
   compare("tool/line exact", "interleaved/kdl_forward", 50.0 / 595.0);
   return true;
 }();

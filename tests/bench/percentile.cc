@@ -21,6 +21,7 @@ struct Comparison {
   std::string name;
   std::string peer;
   double factor = 1.0;
+  bool late = false;
 };
 
 // Filled by the benchmarks, in this thread; a benchmark runs several times and the last one counts.
@@ -95,7 +96,11 @@ void record(benchmark::State& state, const std::string& name, const Samples& sam
 }
 
 void compare(const std::string& name, const std::string& peer, double factor) {
-  comparisons().push_back({name, peer, factor});
+  comparisons().push_back({name, peer, factor, false});
+}
+
+void compare_late(const std::string& name, const std::string& peer, double factor) {
+  comparisons().push_back({name, peer, factor, true});
 }
 
 void add_context() {
@@ -124,9 +129,10 @@ void print_table(std::FILE* out) {
   for (const Comparison& c : comparisons()) {
     const auto ours = lines().find(c.name), peer = lines().find(c.peer);
     if (ours == lines().end() || peer == lines().end()) continue;
-    const double ratio = ours->second.summary.median / peer->second.summary.median;
-    std::fprintf(out, "%s / %s = %.3f  <= %.3f: %s\n", c.name.c_str(), c.peer.c_str(), ratio,
-                 c.factor, verdict(ratio, c.factor));
+    const Summary& summary = ours->second.summary;
+    const double ratio = (c.late ? summary.p999 : summary.median) / peer->second.summary.median;
+    std::fprintf(out, "%s%s / %s = %.3f  <= %.3f: %s\n", c.name.c_str(), c.late ? " 99.9 %" : "",
+                 c.peer.c_str(), ratio, c.factor, verdict(ratio, c.factor));
   }
 }
 

@@ -69,6 +69,8 @@ void run(benchmark::State& state, const std::string& name, int calls_per_sample,
 // A further line for the table: `median` of `name` is to stay within `factor` times that of `peer`,
 // both of this run. Lines whose names were not measured are left out.
 void compare(const std::string& name, const std::string& peer, double factor);
+// The same for the 99.9 % of `name`, beside the peer's median.
+void compare_late(const std::string& name, const std::string& peer, double factor);
 
 // Machine, build and clock cost as context lines; then, after the run, the table. Used by main.
 void add_context();

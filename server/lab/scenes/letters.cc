@@ -8,7 +8,7 @@ namespace {
 
 // From ' ' to '~', a bar after each. A letter is strokes with a space between them; a stroke is
 // places, each a digit across and one down. Capitals reach from 0 to 6, tails to 8.
-constexpr std::string_view kLetters =
+constexpr std::string_view kAlphabet =
     "|0004 0606|0002 2022|1016 3036 0242 0444|413010010213334445361605 2026|0640 0101 4545|"
     "4602011020310405162644|0001|20111526|00111506|0244 4204 2125|0444 2226|1607|0434|0606|"
     "0640|"
@@ -37,7 +37,7 @@ constexpr int kSpace = 2;        // how wide nothing is
 
 std::string_view strokes_of(unsigned char c) {
   if (c < ' ' || c > '~') return kBox;
-  std::string_view rest = kLetters;
+  std::string_view rest = kAlphabet;
   for (int i = ' '; i < c; ++i) rest.remove_prefix(rest.find('|') + 1);
   return rest.substr(0, rest.find('|'));
 }

@@ -21,7 +21,7 @@ using test::WallPainter;
 constexpr double kBankPixel = 1e-4;
 constexpr double kMicro = 1e-6;
 
-Vec2 unit(double angle) { return {std::cos(angle), std::sin(angle)}; }
+Vec2 unit_at(double angle) { return {std::cos(angle), std::sin(angle)}; }
 Vec2 left_of(const Vec2& v) { return {-v.y(), v.x()}; }
 
 // Distances from where the proxy should be [m].
@@ -63,7 +63,7 @@ class Bank {
     const double width = pixels * kBankPixel;
     for (int map = 0; map < 8; ++map) {
       const double angle = between(0.0, 3.2);
-      const Vec2 t = unit(angle), n = unit(angle + 0.5 * std::numbers::pi);
+      const Vec2 t = unit_at(angle), n = unit_at(angle + 0.5 * std::numbers::pi);
       const Vec2 off = between(-1.0, 1.0) * kBankPixel * n;
       const Vec2 start = wall ? Vec2(off + 2e-3 * n) : off;
       const Polygon shape = test::rectangle(off, wall ? 1.0 : 6e-3, width, angle);
@@ -88,7 +88,7 @@ class Bank {
       const double more = pixels * kBankPixel / std::cos(std::numbers::pi / n);
       Polygon inside, outside;
       for (int i = 0; i < n; ++i) {
-        const Vec2 way = unit(first + 2.0 * std::numbers::pi * i / n);
+        const Vec2 way = unit_at(first + 2.0 * std::numbers::pi * i / n);
         inside.push_back(middle_ + r * way);
         outside.push_back(middle_ + (r + more) * way);
       }
@@ -115,9 +115,9 @@ class Bank {
       WallPainter painter(100, 100, kBankPixel, solid);
       const Vec2 start = solid ? Vec2(4e-3, 4e-3) : c;
       begin((solid ? painter.wall_disc(c, r) : painter.open_disc(c, r)).finish(start, 256),
-            c + (r + 2.0 * outward * kBankPixel) * unit(0.0));
+            c + (r + 2.0 * outward * kBankPixel) * unit_at(0.0));
       for (double a = 0.0; a < 6.3; a += 0.2 * kBankPixel / r) {
-        out.add(look(c + (r - outward * kBankPixel) * unit(a)) - c - r * unit(a));
+        out.add(look(c + (r - outward * kBankPixel) * unit_at(a)) - c - r * unit_at(a));
       }
     }
     return out;
@@ -140,7 +140,7 @@ class Bank {
     Polygon out;
     for (int i = 0; i < n; ++i) {
       const double turn = (i + between(-0.25, 0.25)) / n;
-      out.push_back(middle_ + r * unit(first + 2.0 * std::numbers::pi * turn));
+      out.push_back(middle_ + r * unit_at(first + 2.0 * std::numbers::pi * turn));
     }
     return out;
   }

@@ -186,7 +186,7 @@ TEST_F(FollowGap, AControllerThatComesBackWithTheArmElsewhereIsAFaultOfThatJoint
   cycles(60);
   cycles(40, false);
   ASSERT_TRUE(rig.state.gap);
-  held[2] -= 0.09;
+  held[2] += 0.09;
   const JointVector there = held;
   cycles(20);
   EXPECT_EQ(rig.state.session, SessionState::kFault);
@@ -316,7 +316,7 @@ TEST_F(FollowGap, AControllerThatQueuesIsLeftToWorkOff) {
 // The controller takes every target, but its answers come a cycle late: after the cycle's, or with
 // silent cycles between. Without a target in every cycle it would hold a moving arm.
 TEST_F(FollowGap, AnswersThatAreLateShowNoQueue) {
-  target.p.z() -= 0.29;  // slow enough for two targets of which nobody knows
+  target.p.z() -= 0.288;  // slow enough for two targets of which nobody knows
   cycles(8);
   const FollowState start = rig.state;
   const JointVector first = held;

@@ -18,8 +18,16 @@ bool within_ranges(const JointVector& q) {
   return (q - limits.lower).minCoeff() > 0.0 && (limits.upper - q).minCoeff() > 0.0;
 }
 
-Reached reach(const TipSpace& space, const Pose& X, const JointVector& seed) {
-  return nearest_reachable(kArm, rv2a_limits(), space, X, seed, kInside);
+// Where it comes to step by step.
+Reached reach(const TipSpace& space, const Pose& X, JointVector seed) {
+  constexpr int kSteps = 400;
+  Reached reached;
+  for (int k = 0; k < kSteps; ++k) {
+    reached = nearest_reachable(kArm, rv2a_limits(), space, X, seed, kInside);
+    if (reached.joint < 0) break;
+    seed = reached.q;
+  }
+  return reached;
 }
 
 TEST(Reach, APoseInReachIsItself) {

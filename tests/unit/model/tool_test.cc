@@ -28,6 +28,7 @@ TEST(ToolHash, FoldsMinusZeroIntoZero) {
   b.p_SA = Vec3(-0.0, 0.0, -0.0);
   b.end = -0.0;
   EXPECT_EQ(hash_of(a), hash_of(b));
+  EXPECT_TRUE(same_tool(a, b));
 }
 
 TEST(ToolHash, IgnoresWhichCallMadeTheTool) {
@@ -35,6 +36,7 @@ TEST(ToolHash, IgnoresWhichCallMadeTheTool) {
   b.id = 12;
   b.epoch = 99;
   EXPECT_EQ(hash_of(a), hash_of(b));
+  EXPECT_TRUE(same_tool(a, b));
 }
 
 TEST(ToolHash, ChangesWithEveryFieldOfTheDefinition) {
@@ -59,6 +61,7 @@ TEST(ToolHash, ChangesWithEveryFieldOfTheDefinition) {
     ToolDefinition tool;
     changes[i](tool);
     EXPECT_TRUE(hashes.insert(hash_of(tool)).second) << "change " << i << " is not in the hash";
+    EXPECT_FALSE(same_tool(tool, ToolDefinition{})) << "change " << i << " is not seen";
   }
 }
 

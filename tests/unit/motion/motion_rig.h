@@ -23,6 +23,7 @@ struct MotionRig {
   int guarded = 0;         // cycles in which the guard had to act
   int frozen = 0;          // cycles in which no joint moved: the most in a row
   double off_space = 0.0;  // the worst [m]
+  double off_rest = 0.0;  // the place that a plan says it ends at from where it does, the worst [m]
 
   explicit MotionRig(const JointVector& q) {
     settings.limits = rv2a_limits();
@@ -30,16 +31,11 @@ struct MotionRig {
     watch.see(settings.limits, settings.dt, q);
   }
   void follow(const Pose& target, double share = 1.0) {
-    const GuardState before = state.joints;
     const Moved moved = move_toward(settings, space, target, share, state);
     verdict = moved.reach.reason != Reason::kNone ? moved.reach : moved.limit;
-    finish(before);
+    finish(moved.next);
   }
-  void stop() {
-    const GuardState before = state.joints;
-    brake(settings, state);
-    finish(before);
-  }
+  void stop() { finish(brake(settings, state)); }
   // Cycles in which a stop from here moves any joint.
   int cycles_to_stop() const {
     MotionRig copy = *this;
@@ -63,11 +59,16 @@ struct MotionRig {
   }
 
  private:
-  void finish(const GuardState& before) {
-    guarded += pass_guard(settings, before, state).reason != Reason::kNone;
+  void finish(const TipMotion& decided) {
+    guarded += command(settings, decided, state).reason != Reason::kNone;
     watch.see(settings.limits, settings.dt, state.joints.q);
     still_ = state.joints.step.isZero(1e-7) ? still_ + 1 : 0;
     frozen = std::max(frozen, still_);
+    const StopPlan& stop = state.stop;
+    if (!stop.done()) {
+      const JointVector& last = stop.q[static_cast<std::size_t>(stop.size - 1)];
+      off_rest = std::max(off_rest, (rest_place(state) - forward(settings.arm, last).p).norm());
+    }
     off_space = std::max(off_space, space.distance(forward(settings.arm, state.joints.q).p));
   }
 

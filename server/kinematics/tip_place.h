@@ -1,0 +1,79 @@
+// Where the tip is while the joints turn a little at a time: without a sine or cosine a step.
+#pragma once
+
+#include <cmath>
+
+#include "server/kinematics/arm_plane.h"
+
+namespace handrail {
+
+// The tip's place and how it moves with the joints, from sines and cosines that are turned along.
+class TipPlace {
+ public:
+  TipPlace(const ArmGeometry& arm, const JointVector& q) noexcept
+      : arm_(&arm), one_(q[0]), two_(q[1]), both_(q[1] + q[2]), four_(q[3]), five_(q[4]) {}
+
+  // Turns the joints on by `step`, each by less than 0.2 rad: below rounding then. Real-time safe.
+  void turn(const JointVector& step) noexcept {
+    one_.turn(step[0]);
+    two_.turn(step[1]);
+    both_.turn(step[1] + step[2]);
+    four_.turn(step[3]);
+    five_.turn(step[4]);
+  }
+
+  // The tip, frame S [m]. Real-time safe.
+  Vec3 p() const noexcept {
+    const ArmPlane plane = arm_plane(*arm_, two_.s, two_.c, both_.s, both_.c);
+    // The tip's axis ahead in the arm's plane, beside it and up.
+    const double out = five_.s * four_.c;
+    const double ahead = plane.radius + arm_->d6 * (five_.c * both_.s + out * both_.c);
+    const double aside = arm_->d6 * five_.s * four_.s;
+    return {one_.c * ahead - one_.s * aside, one_.s * ahead + one_.c * aside,
+            plane.height + arm_->d6 * (five_.c * both_.c - out * both_.s)};
+  }
+
+  // How it moves with the joints [m/rad]. Real-time safe.
+  Eigen::Matrix<double, 3, kJoints> jacobian() const noexcept {
+    const ArmPlane plane = arm_plane(*arm_, two_.s, two_.c, both_.s, both_.c);
+    const Vec3 ahead(one_.c, one_.s, 0.0), aside(-one_.s, one_.c, 0.0);
+    const Vec3 forearm(one_.c * both_.s, one_.s * both_.s, both_.c);
+    const Vec3 across(one_.c * both_.c, one_.s * both_.c, -both_.s);
+    const Vec3 wrist_axis = four_.c * aside - four_.s * across;
+    const Vec3 tip =
+        arm_->d6 * (five_.c * forearm + five_.s * (four_.c * across + four_.s * aside));
+    const Vec3 from_shoulder =
+        (plane.radius - arm_->a1) * ahead + (plane.height - arm_->d1) * Vec3::UnitZ() + tip;
+    const Vec3 from_elbow = arm_->d4 * forearm - arm_->a3 * across + tip;
+    Eigen::Matrix<double, 3, kJoints> J;
+    const Vec3 from_base = from_shoulder + arm_->a1 * ahead;
+    J.col(0) = Vec3(-from_base.y(), from_base.x(), 0.0);
+    J.col(1) = aside.cross(from_shoulder);
+    J.col(2) = aside.cross(from_elbow);
+    J.col(3) = forearm.cross(tip);
+    J.col(4) = wrist_axis.cross(tip);
+    J.col(5).setZero();
+    return J;
+  }
+
+ private:
+  struct Angle {
+    explicit Angle(double angle) noexcept : s(std::sin(angle)), c(std::cos(angle)) {}
+    void turn(double x) noexcept {
+      const double y = x * x;
+      const double sine =
+          x * (1.0 - y / 6.0 * (1.0 - y / 20.0 * (1.0 - y / 42.0 * (1.0 - y / 72.0))));
+      const double less =
+          0.5 * y * (1.0 - y / 12.0 * (1.0 - y / 30.0 * (1.0 - y / 56.0 * (1.0 - y / 90.0))));
+      const double turned = s + (c * sine - s * less);
+      c -= s * sine + c * less;
+      s = turned;
+    }
+    double s, c;
+  };
+
+  const ArmGeometry* arm_;
+  Angle one_, two_, both_, four_, five_;
+};
+
+}  // namespace handrail
