@@ -18,9 +18,9 @@ const char* name_of(ToolKind kind) noexcept {
 
 bool same_tool(const ToolDefinition& a, const ToolDefinition& b) noexcept {
   return a.kind == b.kind && a.p_SA == b.p_SA && a.direction_S == b.direction_S &&
-         a.normal_S == b.normal_S && a.axis_T == b.axis_T &&
-         a.q_ref.coeffs() == b.q_ref.coeffs() && a.one_way == b.one_way &&
-         a.has_end == b.has_end && a.end == b.end && a.stiffness == b.stiffness;
+         a.normal_S == b.normal_S && a.axis_T == b.axis_T && a.q_ref.coeffs() == b.q_ref.coeffs() &&
+         a.one_way == b.one_way && a.has_end == b.has_end && a.end == b.end &&
+         a.stiffness == b.stiffness;
 }
 
 std::uint64_t hash_of(const ToolDefinition& tool) noexcept {

@@ -22,11 +22,11 @@ inline constexpr MotionConstants kMotion;
 struct MotionRounding {
   double joint = 1e-12;    // a step that is none [rad]
   double place = 1e-12;    // a way that is none [m]
-  double off = 3e-10;      // off the place that a step is to come to [m], [rad]
+  double off = 3e-10;      // off the place that a step is to come to [m]
   double going = 1e-10;    // a step of the tip that has a direction [m], [rad by the turn's length]
   double coming = 1e-6;    // a way to the goal that has one, likewise
   double found = 1e-6;     // what is left of the way to the end of reach [m], [rad]
-  double past = 1e-7;      // past its goal on a tool [m]
+  double past = 1e-7;      // past its goal on a tool [m]; off a range's end [rad]
   double waver = 1e-5;     // the same of a slow tip that turns [m]
   double on = 5e-6;        // off its tool, its place having come as 32 bits [m]
   double from_end = 1e-5;  // of a joint's range [rad]
