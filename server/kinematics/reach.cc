@@ -15,10 +15,10 @@ constexpr double kStrict = 1e10;    // weight of staying on the space; of going 
 constexpr double kTurn = 1e-8;      // weight of the orientation beside the place [m^2]
 constexpr double kDamping = 1e-11;  // so that a solution exists
 constexpr double kSlack = 1e-6;     // less beyond an end is rounding [rad]
-constexpr int kSteps = 4;
-constexpr double kFound = 1e-10;  // [rad]
-constexpr double kLongest = 0.3;  // of one step [rad]
-constexpr double kBeyond = 1e6;   // what is within the ranges comes first
+constexpr int kSteps = 4;           // at most, of each least squares; the next call goes on
+constexpr double kFound = 1e-10;    // [rad]
+constexpr double kLongest = 0.3;    // of one step [rad]
+constexpr double kBeyond = 1e6;     // what is within the ranges comes first
 
 struct Ranges {
   JointVector low, high;
@@ -90,7 +90,7 @@ Mat3 bend_of(const ArmGeometry& to_wrist, const JointVector& q, const Vec3& way)
   return bend;
 }
 
-// One step of J1 to J3 that brings the wrist centre toward `goal`, or as near as it may along the
+// Some steps of J1 to J3 that bring the wrist centre toward `goal`, or as near as it may along the
 // space; where it comes.
 Vec3 reach_wrist(const ArmGeometry& arm, const Ranges& ranges, const TipSpace& space,
                  const Vec3& goal, JointVector& q) {
@@ -129,7 +129,7 @@ Vec3 reach_wrist(const ArmGeometry& arm, const Ranges& ranges, const TipSpace& s
   return forward(to_wrist, q).p;
 }
 
-// One step that turns the tip toward `goal` as near as the ranges allow, in its place.
+// Some steps that turn the tip toward `goal` as near as the ranges allow, in its place.
 JointVector turn_tip(const ArmGeometry& arm, const Ranges& ranges, const Pose& goal,
                      JointVector q) {
   q = q.cwiseMax(ranges.low).cwiseMin(ranges.high);

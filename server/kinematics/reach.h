@@ -14,13 +14,13 @@ struct Reached {
   bool arm = false;        // the place had to yield
 };
 
-// The pose in reach for one asked for, a step toward it from `seed`: asked again from there, again
-// and again, it comes to the nearest. The place comes first: where the arm, turned as at `seed`,
-// does not get there it yields, along `space` if it is asked for on it. Then the tip turns as near
-// to what is asked for as it may in its place. On the seed's way of standing (shoulder and elbow),
-// of the wrist's two ways the one that turns it least within its ranges, `inside` [rad] from every
-// range's end. Real-time safe: one inverse kinematics where X is in reach, else three and one least
-// squares of three and of six unknowns.
+// The pose in reach for one asked for, some steps toward it from `seed`: asked again from there,
+// again and again, it comes to the nearest. The place comes first: where the arm, turned as at
+// `seed`, does not get there it yields, along `space` if it is asked for on it. Then the tip turns
+// as near to what is asked for as it may in its place. On the seed's way of standing (shoulder and
+// elbow), of the wrist's two ways the one that turns it least within its ranges, `inside` [rad]
+// from every range's end. Real-time safe: one inverse kinematics where X is in reach, else at most
+// three, and four least squares of three and of six unknowns each.
 Reached nearest_reachable(const ArmGeometry& arm, const JointLimits& limits, const TipSpace& space,
                           const Pose& X, const JointVector& seed,
                           const JointVector& inside) noexcept;

@@ -78,6 +78,19 @@ inline double stop_peak(const AxisLimits& limits, double v, double a) noexcept {
   return std::max(std::abs(v), a > 0.0 ? v + more : more - v);
 }
 
+// The largest change of step upward within speed, acceleration and jerk; faster than the limit it
+// slows to it. Mirror both signs for the other direction.
+inline double fastest_change(const AxisLimits& limits, double v, double a) noexcept {
+  double high = std::min(a + limits.jerk, limits.acceleration);
+  const double faster = limits.speed - v;
+  if (faster < 0.0) {
+    high = std::min(high, stop_change(limits, -faster, a));
+  } else if (high > 0.0) {
+    high = std::min(high, ramp_inverse(faster, limits.jerk));
+  }
+  return std::max(high, a - limits.jerk);
+}
+
 // Change of step toward `target`: the largest whose stop is not beyond it and whose speed stays
 // within the limit, so that the axis never passes the target even if nothing is ever asked again;
 // an axis that must pass it stops. Faster than the limit it slows to it. Bounded work.
@@ -89,14 +102,7 @@ inline double track_change(const AxisLimits& limits, const AxisState& s, double 
     const double next = v + change;
     return room - next - stop_reach(limits, next, change);
   };
-  double high = std::min(a + limits.jerk, limits.acceleration);
-  const double faster = limits.speed - v;
-  if (faster < 0.0) {
-    high = std::min(high, stop_change(limits, -faster, a));
-  } else if (high > 0.0) {
-    high = std::min(high, ramp_inverse(faster, limits.jerk));
-  }
-  high = std::max({high, brake, a - limits.jerk});
+  double high = std::max(fastest_change(limits, v, a), brake);
   double beyond = left(high);
   if (beyond >= 0.0) return side * high;
   double low = brake, within = left(low);

@@ -7,28 +7,12 @@
 #include "server/kinematics/box_solve.h"
 
 namespace handrail {
-namespace {
-
-// The largest change of step upward, from where the joint is far from its end.
-double up(const AxisLimits& l, double v, double a) {
-  double high = std::min(a + l.jerk, l.acceleration);
-  const double faster = l.speed - v;
-  if (faster < 0.0) {
-    high = std::min(high, stop_change(l, -faster, a));
-  } else if (high > 0.0) {
-    high = std::min(high, ramp_inverse(faster, l.jerk));
-  }
-  return std::max(high, a - l.jerk);
-}
-
-}  // namespace
-
 StepBox::StepBox(const PlanLimits& limits, const GuardState& joints) noexcept {
   for (int i = 0; i < kJoints; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const AxisLimits& l = limits.axis[k];
     const AxisState s{joints.q[i], joints.step[i], joints.change[i]};
-    double most = up(l, s.v, s.a), least = -up(l, -s.v, -s.a);
+    double most = fastest_change(l, s.v, s.a), least = -fastest_change(l, -s.v, -s.a);
     const double top = limits.guard.upper[i] - kTiny.past;
     const double end = limits.guard.lower[i] + kTiny.past;
     const double plenty = limits.guard.plenty[i] + limits.speed[i];
