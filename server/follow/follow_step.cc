@@ -73,10 +73,11 @@ void advance_session(const FollowSettings& settings, const FollowInput& in, Foll
 // The commands of one cycle, through the guard; returns what intervened.
 Reason move_once(const FollowSettings& settings, const FollowInput& in, FollowState& s,
                  FollowLedger& ledger) {
+  const PlanLimits limits(settings.motion.guard());
   const bool following = follows(s.session);
-  const Led led = following ? lead(settings, in, s, ledger)
-                            : Led{brake(settings.motion, s.motion), Reason::kNone};
-  const Verdict safe = command(settings.motion, led.next, s.motion);
+  const Led led = following ? lead(settings, limits, in, s, ledger)
+                            : Led{brake(limits, s.motion), Reason::kNone};
+  const Verdict safe = command(limits, led.next, s.motion);
   if (safe.reason == Reason::kNone) return led.why;
   ++s.guarded;
   if (following) {

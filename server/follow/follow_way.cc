@@ -93,10 +93,10 @@ TipSpace space_to(const Vec3& p, const FollowState& s) {
 
 }  // namespace
 
-Led lead(const FollowSettings& settings, const FollowInput& in, FollowState& s,
-         FollowLedger& ledger) noexcept {
+Led lead(const FollowSettings& settings, const PlanLimits& limits, const FollowInput& in,
+         FollowState& s, FollowLedger& ledger) noexcept {
   if (const Reason refused = refusal(in, s); refused != Reason::kNone) {
-    return {brake(settings.motion, s.motion), refused};
+    return {brake(limits, s.motion), refused};
   }
   s.oldest_applied = std::max(s.oldest_applied, age_of_master(in));
   s.applied_sequence = in.master_sequence;
@@ -109,7 +109,7 @@ Led lead(const FollowSettings& settings, const FollowInput& in, FollowState& s,
   const Stage command{in.master.X_SU.p};
   const Stage tool = hold_on_tool(in, X_SN, s);
   const Stage bumped = yield(settings, X_SN.p, s, contact);
-  const Moved moved = move_toward(settings.motion, space_to(bumped.p, s), {bumped.p, X_SN.q},
+  const Moved moved = move_toward(settings.motion, limits, space_to(bumped.p, s), {bumped.p, X_SN.q},
                                   share_of_speed(age_of_master(in)), s.motion);
   const Stage reached{moved.p_goal, moved.reach.reason};
   const Stage limited{moved.next.X_ST.p, moved.limit.reason};

@@ -56,6 +56,9 @@ struct Ranges {
 // The wrist's other ways to turn the tip as at `q`: flipped, J4 and J6 half a turn either way; the
 // one within its ranges that is nearest to the seed.
 JointVector best_wrist(const Ranges& ranges, const JointVector& q, const JointVector& seed) {
+  // A flip turns J4 by half a turn: it is not nearer.
+  const JointVector way = (q - seed).cwiseAbs();
+  if (ranges.worst(q, 3, 5) < 0 && way.tail<3>().maxCoeff() < 0.5 * std::numbers::pi) return q;
   JointVector best = q;
   double least = 1e9;
   for (const int flip : {0, 1}) {

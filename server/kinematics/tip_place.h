@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "server/kinematics/arm_plane.h"
+#include "server/kinematics/jacobian.h"
 
 namespace handrail {
 
@@ -33,26 +34,23 @@ class TipPlace {
             plane.height + arm_->d6 * (five_.c * both_.c - out * both_.s)};
   }
 
-  // How it moves with the joints [m/rad]. Real-time safe.
-  Eigen::Matrix<double, 3, kJoints> jacobian() const noexcept {
+  // How it moves with the joints. Real-time safe.
+  TipJacobian jacobian() const noexcept {
     const ArmPlane plane = arm_plane(*arm_, two_.s, two_.c, both_.s, both_.c);
     const Vec3 ahead(one_.c, one_.s, 0.0), aside(-one_.s, one_.c, 0.0);
     const Vec3 forearm(one_.c * both_.s, one_.s * both_.s, both_.c);
     const Vec3 across(one_.c * both_.c, one_.s * both_.c, -both_.s);
     const Vec3 wrist_axis = four_.c * aside - four_.s * across;
-    const Vec3 tip =
-        arm_->d6 * (five_.c * forearm + five_.s * (four_.c * across + four_.s * aside));
+    const Vec3 tip_axis = five_.c * forearm + five_.s * (four_.c * across + four_.s * aside);
+    const Vec3 tip = arm_->d6 * tip_axis;
     const Vec3 from_shoulder =
         (plane.radius - arm_->a1) * ahead + (plane.height - arm_->d1) * Vec3::UnitZ() + tip;
     const Vec3 from_elbow = arm_->d4 * forearm - arm_->a3 * across + tip;
-    Eigen::Matrix<double, 3, kJoints> J;
     const Vec3 from_base = from_shoulder + arm_->a1 * ahead;
-    J.col(0) = Vec3(-from_base.y(), from_base.x(), 0.0);
-    J.col(1) = aside.cross(from_shoulder);
-    J.col(2) = aside.cross(from_elbow);
-    J.col(3) = forearm.cross(tip);
-    J.col(4) = wrist_axis.cross(tip);
-    J.col(5).setZero();
+    TipJacobian J;
+    J.angular << Vec3::UnitZ(), aside, aside, forearm, wrist_axis, tip_axis;
+    J.linear << Vec3(-from_base.y(), from_base.x(), 0.0), aside.cross(from_shoulder),
+        aside.cross(from_elbow), forearm.cross(tip), wrist_axis.cross(tip), Vec3::Zero();
     return J;
   }
 
@@ -60,11 +58,14 @@ class TipPlace {
   struct Angle {
     explicit Angle(double angle) noexcept : s(std::sin(angle)), c(std::cos(angle)) {}
     void turn(double x) noexcept {
+      // Each power of the series beside the one before it.
+      constexpr double k3 = 1.0 / 6.0, k5 = 1.0 / 20.0, k7 = 1.0 / 42.0, k9 = 1.0 / 72.0;
+      constexpr double k4 = 1.0 / 12.0, k6 = 1.0 / 30.0, k8 = 1.0 / 56.0, k10 = 1.0 / 90.0;
       const double y = x * x;
       const double sine =
-          x * (1.0 - y / 6.0 * (1.0 - y / 20.0 * (1.0 - y / 42.0 * (1.0 - y / 72.0))));
+          x * (1.0 - k3 * y * (1.0 - k5 * y * (1.0 - k7 * y * (1.0 - k9 * y))));
       const double less =
-          0.5 * y * (1.0 - y / 12.0 * (1.0 - y / 30.0 * (1.0 - y / 56.0 * (1.0 - y / 90.0))));
+          0.5 * y * (1.0 - k4 * y * (1.0 - k6 * y * (1.0 - k8 * y * (1.0 - k10 * y))));
       const double turned = s + (c * sine - s * less);
       c -= s * sine + c * less;
       s = turned;

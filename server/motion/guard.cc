@@ -18,17 +18,18 @@ double clearance_of(const Workspace& workspace, const Vec3& p) {
   return std::min((p - workspace.low).minCoeff(), (workspace.high - p).minCoeff());
 }
 
-// Cheap and sufficient: true means allowed, but for the workspace. A NaN makes it false.
+// Cheap and sufficient: true means allowed, but for the workspace. All finite.
 bool plainly_allowed(const GuardLimits& limits, const GuardState& state, const JointVector& wanted,
                      const JointVector& step, const JointVector& change) {
-  const auto a = change.array().abs();
-  return (a <= limits.acceleration.array()).all() &&
-         ((change - state.change).array().abs() <= limits.jerk.array()).all() &&
-         (step.array().abs() * limits.jerk.array() + 0.5 * a * a <=
-          limits.speed.array() * limits.jerk.array())
-             .all() &&
-         (wanted.array() <= limits.plain_upper.array()).all() &&
-         (wanted.array() >= limits.plain_lower.array()).all();
+  const JointVector a = change.cwiseAbs();
+  const JointVector fast = step.cwiseAbs() + 0.5 * a.cwiseProduct(a).cwiseProduct(limits.per_jerk);
+  const JointVector room =
+      (limits.acceleration - a)
+          .cwiseMin(limits.jerk - (change - state.change).cwiseAbs())
+          .cwiseMin(limits.speed - fast)
+          .cwiseMin(limits.plain_upper - wanted)
+          .cwiseMin(wanted - limits.plain_lower);
+  return room.minCoeff() >= 0.0;
 }
 
 Verdict joint_verdict(const GuardLimits& limits, const JointVector& wanted, const JointVector& step,
@@ -65,6 +66,15 @@ struct Reaches {
   JointVector up, down;
 };
 
+// More than any joint can still turn while it stops, for less work: a stop from the highest speed
+// it comes through [rad].
+JointVector most_turn(const GuardLimits& limits, const JointVector& step,
+                      const JointVector& change) {
+  const JointVector fast =
+      step.cwiseAbs() + 0.5 * change.cwiseProduct(change).cwiseProduct(limits.per_jerk);
+  return fast.cwiseProduct(fast.cwiseProduct(limits.half_per_acceleration) + limits.stop_time);
+}
+
 // How far those turns can take the tip, at most, beyond what is linear in them: the second
 // derivative by joints i and j is no longer than the lever of the one nearer to the tip.
 double bend(const GuardLimits& limits, const JointVector& turn) {
@@ -99,7 +109,8 @@ bool keeps_off_faces(const GuardLimits& limits, const JointVector& q, const Vec3
 bool stays_inside(const GuardLimits& limits, const GuardState& state, const JointVector& wanted,
                   const JointVector& step, const JointVector& change, double& clearance) {
   clearance = state.clearance - limits.lever.dot(step.cwiseAbs());
-  if (clearance > limits.furthest) return true;
+  if (clearance > limits.furthest || clearance > limits.lever.dot(most_turn(limits, step, change)))
+    return true;
   const Reaches reaches(limits, step, change);
   const JointVector turn = reaches.up.cwiseMax(reaches.down);
   const double needed = limits.lever.dot(turn);
@@ -116,7 +127,7 @@ Verdict check(const GuardLimits& limits, const GuardState& state, const JointVec
               double& clearance) {
   const JointVector step = wanted - state.q, change = step - state.step;
   // Huge numbers would leave nothing of the others.
-  if (kept(Check::kFinite) && (!(wanted.cwiseAbs().maxCoeff() < kNoAngle) || !wanted.allFinite())) {
+  if (kept(Check::kFinite) && !(wanted.squaredNorm() < kNoAngle * kNoAngle)) {
     return {Reason::kCommandInvalid, -1};
   }
   if (!plainly_allowed(limits, state, wanted, step, change)) {
@@ -147,7 +158,10 @@ GuardLimits::GuardLimits(const JointLimits& joints, const ArmGeometry& geometry,
     speed[i] = l.speed;
     acceleration[i] = l.acceleration;
     jerk[i] = l.jerk;
-    plenty[i] = l.speed * (0.5 * l.speed / l.acceleration + 1.5 * l.acceleration / l.jerk + 1.0);
+    per_jerk[i] = 1.0 / l.jerk;
+    half_per_acceleration[i] = 0.5 / l.acceleration;
+    stop_time[i] = 1.5 * l.acceleration / l.jerk + 1.0;
+    plenty[i] = l.speed * (half_per_acceleration[i] * l.speed + stop_time[i]);
   }
   plain_lower = lower + plenty;
   plain_upper = upper - plenty;

@@ -53,10 +53,13 @@ bool StepChooser::take_most(const JointVector& q, PlaceInverse& inverse, TipMoti
   const JointVector stop =
       plan.done() ? state_.joints.q : plan.q[static_cast<std::size_t>(plan.next)];
   if (take(q, Stopping::kAsOne, next)) return true;
+  // What brings a tip out further than its plan does so by halves, too.
   for (const double part : {0.5, 0.25}) {
+    if (ends_.out > 0.0) break;
     JointVector some = stop + part * (q - stop);
     if (!space_.everything()) {
-      TipPlace tip(limits_.guard.arm, some);
+      TipPlace tip = tip_;
+      tip.turn(some - state_.joints.q);
       inverse.bring_to(space_.nearest(tip.p()), tip, some);
     }
     if (take(some, Stopping::kAsOne, next)) return true;
@@ -68,10 +71,12 @@ bool StepChooser::take(const JointVector& q, Stopping how, TipMotion& next) noex
   const TipMotion m = after(limits_, state_, q, forward(limits_.guard.arm, q));
   const bool on_space = (space_.nearest(m.X_ST.p) - m.X_ST.p).norm() < 2.0 * kTiny.off;
   Verdict why = on_space ? plan_allows(limits_, state_.joints, q) : Verdict{Reason::kToolTube, -1};
-  if (why.reason == Reason::kNone && plan_stop(limits_, space_, m, how, trial_, why)) {
+  TipPlace tip = tip_;
+  tip.turn(q - state_.joints.q);
+  if (why.reason == Reason::kNone && plan_stop(limits_, space_, m, tip, how, trial_, why)) {
     if (!ends_.allow(space_, state_, m, trial_)) {
       why = {Reason::kOutOfReach, -1};
-    } else if (how == Stopping::kEach && !ends_beside(m)) {
+    } else if (!ends_on_way(m, how)) {
       why = {Reason::kJointAcceleration, -1};
     } else {
       next = m;
@@ -83,12 +88,14 @@ bool StepChooser::take(const JointVector& q, Stopping how, TipMotion& next) noex
   return false;
 }
 
-bool StepChooser::ends_beside(const TipMotion& m) const noexcept {
+bool StepChooser::ends_on_way(const TipMotion& m, Stopping how) const noexcept {
+  if (how == Stopping::kAsOne && !space_.everything()) return true;
   const Vec3 way = trial_.p_end - m.X_ST.p;
   const Vec3& step = m.tip_step.linear;
   const double speed = step.norm();
   const double off = speed < kTiny.place ? way.norm() : way.cross(step).norm() / speed;
-  return off < kMotion.unheld && way.norm() < 0.5 * speed * trial_.size + kMotion.unheld;
+  if (off >= kMotion.unheld) return false;
+  return how == Stopping::kAsOne || way.norm() < 0.5 * speed * trial_.size + kMotion.unheld;
 }
 
 }  // namespace handrail

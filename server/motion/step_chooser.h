@@ -31,9 +31,10 @@ TipMotion after(const PlanLimits& limits, const TipMotion& m, const JointVector&
 // Tries steps for one cycle; what is taken becomes the plan in `state`. Real-time safe.
 class StepChooser {
  public:
+  // `tip`: where the arm is.
   StepChooser(const PlanLimits& limits, const TipSpace& space, const Ends& ends,
-              MotionState& state) noexcept
-      : limits_(limits), space_(space), ends_(ends), state_(state) {}
+              const TipPlace& tip, MotionState& state) noexcept
+      : limits_(limits), space_(space), ends_(ends), tip_(tip), state_(state) {}
 
   // Takes the step to q, or half or a quarter of what it is beyond the plan's own next one, or it
   // with every joint stopping by itself: at most four stops. `inverse`: around where the arm is.
@@ -44,13 +45,14 @@ class StepChooser {
 
  private:
   bool take(const JointVector& q, Stopping how, TipMotion& next) noexcept;
-  // Joints whose motions cancelled may take the tip far when each stops: no further beside its way
-  // than where nothing holds it, and hardly further along than by braking evenly.
-  bool ends_beside(const TipMotion& m) const noexcept;
+  // A stop that no tool holds ends hardly beside the tip's way. Joints whose motions cancelled may
+  // take the tip far when each stops: hardly further along than by braking evenly.
+  bool ends_on_way(const TipMotion& m, Stopping how) const noexcept;
 
   const PlanLimits& limits_;
   const TipSpace& space_;
   const Ends& ends_;
+  const TipPlace& tip_;
   MotionState& state_;
   StopPlan trial_;
   Verdict refused_;

@@ -36,13 +36,14 @@ double part_of(const JointVector& room, const JointVector& rate) {
 // One stop, a cycle at a time.
 class RollOut {
  public:
-  RollOut(const PlanLimits& limits, const TipSpace& space, const TipMotion& from)
+  RollOut(const PlanLimits& limits, const TipSpace& space, const TipMotion& from,
+          const TipPlace& tip)
       : limits_(limits),
         space_(space),
         joints_(from.joints),
         p_(from.X_ST.p),
-        tip_(limits.guard.arm, joints_.q),
-        inverse_(limits, tip_) {
+        tip_(tip),
+        inverse_(limits) {
     way_ = joints_.step;
     p_way_ = space.along(from.tip_step.linear);
     way_S_ = p_way_.norm() > kTiny.off ? Vec3(p_way_.normalized()) : Vec3(Vec3::Zero());
@@ -82,14 +83,17 @@ class RollOut {
       JointVector step = how == Stopping::kAsOne ? as_one() : each();
       if (step.cwiseAbs().maxCoeff() < kTiny.joint) step.setZero();
       JointVector q = joints_.q + step;
-      tip_.turn(step);
-      if (!step.isZero(0.0) && !keep_way(how, q, why)) return false;
+      if (!space_.everything() && !step.isZero(0.0)) {
+        tip_.turn(step);
+        if (!keep_way(how, q, why)) return false;
+      }
+      if (how == Stopping::kAsOne && along_.v > 0.0) way_ += curve_ / along_.v;
       why = plan_allows(limits_, joints_, q);
       if (why.reason != Reason::kNone) return false;
       advance(limits_, joints_, q);
       plan.q[static_cast<std::size_t>(plan.size++)] = q;
       if (joints_.step.isZero(0.0) && joints_.change.isZero(0.0)) {
-        plan.p_end = p_;
+        plan.p_end = space_.everything() ? TipPlace(limits_.guard.arm, q).p() : p_;
         return true;
       }
     }
@@ -122,7 +126,8 @@ class RollOut {
     along_.v += along_.a;
     straight_ = along_.v * way_ + across_.v * bend_;
     const double slower = before > 0.0 ? along_.v / before : 0.0;
-    return straight_ + slower * slower * curve_;
+    curve_ *= slower * slower;
+    return straight_ + curve_;
   }
 
   JointVector each() const {
@@ -137,10 +142,6 @@ class RollOut {
   // Joints that slow together keep the tip's way, others only its space.
   bool keep_way(Stopping how, JointVector& q, Verdict& why) {
     const bool as_one = how == Stopping::kAsOne;
-    if (!as_one && space_.everything()) {
-      p_ = tip_.p();
-      return true;
-    }
     const Vec3 before = p_;
     const Vec3 way = along_.v * p_way_ + across_.v * p_bend_;
     p_ = space_.nearest(as_one ? Vec3(p_ + way) : tip_.p());
@@ -152,10 +153,8 @@ class RollOut {
       why = {Reason::kOutOfReach, -1};
       return false;
     }
-    if (!as_one) return true;
-    // What the curve took now it takes again, with the square of the speed: the way turns with it.
-    curve_ = q - joints_.q - straight_;
-    if (along_.v > 0.0) way_ += curve_ / along_.v;
+    // What the curve took now it takes again, with the square of the speed.
+    if (as_one) curve_ = q - joints_.q - straight_;
     return true;
   }
 
@@ -212,13 +211,8 @@ void advance(const PlanLimits& limits, GuardState& state, const JointVector& wan
   state.q = wanted;
 }
 
-PlaceInverse::PlaceInverse(const PlanLimits& limits, const TipPlace& tip) noexcept
-    : limits_(limits) {
-  turn_around(tip);
-}
-
 void PlaceInverse::turn_around(const TipPlace& tip) noexcept {
-  const auto J = tip.jacobian();
+  const auto J = tip.jacobian().linear;
   const JointVector weight = limits_.acceleration.cwiseAbs2();
   const Eigen::Matrix<double, kJoints, 3> WJt = weight.asDiagonal() * J.transpose();
   const Mat3 H = J * WJt;
@@ -230,7 +224,8 @@ bool PlaceInverse::bring_to(const Vec3& p, TipPlace& tip, JointVector& q) noexce
   for (int i = 0; i < kTiny.corrections; ++i) {
     const Vec3 off = p - tip.p();
     if (off.squaredNorm() < kTiny.off * kTiny.off) return true;
-    if (i == kTiny.corrections / 2) turn_around(tip);
+    if (!known_ || i == kTiny.corrections / 2) turn_around(tip);
+    known_ = true;
     const JointVector by = R_ * off;
     q += by;
     tip.turn(by);
@@ -238,12 +233,12 @@ bool PlaceInverse::bring_to(const Vec3& p, TipPlace& tip, JointVector& q) noexce
   return false;
 }
 
-bool plan_stop(const PlanLimits& limits, const TipSpace& space, const TipMotion& from, Stopping how,
-               StopPlan& plan, Verdict& why) noexcept {
+bool plan_stop(const PlanLimits& limits, const TipSpace& space, const TipMotion& from,
+               const TipPlace& tip, Stopping how, StopPlan& plan, Verdict& why) noexcept {
   plan.size = plan.next = 0;
   plan.p_end = from.X_ST.p;
   if (from.joints.step.isZero(0.0) && from.joints.change.isZero(0.0)) return true;
-  return RollOut(limits, space, from).run(how, plan, why);
+  return RollOut(limits, space, from, tip).run(how, plan, why);
 }
 
 }  // namespace handrail

@@ -55,8 +55,8 @@ void advance(const PlanLimits& limits, GuardState& state, const JointVector& wan
 // The smallest turns of the joints that take the tip somewhere, in units of what each joint can do.
 class PlaceInverse {
  public:
-  // Around one pose.
-  PlaceInverse(const PlanLimits& limits, const TipPlace& tip) noexcept;
+  // Around the first tip that is to be brought somewhere.
+  explicit PlaceInverse(const PlanLimits& limits) noexcept : limits_(limits) {}
   // Turns the joints on from `q` until `tip` is at `p` [m], to below a nanometre; from then on
   // around there if that is far. False: it does not come there. Real-time safe.
   bool bring_to(const Vec3& p, TipPlace& tip, JointVector& q) noexcept;
@@ -65,6 +65,7 @@ class PlaceInverse {
   void turn_around(const TipPlace& tip) noexcept;
 
   const PlanLimits& limits_;
+  bool known_ = false;
   Eigen::Matrix<double, kJoints, 3> R_;  // [rad/m]
 };
 
@@ -77,7 +78,7 @@ enum class Stopping {
 // Rolls out a stop from `from`, on `space` throughout, no longer than v/a + 2.5 a/j of the
 // slowest-stopping joint. Every command of it was asked of the guard. False with the reason in
 // `why` when there is none. Real-time safe.
-bool plan_stop(const PlanLimits& limits, const TipSpace& space, const TipMotion& from, Stopping how,
-               StopPlan& plan, Verdict& why) noexcept;
+bool plan_stop(const PlanLimits& limits, const TipSpace& space, const TipMotion& from,
+               const TipPlace& tip, Stopping how, StopPlan& plan, Verdict& why) noexcept;
 
 }  // namespace handrail

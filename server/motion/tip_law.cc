@@ -36,7 +36,7 @@ TipProposal::TipProposal(const PlanLimits& limits, const TipSpace& space, const 
   way_ = between(from.X_ST, target);
   Matrix both;
   both << J.linear, kMotion.turn_length * J.angular;
-  const Eigen::LDLT<Matrix> inverse(both.transpose() * both + kMotion.damping * Matrix::Identity());
+  const Eigen::LLT<Matrix> inverse(both.transpose() * both + kMotion.damping * Matrix::Identity());
   const auto set = [&](const Vector6& way, const Vector6& step, const Vector6& change, Axes& axes) {
     Vector6& along = axes[0].unit;
     Vector6& across = axes[1].unit;

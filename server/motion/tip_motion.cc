@@ -85,6 +85,17 @@ Ends ends_of(const MotionSettings& settings, const TipSpace& space, const Pose& 
   return ends;
 }
 
+// Whether a tip on its way out would brake less by a step to `p_next` than by its plan, which is then
+// all that may be taken.
+bool brakes_less(const TipJacobian& J, const Ends& ends, const Vec3& p_next,
+                 const MotionState& state) {
+  if (ends.out <= 0.0 || state.stop.done()) return false;
+  const StopPlan& plan = state.stop;
+  const JointVector by = plan.q[static_cast<std::size_t>(plan.next)] - state.joints.q;
+  const Vec3& p = state.X_ST.p;
+  return (p_next - p - J.linear * by).dot(p - ends.p_target) > 0.0;
+}
+
 }  // namespace
 
 MotionState standing_at(const ArmGeometry& arm, const JointVector& q) noexcept {
@@ -94,9 +105,8 @@ MotionState standing_at(const ArmGeometry& arm, const JointVector& q) noexcept {
   return state;
 }
 
-Moved move_toward(const MotionSettings& settings, const TipSpace& space, const Pose& asked,
-                  double share, MotionState& state) noexcept {
-  const PlanLimits limits(settings.guard());
+Moved move_toward(const MotionSettings& settings, const PlanLimits& limits, const TipSpace& space,
+                  const Pose& asked, double share, MotionState& state) noexcept {
   const ArmGeometry& arm = settings.arm;
   const Pose target{inside(settings.workspace, asked.p, state.X_ST.p), asked.q};
   const TipSpace within = space_now(space, target.p, state);
@@ -111,7 +121,8 @@ Moved move_toward(const MotionSettings& settings, const TipSpace& space, const P
   Moved moved{state, goal.p, beyond_reach(reached), {}};
   if (in_reach && target.p != asked.p) moved.reach = {Reason::kWorkspace, -1};
 
-  const TipJacobian J = tip_jacobian(arm, state.joints.q);
+  const TipPlace tip_now(arm, state.joints.q);
+  const TipJacobian J = tip_now.jacobian();
   const TipLaw law{settings.tip_speed, settings.dt, share, ends.past};
   const TipProposal proposal(limits, within, law, J, state, goal);
   const Twist way = proposal.way();
@@ -119,12 +130,12 @@ Moved move_toward(const MotionSettings& settings, const TipSpace& space, const P
   const Vec3 p_next = within.nearest(state.X_ST.p + step.linear);
   const bool found = !in_reach && size_of(way) < kTiny.found;
   const bool there = step.angular.isZero(0.0) && (p_next - state.X_ST.p).norm() < kTiny.off;
-  if (found || there) {
+  if (found || there || brakes_less(J, ends, p_next, state)) {
     moved.next = play(limits, state);
     return moved;
   }
   const Pose X{p_next, (rotation_exp(step.angular) * state.X_ST.q).normalized()};
-  PlaceInverse inverse(limits, TipPlace(arm, state.joints.q));
+  PlaceInverse inverse(limits);
   JointVector q;
   const StepBox box(limits, state.joints);
   const bool straight = solve_near(arm, X, state.joints.q, q) && box.holds(q - state.joints.q);
@@ -136,7 +147,7 @@ Moved move_toward(const MotionSettings& settings, const TipSpace& space, const P
       inverse.bring_to(within.nearest(tip.p()), tip, q);
     }
   }
-  StepChooser chooser(limits, within, ends, state);
+  StepChooser chooser(limits, within, ends, tip_now, state);
   const bool taken = chooser.take_most(q, inverse, moved.next);
   if (!taken) moved.next = play(limits, state);
   const Verdict limiting = taken ? proposal.limiting() : chooser.refused();
@@ -148,21 +159,20 @@ Moved move_toward(const MotionSettings& settings, const TipSpace& space, const P
   return moved;
 }
 
-TipMotion brake(const MotionSettings& settings, MotionState& state) noexcept {
-  return play(PlanLimits(settings.guard()), state);
+TipMotion brake(const PlanLimits& limits, MotionState& state) noexcept {
+  return play(limits, state);
 }
 
-Verdict command(const MotionSettings& settings, const TipMotion& decided,
-                MotionState& state) noexcept {
+Verdict command(const PlanLimits& limits, const TipMotion& decided, MotionState& state) noexcept {
   GuardState sent = state.joints;
-  const Verdict verdict = guard(settings.guard(), sent, decided.joints.q);
+  const Verdict verdict = guard(limits.guard, sent, decided.joints.q);
   if (verdict.reason == Reason::kNone) {
     static_cast<TipMotion&>(state) = decided;
   } else {
     // No plan starts here: the joints stop each by its own law until they stand.
     const Twist before = state.tip_step;
     const Pose X_last = state.X_ST;
-    state.X_ST = forward(settings.arm, sent.q);
+    state.X_ST = forward(limits.guard.arm, sent.q);
     state.tip_step = between(X_last, state.X_ST);
     state.tip_change = state.tip_step - before;
     state.stop = StopPlan();

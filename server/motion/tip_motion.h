@@ -59,16 +59,15 @@ struct Moved {
 // and its way, and its orientation lags. `share` 0..1 slows the approach. The plan in `state`
 // becomes the one from the step decided; `command` is to follow. Real-time safe, at most four
 // stops.
-Moved move_toward(const MotionSettings& settings, const TipSpace& space, const Pose& target,
-                  double share, MotionState& state) noexcept;
+Moved move_toward(const MotionSettings& settings, const PlanLimits& limits, const TipSpace& space,
+                  const Pose& target, double share, MotionState& state) noexcept;
 
 // Decides one cycle of the stop plan; at rest it holds. `command` is to follow.
-TipMotion brake(const MotionSettings& settings, MotionState& state) noexcept;
+TipMotion brake(const PlanLimits& limits, MotionState& state) noexcept;
 
 // Sends what was decided through the guard, which commits it, or sends what `state` becomes
 // instead. Real-time safe.
-Verdict command(const MotionSettings& settings, const TipMotion& decided,
-                MotionState& state) noexcept;
+Verdict command(const PlanLimits& limits, const TipMotion& decided, MotionState& state) noexcept;
 
 // True when the arm is commanded to rest.
 inline bool standing(const MotionState& state) noexcept {

@@ -30,12 +30,13 @@ struct MotionRig {
     state = standing_at(settings.arm, q);
     watch.see(settings.limits, settings.dt, q);
   }
+  PlanLimits limits() const { return PlanLimits(settings.guard()); }
   void follow(const Pose& target, double share = 1.0) {
-    const Moved moved = move_toward(settings, space, target, share, state);
+    const Moved moved = move_toward(settings, limits(), space, target, share, state);
     verdict = moved.reach.reason != Reason::kNone ? moved.reach : moved.limit;
     finish(moved.next);
   }
-  void stop() { finish(brake(settings, state)); }
+  void stop() { finish(brake(limits(), state)); }
   // Cycles in which a stop from here moves any joint.
   int cycles_to_stop() const {
     MotionRig copy = *this;
@@ -60,7 +61,7 @@ struct MotionRig {
 
  private:
   void finish(const TipMotion& decided) {
-    guarded += command(settings, decided, state).reason != Reason::kNone;
+    guarded += command(limits(), decided, state).reason != Reason::kNone;
     watch.see(settings.limits, settings.dt, state.joints.q);
     still_ = state.joints.step.isZero(1e-7) ? still_ + 1 : 0;
     frozen = std::max(frozen, still_);

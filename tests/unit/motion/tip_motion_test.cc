@@ -198,8 +198,8 @@ MotionRig moving(const JointVector& q, const JointVector& step, const JointVecto
   const Twist last = handrail::between(first, before);
   state.tip_change = state.tip_step - last;
   Verdict why;
-  EXPECT_TRUE(plan_stop(PlanLimits(rig.settings.guard()), rig.space, state, Stopping::kAsOne,
-                        state.stop, why));
+  EXPECT_TRUE(plan_stop(rig.limits(), rig.space, state, TipPlace(rig.settings.arm, q),
+                        Stopping::kAsOne, state.stop, why));
   return rig;
 }
 
