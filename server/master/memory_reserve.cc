@@ -1,4 +1,4 @@
-#include "server/base/memory_reserve.h"
+#include "server/master/memory_reserve.h"
 
 #include <atomic>
 #include <cstdlib>
