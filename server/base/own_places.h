@@ -1,4 +1,4 @@
-// Where on this computer the programs of one user meet, when they are not told another address.
+// Where on this computer the programs of one user meet, when they are not told another place.
 #pragma once
 
 #include <unistd.h>
@@ -15,6 +15,12 @@ inline std::string own_address() {
   const std::uint32_t host = 1 + ::geteuid() % ((1u << 24) - 2);
   return "127." + std::to_string(host >> 16) + "." + std::to_string(host >> 8 & 0xff) + "." +
          std::to_string(host & 0xff);
+}
+
+// The socket where operators find a master. A folder for each user: one user's master does not keep
+// another's from starting.
+inline std::string default_operator_socket() {
+  return "/tmp/handrail-" + std::to_string(::geteuid()) + "/operator.sock";
 }
 
 }  // namespace handrail
