@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "server/base/endings.h"
 #include "server/base/output.h"
 #include "server/base/plain_text.h"
+#include "server/base/signals.h"
 #include "server/lab/accuracy/command.h"
 #include "server/lab/contact/bumper_command.h"
 #include "server/lab/faults/fault_command.h"

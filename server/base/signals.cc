@@ -1,7 +1,4 @@
-#include "server/base/endings.h"
-
-#include <pthread.h>
-#include <signal.h>
+#include "server/base/signals.h"
 
 namespace handrail {
 namespace {
