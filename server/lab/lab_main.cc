@@ -20,8 +20,8 @@
 #include "server/lab/faults/fault_command.h"
 #include "server/lab/hand/hand_command.h"
 #include "server/lab/scenes/price_command.h"
-#include "server/lab/study/linear_command.h"
-#include "server/lab/study/screw_command.h"
+#include "server/lab/study/linear/linear_command.h"
+#include "server/lab/study/screw/screw_command.h"
 #include "server/lab/walls/wall_command.h"
 
 namespace handrail {
