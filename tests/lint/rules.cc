@@ -302,6 +302,19 @@ Violations file_size(const File& source) {
   return {source.path + ": " + std::to_string(lines) + " lines, split at " + std::to_string(kMost)};
 }
 
+Violations folder_size(const std::vector<File>& files) {
+  constexpr int kMost = 40;
+  std::map<std::string, int> counts;
+  for (const File& file : files) ++counts[folder_of(file.path)];
+  Violations found;
+  for (const auto& [folder, count] : counts) {
+    if (count <= kMost) continue;
+    found.push_back(folder + ": " + std::to_string(count) + " files, split at " +
+                    std::to_string(kMost));
+  }
+  return found;
+}
+
 Violations build_options(const File& cmake) {
   const std::string text = ends_with(cmake.path, ".json") ? cmake.text : cmake_only(cmake.text);
   Violations found;
