@@ -4,7 +4,7 @@
 
 #include <atomic>
 
-#include "server/base/endings.h"
+#include "server/base/signals.h"
 
 namespace handrail {
 namespace {

@@ -7,7 +7,7 @@
 #include "client/cli/command.h"
 #include "server/base/hand_move.h"
 #include "server/base/operator_name.h"
-#include "server/base/operator_path.h"
+#include "server/base/own_places.h"
 #include "server/base/plain_text.h"
 #include "server/base/units.h"
 #include "server/scene/field_check.h"

@@ -21,7 +21,7 @@
 #include "devices/melfa/mxt_packet.h"
 #include "devices/rig/tap.h"
 #include "server/base/clock.h"
-#include "server/base/endings.h"
+#include "server/base/signals.h"
 #include "server/base/units.h"
 
 namespace handrail {

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "server/base/clock.h"
-#include "server/base/signals_blocked.h"
+#include "server/base/signals.h"
 #include "server/daemon/fd_sink.h"
 
 namespace handrail {

@@ -12,7 +12,7 @@
 #include <thread>
 #include <utility>
 
-#include "server/base/signals_blocked.h"
+#include "server/base/signals.h"
 #include "server/base/status.h"
 
 namespace handrail {

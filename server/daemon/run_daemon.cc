@@ -8,8 +8,8 @@
 #include <exception>
 #include <new>
 
-#include "server/base/endings.h"
 #include "server/base/output.h"
+#include "server/base/signals.h"
 
 namespace handrail {
 namespace {

@@ -12,16 +12,16 @@
 #include <string>
 #include <vector>
 
-#include "server/base/endings.h"
 #include "server/base/output.h"
 #include "server/base/plain_text.h"
+#include "server/base/signals.h"
 #include "server/lab/accuracy/command.h"
 #include "server/lab/contact/bumper_command.h"
 #include "server/lab/faults/fault_command.h"
 #include "server/lab/hand/hand_command.h"
 #include "server/lab/scenes/price_command.h"
-#include "server/lab/study/linear_command.h"
-#include "server/lab/study/screw_command.h"
+#include "server/lab/study/linear/linear_command.h"
+#include "server/lab/study/screw/screw_command.h"
 #include "server/lab/walls/wall_command.h"
 
 namespace handrail {

@@ -12,7 +12,7 @@
 
 #include "server/base/clock.h"
 #include "server/base/doorbell.h"
-#include "server/base/endings.h"
+#include "server/base/signals.h"
 #include "server/link/leader_watch.h"
 #include "server/link/pump.h"
 #include "server/link/stall_watch.h"

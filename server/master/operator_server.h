@@ -16,9 +16,9 @@
 
 #include "proto/operator.pb.h"
 #include "server/base/length_prefix.h"
-#include "server/base/memory_reserve.h"
 #include "server/base/status.h"
 #include "server/base/time.h"
+#include "server/master/memory_reserve.h"
 #include "server/master/operator_socket.h"
 
 namespace handrail {

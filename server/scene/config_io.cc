@@ -8,8 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "server/base/operator_path.h"
-#include "server/base/own_address.h"
+#include "server/base/own_places.h"
 #include "server/base/plain_text.h"
 #include "server/scene/field_check.h"
 #include "server/scene/text_io.h"

@@ -139,6 +139,17 @@ TEST(Lint, NoFileIsLongerThanFourHundredLines) {
   expect_holds(sources(), file_size);
 }
 
+TEST(Lint, NoFolderHoldsMoreThanFortyFiles) {
+  std::vector<File> files(40, {"server/base/a.h", ""});
+  files.push_back({"server/base/deeper/a.h", ""});
+  EXPECT_EQ(folder_size(files), Violations{});
+  files.push_back({"server/base/CMakeLists.txt", ""});
+  EXPECT_EQ(folder_size(files), Violations{"server/base: 41 files, split at 40"});
+  const std::vector<File> tree = files_below(HANDRAIL_SOURCE_DIR, {""});
+  EXPECT_GT(tree.size(), sources().size());
+  EXPECT_EQ(folder_size(tree), Violations{});
+}
+
 TEST(Lint, TheBuildStaysPortableAndKeepsFiniteChecks) {
   expect_caught(build_options, "CMakeLists.txt", "add_compile_options(-march=native)");
   expect_caught(build_options, "CMakePresets.json", "\"CMAKE_CXX_FLAGS\": \"-O3 -ffast-math\"");

@@ -68,31 +68,33 @@ Table lab_rows() {
   const Folders lab =
       kModel + Folders{"devices",           "proto",          "server/scene", "server/lab/console",
                        "server/lab/figure", "server/lab/cell"};
-  return {
-      {"server/lab", kBase + Folders{"server/lab/accuracy", "server/lab/contact",
-                                     "server/lab/faults", "server/lab/hand", "server/lab/scenes",
-                                     "server/lab/study", "server/lab/walls"}},
-      {"server/lab/console", kBase},
-      {"server/lab/figure", kBase},
-      {"server/lab/cell",
-       kModel + kRigs + Folders{"server/haptic", "server/follow", "server/link"}},
-      {"server/lab/study", lab + kHands + kRigs + sides + Folders{"server/haptic", "server/task"}},
-      {"server/lab/hand", lab + kHands + sides},
-      {"server/lab/scenes", lab + kHands + kRigs +
-                                Folders{"server/master", "server/haptic", "server/kinematics",
-                                        "server/constraint/drawn"}},
-      {"server/lab/accuracy", lab + kHands +
-                                  Folders{"server/lab/scenes", "server/master", "server/haptic",
-                                          "server/constraint", "server/link"}},
-      {"server/lab/walls", lab + kHands +
-                               Folders{"server/lab/study", "server/master", "server/haptic",
-                                       "server/constraint", "server/constraint/drawn"}},
-      {"server/lab/contact", lab + Folders{"server/lab/study", "server/follow"}},
-      {"server/lab/faults/audit",
-       kModel + Folders{"server/lab/cell", "server/motion", "server/kinematics"}},
-      {"server/lab/faults", lab + kHands + sides +
-                                Folders{"server/lab/faults/audit", "server/lab/study",
-                                        "server/motion", "server/kinematics"}}};
+  return {{"server/lab",
+           kBase + Folders{"server/lab/accuracy", "server/lab/contact", "server/lab/faults",
+                           "server/lab/hand", "server/lab/scenes", "server/lab/study/linear",
+                           "server/lab/study/screw", "server/lab/walls"}},
+          {"server/lab/console", kBase},
+          {"server/lab/figure", kBase},
+          {"server/lab/cell",
+           kModel + kRigs + Folders{"server/haptic", "server/follow", "server/link"}},
+          {"server/lab/study", lab + kHands + sides + Folders{"devices/rig", "server/haptic"}},
+          {"server/lab/study/linear", lab + Folders{"server/lab/study", "server/task"}},
+          {"server/lab/study/screw", lab + kRigs + Folders{"server/lab/study", "server/task"}},
+          {"server/lab/hand", lab + kHands + sides},
+          {"server/lab/scenes", lab + kHands + kRigs +
+                                    Folders{"server/master", "server/haptic", "server/kinematics",
+                                            "server/constraint/drawn"}},
+          {"server/lab/accuracy", lab + kHands +
+                                      Folders{"server/lab/scenes", "server/master", "server/haptic",
+                                              "server/constraint", "server/link"}},
+          {"server/lab/walls", lab + kHands +
+                                   Folders{"server/lab/study", "server/master", "server/haptic",
+                                           "server/constraint", "server/constraint/drawn"}},
+          {"server/lab/contact", lab + Folders{"server/lab/study", "server/follow"}},
+          {"server/lab/faults/audit",
+           kModel + Folders{"server/lab/cell", "server/motion", "server/kinematics"}},
+          {"server/lab/faults", lab + kHands + sides +
+                                    Folders{"server/lab/faults/audit", "server/lab/study",
+                                            "server/motion", "server/kinematics"}}};
 }
 
 Table device_rows() {
@@ -298,6 +300,19 @@ Violations file_size(const File& source) {
   const std::ptrdiff_t lines = std::count(source.text.begin(), source.text.end(), '\n');
   if (lines <= kMost) return {};
   return {source.path + ": " + std::to_string(lines) + " lines, split at " + std::to_string(kMost)};
+}
+
+Violations folder_size(const std::vector<File>& files) {
+  constexpr int kMost = 40;
+  std::map<std::string, int> counts;
+  for (const File& file : files) ++counts[folder_of(file.path)];
+  Violations found;
+  for (const auto& [folder, count] : counts) {
+    if (count <= kMost) continue;
+    found.push_back(folder + ": " + std::to_string(count) + " files, split at " +
+                    std::to_string(kMost));
+  }
+  return found;
 }
 
 Violations build_options(const File& cmake) {

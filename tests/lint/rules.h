@@ -35,6 +35,8 @@ Violations networking(const File& source);
 Violations heavy_headers(const std::vector<File>& sources);
 // At most 400 lines.
 Violations file_size(const File& source);
+// At most 40 files in a folder, of every kind; a folder inside it is another one.
+Violations folder_size(const std::vector<File>& files);
 // Neither -ffast-math nor -march=native.
 Violations build_options(const File& cmake);
 // A page's links, and the project's paths it writes in `quotes`, exist as `there` says. A path with

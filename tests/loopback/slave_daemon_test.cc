@@ -15,7 +15,7 @@
 
 #include "devices/rig/rig_server.h"
 #include "server/base/clock.h"
-#include "server/base/own_address.h"
+#include "server/base/own_places.h"
 #include "server/base/pacer.h"
 #include "server/link/pump.h"
 #include "server/link/udp_transport.h"

@@ -6,7 +6,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
 
-#include "server/base/own_address.h"
+#include "server/base/own_places.h"
 #include "server/model/reason.h"
 #include "tests/loopback/whole_cell.h"
 

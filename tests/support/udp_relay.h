@@ -18,7 +18,7 @@
 #include <thread>
 #include <vector>
 
-#include "server/base/own_address.h"
+#include "server/base/own_places.h"
 #include "server/base/time.h"
 
 namespace handrail {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "server/lab/study/linear_figure.h"
-#include "server/lab/study/screw_figure.h"
+#include "server/lab/study/linear/linear_figure.h"
+#include "server/lab/study/screw/screw_figure.h"
 
 namespace handrail {
 namespace {

@@ -7,7 +7,6 @@
 #include <set>
 
 #include "server/lab/study/population_io.h"
-#include "server/lab/study/screw_study.h"
 #include "tests/unit/lab_study/population_samples.h"
 
 namespace handrail {
@@ -15,7 +14,7 @@ namespace {
 
 constexpr int kModes = 4;
 enum class Mode { kA, kB, kC, kD };
-enum class End { kDone, kFailed };
+enum class End { kDone, kMissed };
 
 struct Trial {
   Mode mode = Mode::kA;
@@ -108,10 +107,10 @@ TEST(StudyRun, AModeThatFailsIsTriedThreeTimesAsOften) {
   plan.operators = 5;
   plan.trials = 2;
   const Study study = run(
-      plan, [](const Trial& trial) { return trial.mode == Mode::kC ? End::kFailed : End::kDone; });
+      plan, [](const Trial& trial) { return trial.mode == Mode::kC ? End::kMissed : End::kDone; });
   EXPECT_EQ(study.count(Mode::kC), 30);
   EXPECT_EQ(study.failures(Mode::kC), 30);
-  EXPECT_EQ(study.count(Mode::kC, End::kFailed), 30);
+  EXPECT_EQ(study.count(Mode::kC, End::kMissed), 30);
   EXPECT_EQ(study.count(Mode::kA), 10);
   EXPECT_EQ(study.failures(Mode::kA), 0);
   EXPECT_DOUBLE_EQ(study.simulated_time, 60.0);

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "devices/rig/tap.h"
-#include "server/base/own_address.h"
+#include "server/base/own_places.h"
 #include "tests/support/temp_folder.h"
 
 namespace handrail {

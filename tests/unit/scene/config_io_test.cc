@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/base/own_address.h"
+#include "server/base/own_places.h"
 #include "server/scene/payload_io.h"
 #include "tests/support/temp_folder.h"
 
