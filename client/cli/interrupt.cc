@@ -1,8 +1,10 @@
 #include "client/cli/interrupt.h"
 
 #include <signal.h>
+#include <stdio_ext.h>
 
 #include <atomic>
+#include <cstdio>
 
 #include "server/base/signals.h"
 
@@ -24,5 +26,10 @@ void catch_interrupts() {
 }
 
 bool interrupted() { return came; }
+
+void drop_output() {
+  ::__fpurge(stdout);
+  std::clearerr(stdout);
+}
 
 }  // namespace handrail

@@ -8,5 +8,7 @@ namespace handrail {
 void catch_interrupts();
 // One of them has come since.
 bool interrupted();
+// What was printed and a stopped terminal has not taken is not waited for any more.
+void drop_output();
 
 }  // namespace handrail

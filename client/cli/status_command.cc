@@ -58,7 +58,10 @@ ExitCode poll_status(const Options& options, const Console& console, Show show_i
     }
     show_it(reply->status(), options, console, last);
     console.out.flush();
-    if (!console.out) return kExitDone;
+    if (!console.out) {
+      if (options.watch && interrupted()) drop_output();
+      return kExitDone;
+    }
     if (options.watch) ::poll(nullptr, 0, kRefreshMs);
   } while (options.watch && !interrupted());
   return kExitDone;

@@ -96,14 +96,15 @@ bool MxtClient::too_late(int cycles, Nanos now) const noexcept {
 
 // Whether the cycle that begins `cycles` after the present one cannot be told of now. Its packet
 // may come too late: it passes unseen. Or, where nothing proves that it has begun, it may not have,
-// by what is known of the phase. What is put off is told once that cycle, or the next one, has
-// surely begun, and what was heard until then is not prompt.
+// by what is known of the phase: only a controller that keeps packets answers alike so. What is put
+// off is told once that cycle, or the next one, has surely begun, and was not heard promptly.
 bool MxtClient::put_off(int cycles, bool proven, Nanos now) noexcept {
   const Nanos begins = cycle_ + cycles * options_.period;
-  const Nanos sure = options_.period / kMoved + 1;
+  const Nanos sure = begins + options_.period / kMoved + 1;
   const bool late = too_late(cycles, now);
-  if (!late && (proven || now >= begins + sure || !kept(Check::kBegun))) return false;
-  deadline_ = begins + sure + (late ? options_.period : 0);
+  if (!late && (proven || now >= sure || !kept(Check::kBegun))) return false;
+  if (!late && cycles == 1 && deadline_ != sure && learn_phase(now - begins, false)) return false;
+  deadline_ = sure + (late ? options_.period : 0);
   return true;
 }
 
@@ -121,15 +122,16 @@ void MxtClient::begin_cycle(int cycles, Nanos now, RobotReply& reply) noexcept {
   told_ = Told::kNothing;
 }
 
-// `late`: of a reply, behind where its cycle was thought to begin. None is sent before that.
-// `may_begin`: it may be that of the next cycle, as no packet has been sent for that.
-void MxtClient::learn_phase(Nanos late, bool may_begin) noexcept {
+// Whether enough came alike. `late`: of a reply, behind where its cycle was thought to begin,
+// before which none is sent. `may_begin`: it may be the next cycle's, for which no packet has been
+// sent.
+bool MxtClient::learn_phase(Nanos late, bool may_begin) noexcept {
   const bool alike = std::abs(late - run_late_) <= options_.period / kAlikeBy;
   alike_ = alike ? alike_ + 1 : 1;
   if (!alike) run_late_ = late;
   least_late_ = std::min(least_late_, late);
   const bool sure = late < 0 || alike_ >= kAlike;
-  if (++seen_ < kPhaseWindow && !sure) return;
+  if (++seen_ < kPhaseWindow && !sure) return false;
   const Nanos least = sure ? late : least_late_;
   if (least < 0 || least > options_.period / kMoved) {
     // So late that it is an early one of the next cycle: that one is not left out.
@@ -139,6 +141,7 @@ void MxtClient::learn_phase(Nanos late, bool may_begin) noexcept {
     deadline_ += moved;
   }
   forget_phase();
+  return sure;
 }
 
 // A reply came now. One that begins a cycle where those before it do is a vote for that phase,

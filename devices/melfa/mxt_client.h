@@ -127,7 +127,7 @@ class MxtClient {
   bool put_off(int cycles, bool proven, Nanos now) noexcept;
   void begin_cycle(int cycles, Nanos now, RobotReply& reply) noexcept;
   void find_phase(Nanos now) noexcept;
-  void learn_phase(Nanos late, bool may_begin) noexcept;
+  bool learn_phase(Nanos late, bool may_begin) noexcept;
   void forget_phase() noexcept;
   bool lost() noexcept;
   bool hear_opening(bool second, Nanos now) noexcept;

@@ -37,7 +37,10 @@ Tap::~Tap() {
 Status Tap::open(const std::string& path, Nanos period) {
   TapHeader header;
   if (std::ifstream old(path, std::ios::binary); old && is_tap(old, header)) {
-    ::unlink(path.c_str());
+    if (::unlink(path.c_str()) != 0) {
+      const std::string why = std::strerror(errno);
+      return failure(path, "an older tap, which cannot be removed: " + why);
+    }
   }
   const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
   if (file < 0 && errno == EEXIST)

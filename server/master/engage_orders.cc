@@ -16,7 +16,8 @@ std::optional<pb::Reply> OrderDesk::check_engaged(const Pending& waiting) {
     borrower_.clear();
     return done(tools_refused_);
   }
-  if (now_ <= waiting.deadline && out.link.desired != Desired::kOff) return std::nullopt;
+  const bool gone = waiting.waits && !waiting.waits();
+  if (!gone && now_ <= waiting.deadline && out.link.desired != Desired::kOff) return std::nullopt;
   // Of a slave that gets ready, what it waits for.
   const bool its = out.reason == Reason::kNone || out.reason == Reason::kHoming;
   const Reason why = its && slave_.reason != Reason::kNone ? slave_.reason : out.reason;
@@ -24,7 +25,7 @@ std::optional<pb::Reply> OrderDesk::check_engaged(const Pending& waiting) {
   return refused(reason_text(why, out.peer_fault));
 }
 
-void OrderDesk::engage(bool hold, ReplyTo reply) {
+void OrderDesk::engage(bool hold, ReplyTo reply, StillWaits waits) {
   if (options_.presence == Presence::kHold && !hold) {
     return reply(refused("this master wants somebody there: 'handrail engage --hold'"));
   }
@@ -38,7 +39,9 @@ void OrderDesk::engage(bool hold, ReplyTo reply) {
   if (hold) boxes_.hold_heard.store(now_, std::memory_order_relaxed);
   OrderTicket ticket;
   ticket.order = plain(OrderKind::kEngage);
-  push(ticket, {std::move(reply), Until::kEngaged, now_, {}, hold});
+  Pending order{std::move(reply), Until::kEngaged, now_, {}, hold};
+  order.waits = std::move(waits);
+  push(ticket, std::move(order));
 }
 
 void OrderDesk::give_up_engaging() {
@@ -64,7 +67,8 @@ void OrderDesk::give_back_lease() {
 void OrderDesk::retry_engaging() {
   if (now_ < retry_at_) return;
   auto again = take(Until::kEngaged, Place::kHere);
-  if (!again) return;
+  // Who has hung up meanwhile does not find the arm engaged later on.
+  if (!again || (again->waits && !again->waits())) return;
   OrderTicket ticket;
   ticket.order = plain(OrderKind::kEngage);
   push(ticket, std::move(*again));

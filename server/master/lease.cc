@@ -62,6 +62,10 @@ LeaseAnswer Lease::refuse(const std::string& who, Nanos now) {
   return {};
 }
 
+void Lease::withdraw(const std::string& who) {
+  if (!asked_by_.empty() && asked_by_ == who) end_question("it waits no longer");
+}
+
 LeaseAnswer Lease::release(const std::string& who, Nanos now) {
   if (who != holder_) return not_holder(now);
   if (!asked_by_.empty()) {

@@ -35,6 +35,8 @@ class Lease {
   // The holder's answer to who asks.
   LeaseAnswer grant(const std::string& who, Nanos now);
   LeaseAnswer refuse(const std::string& who, Nanos now);
+  // Who asks waits no longer.
+  void withdraw(const std::string& who);
   // The holder gives it back; it goes to who asks, if anybody does.
   LeaseAnswer release(const std::string& who, Nanos now);
   // Time-outs. A question nobody answers is granted when the holder is not engaged and has given no

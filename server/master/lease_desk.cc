@@ -25,7 +25,7 @@ std::string LeaseDesk::refusal(const std::string& who, bool engages, Nanos now) 
 }
 
 void LeaseDesk::handle(const pb::LeaseOrder& order, const std::string& who, Nanos now,
-                       ReplyTo reply) {
+                       ReplyTo reply, StillWaits waits) {
   LeaseAnswer answer;
   answer.refusal = operator_name_problem(who);
   answer.allowed = answer.refusal.empty();
@@ -47,6 +47,7 @@ void LeaseDesk::handle(const pb::LeaseOrder& order, const std::string& who, Nano
     }
     asking_ = who;
     asked_reply_ = std::move(reply);
+    asker_waits_ = std::move(waits);
     return;
   }
   pb::Reply out;
@@ -62,6 +63,8 @@ void LeaseDesk::give_back(const std::string& who, Nanos now) {
 }
 
 bool LeaseDesk::tick(bool engaged, Nanos now) {
+  // It is not given to who is not there any more.
+  if (asked_reply_ && asker_waits_ && !asker_waits_()) lease_.withdraw(asking_);
   lease_.poll(engaged, now);
   std::string last_news;
   for (const std::string& line : lease_.take_news()) {

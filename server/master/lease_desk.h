@@ -6,6 +6,7 @@
 
 #include "proto/operator.pb.h"
 #include "server/master/lease.h"
+#include "server/master/operator_server.h"
 
 namespace handrail {
 
@@ -20,7 +21,8 @@ class LeaseDesk {
 
   explicit LeaseDesk(LeaseSettings settings = {}) : lease_(settings) {}
 
-  void handle(const pb::LeaseOrder& order, const std::string& who, Nanos now, ReplyTo reply);
+  void handle(const pb::LeaseOrder& order, const std::string& who, Nanos now, ReplyTo reply,
+              StillWaits waits);
   // Why `who` may not give an order now; empty: it may. One that engages takes a free lease.
   std::string refusal(const std::string& who, bool engages, Nanos now);
   bool free() const noexcept { return lease_.holder().empty(); }
@@ -36,6 +38,7 @@ class LeaseDesk {
   std::string last_holder_;
   std::string asking_;  // whose question stands, with `asked_reply_`
   ReplyTo asked_reply_;
+  StillWaits asker_waits_;
 };
 
 }  // namespace handrail

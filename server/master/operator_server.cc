@@ -1,5 +1,6 @@
 #include "server/master/operator_server.h"
 
+#include <poll.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -101,6 +102,11 @@ class OperatorServer::Client : public std::enable_shared_from_this<Client> {
     close();
   }
   bool is_open() const { return socket_.is_open(); }
+  // Its program has ended, or closed the connection. One that only says no more still listens.
+  bool has_hung_up() {
+    ::pollfd peer{socket_.native_handle(), 0, 0};
+    return ::poll(&peer, 1, 0) > 0 && (peer.revents & POLLHUP) != 0;
+  }
   bool stops() const { return request_.has_stop(); }
   // In whose place another may come: the lowest first.
   int rank() const {
@@ -231,7 +237,12 @@ void OperatorServer::Client::have_handled() {
   stop_waits_ = stops();
   const auto ticket = std::make_shared<Ticket>(weak_from_this());
   const pb::Request request = std::exchange(request_, pb::Request());
-  server_.handler_.handle(request, [ticket](pb::Reply reply) { ticket->answer(std::move(reply)); });
+  server_.handler_.handle(
+      request, [ticket](pb::Reply reply) { ticket->answer(std::move(reply)); },
+      [weak = weak_from_this()] {
+        const auto client = weak.lock();
+        return client && client->is_open() && !client->has_hung_up();
+      });
 }
 
 OperatorServer::OperatorServer(asio::io_context& io, OperatorHandler& handler,

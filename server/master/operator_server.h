@@ -23,13 +23,17 @@
 
 namespace handrail {
 
+// Whether who asked has not hung up. Empty: they never do. To be called in the IO thread.
+using StillWaits = std::function<bool()>;
+
 // Carries out orders. `handle` runs in the IO thread and must not block; `reply` may be called at
 // once or later, from any thread, as long as the io_context lives. Only its first call counts.
 // Dropping it without a call, at any time, closes the client's connection.
 class OperatorHandler {
  public:
   virtual ~OperatorHandler() = default;
-  virtual void handle(const pb::Request& request, std::function<void(pb::Reply)> reply) = 0;
+  virtual void handle(const pb::Request& request, std::function<void(pb::Reply)> reply,
+                      StillWaits waits) = 0;
   // True when an order in the name `as` (none: a request that does not say) is not refused for the
   // lease: that name holds it, or nobody does. Asked in the IO thread, for every client whenever
   // one has to go.

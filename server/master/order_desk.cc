@@ -30,12 +30,12 @@ OrderDesk::OrderDesk(MasterMailboxes& boxes, Scene scene, OrderDeskOptions optio
   pending_.reserve(2 * kMostOrders);
 }
 
-void OrderDesk::handle(const pb::Request& request, ReplyTo reply) {
+void OrderDesk::handle(const pb::Request& request, ReplyTo reply, StillWaits waits) {
   const std::string& who = request.has_as() ? request.as() : options_.user;
   std::string refusal;
   switch (request.order_case()) {
     case pb::Request::kLease:
-      leases_.handle(request.lease(), who, now_, std::move(reply));
+      leases_.handle(request.lease(), who, now_, std::move(reply), std::move(waits));
       return watch_lease();
     case pb::Request::kStatus:
     case pb::Request::kStop: break;  // anybody's, always
@@ -46,7 +46,7 @@ void OrderDesk::handle(const pb::Request& request, ReplyTo reply) {
     }
   }
   if (!refusal.empty()) return reply(refused(refusal));
-  obey(request, who, std::move(reply));
+  obey(request, who, std::move(reply), std::move(waits));
   give_back_lease();
 }
 
@@ -54,7 +54,8 @@ bool OrderDesk::may_drive(const std::optional<std::string>& as) const {
   return leases_.may_drive(as ? *as : options_.user);
 }
 
-void OrderDesk::obey(const pb::Request& request, const std::string& who, ReplyTo reply) {
+void OrderDesk::obey(const pb::Request& request, const std::string& who, ReplyTo reply,
+                     StillWaits waits) {
   switch (request.order_case()) {
     case pb::Request::kStatus: {
       if (!report_) return reply(refused("the haptic loop has not started yet"));
@@ -64,7 +65,7 @@ void OrderDesk::obey(const pb::Request& request, const std::string& who, ReplyTo
       leases_.show(now_, *answer.mutable_status()->mutable_lease());
       return reply(std::move(answer));
     }
-    case pb::Request::kEngage: return engage(request.hold(), std::move(reply));
+    case pb::Request::kEngage: return engage(request.hold(), std::move(reply), std::move(waits));
     case pb::Request::kHoldAlive: return hold_alive(std::move(reply));
     case pb::Request::kDisengage:
       give_up_engaging();

@@ -52,7 +52,8 @@ class OrderDesk : public OperatorHandler {
   // What the haptic thread got, once it is known.
   void set_realtime(std::string report) { options_.identity.realtime = std::move(report); }
 
-  void handle(const pb::Request& request, std::function<void(pb::Reply)> reply) override;
+  void handle(const pb::Request& request, std::function<void(pb::Reply)> reply,
+              StillWaits waits) override;
   bool may_drive(const std::optional<std::string>& as) const override;
 
   // A millisecond has passed: hears what the loop has said, answers who waits.
@@ -81,10 +82,11 @@ class OrderDesk : public OperatorHandler {
     Place place = Place::kInLoop;
     std::uint64_t id = 0;       // kInLoop: the loop's number of it
     Nanos deadline = kForever;  // kTaken: for what it waits for
+    StillWaits waits{};         // kEngaged: somebody for the answer
   };
 
   // The request is its sender's to make.
-  void obey(const pb::Request& request, const std::string& who, ReplyTo reply);
+  void obey(const pb::Request& request, const std::string& who, ReplyTo reply, StillWaits waits);
   void watch_lease();
   void end_engagement(Reason why);
   void order(HapticOrder order, ReplyTo reply, Until until = Until::kTaken);
@@ -112,7 +114,7 @@ class OrderDesk : public OperatorHandler {
   std::optional<pb::Reply> check_scene(const Pending& order);
   void answer_taken();
   void stop(ReplyTo reply);
-  void engage(bool hold, ReplyTo reply);
+  void engage(bool hold, ReplyTo reply, StillWaits waits);
   bool engage_waits() const;
   // An engage that is refused leaves the lease as it was.
   void give_back_lease();

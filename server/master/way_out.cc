@@ -97,8 +97,8 @@ std::string way_of_the_hand(Reason reason, int joint, const JointVector& q) {
       return "wait: it goes on by itself; if it comes again, look at the controller's cable, its "
              "network and the load of the slave's computer";
     case Reason::kLoopAge: return "move slower: what you see is old";
-    case Reason::kOutOfReach:
-    case Reason::kWorkspace: return "come back toward the base";
+    case Reason::kOutOfReach: return "come back toward the base";
+    case Reason::kWorkspace: return "come back into the workspace";
     case Reason::kJointRange:
       return joint >= 0 ? fmt::format("turn J{} back", joint + 1) : "turn back";
     case Reason::kSingularity: return way_out_of_singularity(q);

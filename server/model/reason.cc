@@ -29,7 +29,7 @@ constexpr auto kSentences = std::to_array<Sentence>({
     {Reason::kPeerFault, "the other side is in fault"},
     {Reason::kRobotNotConnected, "the robot controller is not connected"},
     {Reason::kRobotSilent,
-     "the controller missed cycles in motion: the arm was halted and goes on from rest"},
+     "the controller misses cycles: the arm is held where it is and goes on from rest"},
     {Reason::kRobotLost, "the controller has not replied for a second and a half"},
     {Reason::kRobotBadPacket, "the controller sent a packet of the wrong size or type"},
     {Reason::kSensorMissing, "the force sensor is silent: bumper inactive"},

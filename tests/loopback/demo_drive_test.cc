@@ -13,7 +13,8 @@ using ::testing::HasSubstr;
 // Engages at once and ends the session by itself whenever the hand is sent somewhere.
 class FaithlessMaster : public OperatorHandler {
  public:
-  void handle(const pb::Request& request, std::function<void(pb::Reply)> reply) override {
+  void handle(const pb::Request& request, std::function<void(pb::Reply)> reply,
+              StillWaits /*waits*/) override {
     if (request.has_engage()) state_ = "engaged";
     if (request.has_reset()) state_ = "off";
     if (request.has_hand() && !request.hand().home()) {

@@ -50,5 +50,15 @@ TEST_F(TwoOperators, ExactlyOneDrivesAndTheOtherIsToldAndTakesOver) {
   }
 }
 
+TEST_F(TwoOperators, WhoEndsTheProgramThatAsksWithdrawsTheQuestion) {
+  ASSERT_EQ(by("anna", {"lease", "take"}).first, 0);
+  const auto asks = [](const pb::Status& s) { return s.lease().asked_by() == "ben"; };
+  Program ben(folder, "handrail", {"lease", "take", "--as", "ben", "--socket", socket()});
+  ASSERT_TRUE(eventually(asks));
+  ben.send(SIGINT);
+  EXPECT_TRUE(eventually([&](const pb::Status& s) { return !asks(s); }));
+  EXPECT_EQ(status().lease().holder(), "anna");
+}
+
 }  // namespace
 }  // namespace handrail

@@ -20,7 +20,8 @@ namespace handrail {
 // drops the reply, or keeps it, too. Anything else: done, with the order's name as the reason.
 class ScriptedMaster : public OperatorHandler {
  public:
-  void handle(const pb::Request& request, std::function<void(pb::Reply)> reply) override {
+  void handle(const pb::Request& request, std::function<void(pb::Reply)> reply,
+              StillWaits /*waits*/) override {
     const int n = ++requests;
     pb::Reply answer;
     answer.set_done(true);

@@ -4,6 +4,7 @@
 #include <pty.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -199,6 +200,25 @@ TEST_F(TerminalTest, AWatchedStatusAndWhyArePaintedInPlaceOnOneScreen) {
       const auto lines = std::count(said.begin(), said.begin() + static_cast<long>(next), '\n');
       EXPECT_LT(lines, 24) << "the last line scrolls a terminal of 24";
       said.erase(0, next);
+    }
+  }
+}
+
+TEST_F(TerminalTest, AWatchAtAStoppedTerminalEndsWhenItIsTold) {
+  for (const char* what : {"status", "why"}) {
+    for (const int signal : {SIGINT, SIGTERM}) {
+      PseudoTerminal terminal;
+      ASSERT_TRUE(terminal.works());
+      Streams onto;
+      onto.output = terminal.program();
+      Program watch(folder, "handrail", {what, "--watch", "--socket", socket()}, onto);
+      ASSERT_NE(terminal.shown_until("\033[H\033[J", 2, kPatience), "");
+      ASSERT_EQ(::tcflow(terminal.program(), TCOOFF), 0);
+      sleep_until(monotonic_now() + kSecond);  // it waits for the terminal
+      const Nanos told = monotonic_now();
+      watch.send(signal);
+      EXPECT_EQ(watch.finish(), 0) << watch.output();
+      EXPECT_LT(monotonic_now() - told, 10 * kSecond);
     }
   }
 }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 
 #include "tests/unit/follow/follow_rig.h"
 
@@ -141,6 +142,17 @@ TEST_F(FollowGap, AnArmInMotionIsHaltedWhereTheNextTargetIsBeyondARatedStep) {
   EXPECT_EQ(rig.state.halts, 1u);
   EXPECT_EQ(rig.out.send, Send::kQuestion);
   EXPECT_EQ(rig.out.link.reason, Reason::kRobotSilent);
+}
+
+TEST_F(FollowGap, SaysNothingOfAMotionWhereTheArmStood) {
+  rig.in.anew = true;
+  cycle(false);
+  ASSERT_TRUE(rig.state.gap);
+  EXPECT_FALSE(rig.state.halted);
+  const std::string why = describe(rig.out.link.reason);
+  EXPECT_EQ(rig.out.link.reason, Reason::kRobotSilent);
+  EXPECT_EQ(why.find("motion"), std::string::npos) << why;
+  EXPECT_EQ(why.find("halted"), std::string::npos) << why;
 }
 
 TEST_F(FollowGap, GoesOnFromRestFromWhereTheControllerHoldsTheArm) {

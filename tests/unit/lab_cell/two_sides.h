@@ -101,7 +101,7 @@ class TwoSides {
     EXPECT_TRUE(google::protobuf::TextFormat::ParseFromString(text, &request)) << text;
     if (!request.has_as()) request.set_as(who);
     auto answer = std::make_shared<std::optional<pb::Reply>>();
-    desk_->handle(request, [answer](pb::Reply reply) { *answer = std::move(reply); });
+    desk_->handle(request, [answer](pb::Reply reply) { *answer = std::move(reply); }, {});
     for (const Nanos patience = now() + 15 * kSecond; !*answer && now() < patience;) round();
     if (!*answer) return "(no answer)";
     last_ = **answer;
@@ -112,7 +112,7 @@ class TwoSides {
     pb::Request request;
     EXPECT_TRUE(google::protobuf::TextFormat::ParseFromString(text, &request)) << text;
     request.set_as(who);
-    desk_->handle(request, [](pb::Reply) {});
+    desk_->handle(request, [](pb::Reply) {}, {});
   }
   bool done(const std::string& text) { return ask(text).starts_with("done: "); }
   pb::Status status() {
@@ -251,7 +251,7 @@ class TwoSides {
     pb::Request request;
     request.set_as(who);
     request.set_hold_alive(true);
-    desk_->handle(request, [this](const pb::Reply& reply) { holds = holds && reply.done(); });
+    desk_->handle(request, [this](const pb::Reply& reply) { holds = holds && reply.done(); }, {});
   }
 
   const Presence presence_;

@@ -68,7 +68,9 @@ class DeskBench : public ::testing::Test {
   }
   Answer ask(const pb::Request& request) {
     auto answer = std::make_shared<std::optional<pb::Reply>>();
-    desk->handle(request, [answer](pb::Reply reply) { *answer = std::move(reply); });
+    desk->handle(
+        request, [answer](pb::Reply reply) { *answer = std::move(reply); },
+        [this] { return still_waits; });
     return answer;
   }
   // The loop takes every order and answers it with `result`; `taken` keeps them.
@@ -109,6 +111,7 @@ class DeskBench : public ::testing::Test {
   SlaveState slave;
   LinkSnapshot link;
   bool connected = true;
+  bool still_waits = true;  // whoever asks
   bool disk_waits = false;  // whoever reads a scene
   Nanos now = 1000 * kSecond;
   std::vector<OrderTicket> taken;

@@ -136,6 +136,31 @@ TEST_F(HoldDeskTest, SomebodyIsThereWhileTheEngageWaits) {
   EXPECT_EQ(boxes.hold_heard.load(), now);
 }
 
+// A Ctrl-C: the arm is not engaged later on, with nobody there.
+TEST_F(HoldDeskTest, AnEngageThatNobodyWaitsForAnyMoreEngagesNothing) {
+  tick();
+  ask("engage: true");
+  loop(Reason::kLinkQuality);
+  tick();
+  still_waits = false;
+  const std::size_t before = taken.size();
+  for (int i = 0; i < 20; ++i) {
+    tick(10 * kMillisecond);
+    loop();
+  }
+  EXPECT_EQ(taken.size(), before);
+  EXPECT_FALSE((*ask("lease { act: SHOW }"))->lease().has_holder());
+  still_waits = true;
+  ask("engage: true");
+  loop();
+  stand(SessionState::kAligning, Desired::kEngaged);
+  tick();
+  still_waits = false;
+  tick();
+  loop();
+  EXPECT_EQ(last_order(), OrderKind::kDisengage);
+}
+
 TEST_F(HoldDeskTest, AnotherOperatorCannotHold) {
   engage();
   EXPECT_THAT(text(ask("as: 'ben' hold_alive: true")),

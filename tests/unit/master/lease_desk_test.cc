@@ -119,6 +119,19 @@ TEST_F(LeaseDeskTest, WhoAsksIsToldWhyNot) {
   EXPECT_TRUE(taken.empty()) << "the holder drives on";
 }
 
+TEST_F(LeaseDeskTest, NobodyGetsItWhoWaitsNoLonger) {
+  anna_engages();
+  const Answer asked = ask("as: 'ben' lease { act: TAKE }");
+  stand(SessionState::kOff);
+  tick();
+  EXPECT_FALSE(asked->has_value());
+  still_waits = false;
+  tick();
+  EXPECT_EQ(text(asked), "refused: ben does not get the lease: it waits no longer");
+  tick(11 * kSecond);
+  EXPECT_EQ((*ask("lease { act: SHOW }"))->lease().holder(), "anna");
+}
+
 TEST_F(LeaseDeskTest, AskingAgainAnswersTheFirstQuestion) {
   anna_engages();
   const Answer first = ask("as: 'ben' lease { act: TAKE }");

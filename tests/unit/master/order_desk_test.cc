@@ -309,12 +309,13 @@ TEST_F(OrderDeskTest, JudgesAnAnswerByTheReportThatCameWithIt) {
   const Answer engaging = ask("engage: true");
   pb::Request disengage;
   disengage.set_disengage(true);
-  desk->handle(disengage, [&](const pb::Reply&) {
+  const auto busy = [&](const pb::Reply&) {
     // While the desk is busy with this answer, the loop ticks and takes the engage order.
     stand(SessionState::kAligning, Desired::kEngaged);
     boxes.report.publish(report);
     ASSERT_TRUE(boxes.answers.push({1, Reason::kNone}));
-  });
+  };
+  desk->handle(disengage, busy, {});
   OrderTicket ticket;
   while (boxes.orders.pop(ticket)) taken.push_back(ticket);
   ASSERT_EQ(taken.size(), 2u);

@@ -294,6 +294,8 @@ TEST_F(WhyReportTest, TheWayOutIsOfTheJointAndTheSingularityTheArmIsAt) {
   report.out.motion.joint = 4;
   EXPECT_EQ(way_out(MotionStage::kLimits, Reason::kJointRange), "turn J5 back");
   EXPECT_EQ(way_out(MotionStage::kReach, Reason::kOutOfReach), "come back toward the base");
+  // Its face may be the one toward the base.
+  EXPECT_EQ(way_out(MotionStage::kReach, Reason::kWorkspace), "come back into the workspace");
   slave.q_measured << 0.2, 0.3, 1.5, 0.4, 0.01, 0.5;
   EXPECT_EQ(way_out(MotionStage::kSingularity, Reason::kSingularity),
             "tilt the tip away from the forearm's axis");

@@ -205,6 +205,32 @@ TEST_F(MxtPhase, ALossIsNoLastingDelayForAFastController) {
   }
 }
 
+// Its replies know the target before the newest, and so may be late ones after a silent cycle.
+TEST_F(MxtPhase, AControllerThatKeepsAPacketIsPromptAgainAfterASilentCycle) {
+  const auto silent_cycle = [&] {
+    open();
+    send(target(2));
+    ASSERT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
+  };
+  const auto hear_one_before = [&](int i, Nanos late) {
+    send(target(i));
+    if (hear_held(i - 1, i * kMxtPeriod + late) == RobotEvent::kReply) return true;
+    EXPECT_EQ(hear_held(i - 1, i * kMxtPeriod + late), std::nullopt) << "one that is read with it";
+    EXPECT_EQ(client_.poll(client_.deadline(), reply_), RobotEvent::kSilence);
+    EXPECT_TRUE(reply_.fresh && !reply_.prompt && reply_.cycles == 1) << i;
+    return false;
+  };
+  silent_cycle();
+  for (int i = 3; i < 10; ++i) EXPECT_FALSE(hear_one_before(i, i % 2 * 100 * kMicrosecond)) << i;
+  for (int i = 10; i < 20; ++i) {
+    EXPECT_TRUE(hear_one_before(i, 0)) << i;
+    EXPECT_TRUE(reply_.prompt && reply_.cycles == 1) << i;
+  }
+  client_.end();
+  silent_cycle();
+  for (int i = 3; i < 100; ++i) EXPECT_FALSE(hear_one_before(i, i % 2 * 300 * kMicrosecond)) << i;
+}
+
 // A program that was paused reads all replies of that time at once: they tell of no phase.
 TEST_F(MxtPhase, RepliesThatAreReadTogetherAreOneThatIsLate) {
   open();

@@ -2,8 +2,10 @@
 #include "devices/rig/tap.h"
 
 #include <gtest/gtest.h>
+#include <sys/fsuid.h>
 
 #include <cstddef>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
@@ -142,6 +144,21 @@ TEST_F(TapTest, SaysWhichFileCannotBeMadeOrReadAndWhy) {
   EXPECT_FALSE(tap.is_open());
   EXPECT_EQ(read_tap(mine).message(), "tap: " + mine + ": no tap of a rig");
   EXPECT_EQ(read_tap(nowhere).message(), "tap: " + nowhere + ": No such file or directory");
+}
+
+TEST_F(TapTest, SaysWhyAnOlderTapStays) {
+  ASSERT_TRUE(tap.open(path, kMxtPeriod));
+  const auto allow = [this](int mode) {
+    std::filesystem::permissions(folder.path(), static_cast<std::filesystem::perms>(mode));
+  };
+  allow(0555);
+  const int self = ::setfsuid(65534);  // root may write there all the same
+  Tap next;
+  const Status status = next.open(path, kMxtPeriod);
+  ::setfsuid(static_cast<uid_t>(self));
+  allow(0700);
+  EXPECT_EQ(status.message(),
+            "tap: " + path + ": an older tap, which cannot be removed: Permission denied");
 }
 
 }  // namespace
