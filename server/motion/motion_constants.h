@@ -7,7 +7,7 @@ namespace handrail {
 struct MotionConstants {
   double plan_share = 0.97;  // of the guard's speed, acceleration and jerk that a plan uses
   double law_share = 0.92;   // of the plan's acceleration and jerk that the law uses
-  double stop_jerks = 2.5;   // a stop takes at most v/a and so many a/j
+  double stop_jerks = 2.5;   // a stop takes at most v/a and so many a/j, or twice as many cycles
   double turn_length = 0.2;  // what a radian counts beside a metre [m]
   double damping = 3e-5;     // of the inverse that gives the joints' rates [m^2]
   double own_way = 1e-6;     // what a radian off the joints' own way counts beside the place [m^2]
@@ -31,6 +31,7 @@ struct MotionRounding {
   double on = 5e-6;        // off its tool, its place having come as 32 bits [m]
   double from_end = 1e-5;  // of a joint's range [rad]
   double share = 1e-9;     // of a motion that is none
+  double landing = 2.0;    // an acceleration that comes and goes on whole cycles takes so many
   int corrections = 4;     // of a step by its place; half of them with one inverse
 };
 inline constexpr MotionRounding kTiny;

@@ -74,15 +74,10 @@ bool StepChooser::take(const JointVector& q, Stopping how, TipMotion& next) noex
   TipPlace tip = tip_;
   tip.turn(q - state_.joints.q);
   if (why.reason == Reason::kNone && plan_stop(limits_, space_, m, tip, how, trial_, why)) {
-    if (!ends_.allow(space_, state_, m, trial_)) {
-      why = {Reason::kOutOfReach, -1};
-    } else if (!ends_on_way(m, how)) {
-      why = {Reason::kJointAcceleration, -1};
-    } else {
-      next = m;
-      state_.stop = trial_;
-      return true;
-    }
+    if (!ends_.allow(space_, state_, m, trial_) || !ends_on_way(m, how)) return false;
+    next = m;
+    state_.stop = trial_;
+    return true;
   }
   if (refused_.reason == Reason::kNone) refused_ = why;
   return false;

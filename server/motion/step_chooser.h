@@ -40,7 +40,8 @@ class StepChooser {
   // with every joint stopping by itself: at most four stops. `inverse`: around where the arm is.
   // False: none of them; else `next` is what was taken.
   bool take_most(const JointVector& q, PlaceInverse& inverse, TipMotion& next) noexcept;
-  // Why the whole step was not taken.
+  // What of the arm does not let the first of them be taken; kNone where it is only where their
+  // stops end.
   const Verdict& refused() const noexcept { return refused_; }
 
  private:

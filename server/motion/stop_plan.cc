@@ -13,13 +13,17 @@ namespace {
 // for their third order, and a law at its limit is rounded. The rest is for 32 bits on the wire.
 constexpr double kSent = 0.5 * (1.0 + kMotion.plan_share) / kMotion.plan_share;
 
+// What a stop may take beside v/a, in cycles.
+double bend_time(const AxisLimits& limits) {
+  return kMotion.stop_jerks * std::max(limits.acceleration / limits.jerk, kTiny.landing);
+}
+
 // Time to stop that is allowed, in cycles.
 double stop_bound(const PlanLimits& limits, const JointVector& step) {
   double cycles = 0.0;
   for (int i = 0; i < kJoints; ++i) {
     const AxisLimits& l = limits.guard.axis[static_cast<std::size_t>(i)];
-    cycles = std::max(
-        cycles, std::abs(step[i]) / l.acceleration + kMotion.stop_jerks * l.acceleration / l.jerk);
+    cycles = std::max(cycles, std::abs(step[i]) / l.acceleration + bend_time(l));
   }
   return cycles;
 }
@@ -150,7 +154,7 @@ class RollOut {
       p_ -= std::min(0.0, forward_S.dot(p_ - before)) * forward_S;
     }
     if (!inverse_.bring_to(p_, tip_, q)) {
-      why = {Reason::kOutOfReach, -1};
+      why = {Reason::kSingularity, -1};
       return false;
     }
     // What the curve took now it takes again, with the square of the speed.
@@ -180,8 +184,7 @@ PlanLimits::PlanLimits(const GuardLimits& of) noexcept : guard(of), axis(of.axis
     l.acceleration *= kMotion.plan_share;
     l.jerk *= kMotion.plan_share;
     from_end[i] = kStopReachOver * l.acceleration + kTiny.from_end;
-    const double stoppable =
-        StopPlan::kCapacity - 1 - kMotion.stop_jerks * l.acceleration / l.jerk;  // [cycles]
+    const double stoppable = StopPlan::kCapacity - 1 - bend_time(l);  // [cycles]
     l.speed = std::min(kMotion.plan_share * l.speed, stoppable * l.acceleration);
     speed[i] = l.speed;
     acceleration[i] = l.acceleration;

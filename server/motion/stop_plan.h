@@ -75,9 +75,10 @@ enum class Stopping {
   kEach,   // each by its own law: as fast as it can
 };
 
-// Rolls out a stop from `from`, on `space` throughout, no longer than v/a + 2.5 a/j of the
-// slowest-stopping joint. Every command of it was asked of the guard. False with the reason in
-// `why` when there is none. Real-time safe.
+// Rolls out a stop from `from`, the arm at `tip`; on `space` throughout, and no longer than
+// v/a + 2.5 a/j of the slowest-stopping joint, a/j two cycles at least. Where no tool holds the tip
+// it keeps its way but for what is of third order. Every command of it was asked of the guard.
+// False with the reason in `why` when there is none. Real-time safe.
 bool plan_stop(const PlanLimits& limits, const TipSpace& space, const TipMotion& from,
                const TipPlace& tip, Stopping how, StopPlan& plan, Verdict& why) noexcept;
 

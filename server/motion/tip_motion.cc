@@ -85,8 +85,8 @@ Ends ends_of(const MotionSettings& settings, const TipSpace& space, const Pose& 
   return ends;
 }
 
-// Whether a tip on its way out would brake less by a step to `p_next` than by its plan, which is then
-// all that may be taken.
+// Whether a tip on its way out would brake less by a step to `p_next` than by its plan, which is
+// then all that may be taken.
 bool brakes_less(const TipJacobian& J, const Ends& ends, const Vec3& p_next,
                  const MotionState& state) {
   if (ends.out <= 0.0 || state.stop.done()) return false;
@@ -150,7 +150,8 @@ Moved move_toward(const MotionSettings& settings, const PlanLimits& limits, cons
   StepChooser chooser(limits, within, ends, tip_now, state);
   const bool taken = chooser.take_most(q, inverse, moved.next);
   if (!taken) moved.next = play(limits, state);
-  const Verdict limiting = taken ? proposal.limiting() : chooser.refused();
+  const bool by_law = taken || chooser.refused().reason == Reason::kNone;
+  const Verdict limiting = by_law ? proposal.limiting() : chooser.refused();
   if (taken && straight) {
     if (size_of(way) > kMotion.unheld) moved.limit = limiting;
   } else {

@@ -13,6 +13,8 @@ using test::Dice;
 using test::FollowRig;
 
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
+// A stop that no tool holds keeps its way but for what is of third order: 2.6 um from 0.2 m/s [m].
+constexpr double kBesideItsWay = 5e-6;
 
 // Engaged and on the way at 0.2 m/s, in +Y.
 void set_going(FollowRig& rig) {
@@ -140,7 +142,7 @@ TEST(FollowSession, ACommandOver20MillisecondsOldStopsTheTipOnItsPathAndTheLinkR
     rig.cycle();
     EXPECT_EQ(rig.out.link.state, SessionState::kHold);
     EXPECT_EQ(rig.out.link.reason, Reason::kLinkHold);
-    EXPECT_LT((rig.tip.p - Vec3(start.p.x(), rig.tip.p.y(), start.p.z())).norm(), 1e-9);
+    EXPECT_LT((rig.tip.p - Vec3(start.p.x(), rig.tip.p.y(), start.p.z())).norm(), kBesideItsWay);
     EXPECT_GE(rig.tip.p.y(), last);
     if (rig.tip.p.y() > last) ++cycles_to_rest;
     last = rig.tip.p.y();
@@ -191,7 +193,7 @@ TEST(FollowSession, AStopComesToRestOnThePathWithinTheLimits) {
     last = rig.joints();
     rig.cycle();
     ++cycles;
-    EXPECT_LT((rig.tip.p - Vec3(start.p.x(), rig.tip.p.y(), start.p.z())).norm(), 1e-9);
+    EXPECT_LT((rig.tip.p - Vec3(start.p.x(), rig.tip.p.y(), start.p.z())).norm(), kBesideItsWay);
   } while (rig.joints() != last && cycles < 100);
   // 0.2 m/s is about a third of full speed here, which takes 0.15 s to leave.
   EXPECT_LT(cycles, 15);
@@ -231,7 +233,7 @@ TEST(FollowSession, ShutdownStopsTheArmOnItsPath) {
   rig.in.shutdown = true;
   for (int i = 0; i < 30; ++i) {
     rig.cycle();
-    EXPECT_LT((rig.tip.p - Vec3(start.x(), rig.tip.p.y(), start.z())).norm(), 1e-9);
+    EXPECT_LT((rig.tip.p - Vec3(start.x(), rig.tip.p.y(), start.z())).norm(), kBesideItsWay);
   }
   EXPECT_EQ(rig.out.link.state, SessionState::kOff);
   EXPECT_EQ(rig.out.link.reason, Reason::kShutdown);
@@ -255,7 +257,7 @@ TEST(FollowSession, ACommandThatIsNoPoseIsNotTakenAndTheNextGoodOneIs) {
     EXPECT_EQ(rig.out.link.reason, Reason::kCommandInvalid);
     EXPECT_EQ(rig.out.link.state, SessionState::kEngaged);
     for (int i = 0; i < 20; ++i) rig.follow(X);
-    EXPECT_LT((rig.tip.p - Vec3(start.x(), rig.tip.p.y(), start.z())).norm(), 1e-9);
+    EXPECT_LT((rig.tip.p - Vec3(start.x(), rig.tip.p.y(), start.z())).norm(), kBesideItsWay);
     EXPECT_TRUE(standing(rig.state.motion));
     for (int i = 0; i < 100; ++i) rig.follow(good);
     EXPECT_LT((rig.tip.p - good.p).norm(), 1e-9);

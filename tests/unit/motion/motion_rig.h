@@ -48,13 +48,14 @@ struct MotionRig {
     return copy.guarded > guarded || !copy.watch.kept() || copy.off_space > 1e-8 ? 1000
                                                                                  : cycles - 1;
   }
-  // v/a + 2.5 a/j of the slowest-stopping joint, in cycles.
+  // v/a + 2.5 a/j of the slowest-stopping joint, a/j two cycles at least, in cycles.
   double stop_bound() const {
     double cycles = 0.0;
     for (int i = 0; i < kJoints; ++i) {
       const double a = settings.limits.max_acceleration[i], j = settings.limits.max_jerk[i];
+      const double bend = std::max(a / j, 2.0 * settings.dt);
       cycles = std::max(
-          cycles, (std::abs(state.joints.step[i]) / settings.dt / a + 2.5 * a / j) / settings.dt);
+          cycles, (std::abs(state.joints.step[i]) / settings.dt / a + 2.5 * bend) / settings.dt);
     }
     return cycles;
   }

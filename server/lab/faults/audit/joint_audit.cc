@@ -75,7 +75,8 @@ double JointAudit::time_to_stop() const noexcept {
   double longest = 0.0;
   for (int i = 0; i < kJoints; ++i) {
     const double a = limits_.joints.max_acceleration[i];
-    longest = std::max(longest, std::abs(step_[i]) / dt_ / a + 2.5 * a / limits_.max_jerk[i]);
+    const double bend = std::max(a / limits_.max_jerk[i], 2.0 * dt_);
+    longest = std::max(longest, std::abs(step_[i]) / dt_ / a + 2.5 * bend);
   }
   return longest;
 }

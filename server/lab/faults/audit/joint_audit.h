@@ -49,7 +49,8 @@ class JointAudit {
   // One command a period. False: it was not finite, and nothing else was judged.
   bool commanded(const JointVector& q, BreachCounts& breaches) noexcept;
 
-  // Time any joint needs to rest, at most: v/a + 2.5 a/j of the slowest-stopping one [s].
+  // Time any joint needs to rest, at most: v/a + 2.5 a/j of the slowest-stopping one, a/j two
+  // cycles at least [s].
   double time_to_stop() const noexcept;
   // How far from here the tip gets while every joint brakes, no softer than the stop bound asks
   // [m].
