@@ -18,6 +18,16 @@ inline AuditLimits limits() {
   return out;
 }
 
+// Along x, which J1 turns the tip across.
+inline ToolDefinition line_through(const Vec3& p) {
+  ToolDefinition tool;
+  tool.kind = ToolKind::kLine;
+  tool.id = tool.epoch = 1;
+  tool.p_SA = p;
+  tool.direction_S = Vec3::UnitX();
+  return tool;
+}
+
 // A master, the network and joint commands as the test wants them.
 class Stream {
  public:

@@ -70,16 +70,6 @@ TEST(AuditorTest, ATipMayLeaveTheBoxOfCommandsThatItOnlyGetsToOnAWayRound) {
   }
 }
 
-// Along x, which J1 turns the tip across.
-ToolDefinition line_through(const Vec3& p) {
-  ToolDefinition tool;
-  tool.kind = ToolKind::kLine;
-  tool.id = tool.epoch = 1;
-  tool.p_SA = p;
-  tool.direction_S = Vec3::UnitX();
-  return tool;
-}
-
 TEST(AuditorTest, ATipLeavingItsToolIsFound) {
   Stream s;
   s.state.position_tool = line_through(s.state.X_SU.p);

@@ -15,7 +15,7 @@ Auditor::Auditor(const AuditLimits& limits)
       motion_(to_seconds(limits.period)),
       stops_(limits.period),
       places_(limits),
-      tool_(limits.catch_up * to_seconds(limits.period)) {}
+      tool_(limits.catch_up * to_seconds(limits.period), limits.period) {}
 
 void Auditor::sent(std::uint64_t number, std::uint32_t incarnation, const MasterState& state,
                    bool repeated) noexcept {
@@ -55,7 +55,7 @@ void Auditor::commanded(const JointVector& q, Nanos at) noexcept {
   motion_.set_stop_time(joints_.time_to_stop());
   master_.judge(at, report_);
   stops_.judge(master_, at, was_at_rest, motion_.stop_time(), report_);
-  tool_.expect(master_, joints_, motion_);
+  tool_.expect(master_, joints_, motion_, at);
   if (!joints_.commanded(q, report_.breaches)) return;
   take_joints();
   if (touched_) hold_out(at);
@@ -65,7 +65,9 @@ void Auditor::commanded(const JointVector& q, Nanos at) noexcept {
   ++report_.moved;
   if (!led()) stops_.moved_unled(at, was_at_rest, report_);
   if (!master_.any()) return;
-  if (!places_.commanded(master_.newest(), joints_, motion_, at)) report_.add(Breach::kUnasked);
+  if (!places_.commanded(master_.newest(), tool_, joints_, motion_, at)) {
+    report_.add(Breach::kUnasked);
+  }
 }
 
 void Auditor::take_joints() noexcept {

@@ -18,25 +18,30 @@ void PlaceAudit::remember(const Vec3& p, Nanos at) noexcept {
 
 // A tip that only ever moves toward fresh commands comes nearer to the newest, but as far as that
 // goes itself; or it stays among them and where it stood, where the arm can reach them. But for its
-// stop where they turn before it.
-bool PlaceAudit::commanded(const SentState& newest, const JointAudit& joints, const TipWay& motion,
-                           Nanos at) noexcept {
+// stop where they turn before it. On a tool what it comes nearer to is the place asked for or that
+// brought onto the tool, which may lie away from it.
+bool PlaceAudit::commanded(const SentState& newest, const ToolAudit& tool, const JointAudit& joints,
+                           const TipWay& motion, Nanos at) noexcept {
   const Pose& asked = newest.X_SU;
-  const double gap = (joints.tip() - asked.p).norm();
-  const bool was_beyond = beyond_reach_;
-  beyond_reach_ = newest.has_command && !in_reach(asked, joints.q());
+  const Vec3& tip = joints.tip();
+  const bool was_beyond = beyond_reach_, new_tool = tool.calls() != tool_;
+  beyond_reach_ = newest.has_command && !(in_reach(asked, joints.q()) &&
+                                          in_reach({tool.on(asked.p), asked.q}, joints.q()));
+  const bool just_beyond = beyond_reach_ && !was_beyond;
   const double went = went_to(asked);
-  gap_ = beyond_reach_ && !was_beyond ? gap : std::min(gap_ + went, gap);
-  if (beyond_reach_) {
-    // What now is asked may lie behind a tip on its way.
-    if (!was_beyond || went > 0.0) remember_stop(joints, motion);
-    const bool fine = !too_far(gap - gap_);
-    remember(joints.tip(), at);
-    return fine;
-  }
-  const double off = std::min(outside(joints.tip(), asked.p, at), gap - gap_);
-  if (off <= 0.0) remember_stop(joints, motion);
-  return !too_far(off);
+  gap_.take((tip - asked.p).norm(), went, just_beyond);
+  on_tool_.take((tip - tool.brought(asked.p, tip)).norm(), went, just_beyond || new_tool);
+  tool_ = tool.calls();
+  const double grown = std::min(gap_.grown(), on_tool_.grown());
+  const double off = beyond_reach_ ? grown : std::min(grown, outside(tip, asked.p, at));
+  // What now is asked may lie behind a tip on its way. One that has not yet come back from such a
+  // stop keeps what that took.
+  const double stop = motion.way_to_rest(joints);
+  const bool turned = !was_beyond || new_tool || went > 0.0;
+  if (off <= 0.0 && (turned || !beyond_reach_)) stop_ = stop;
+  if (beyond_reach_ && turned) stop_ = std::max(stop_, stop);
+  if (beyond_reach_) remember(tip, at);
+  return off <= kRoom + stop_;
 }
 
 bool PlaceAudit::in_reach(const Pose& X, const JointVector& from) const noexcept {
@@ -65,16 +70,6 @@ double PlaceAudit::outside(const Vec3& tip, const Vec3& asked, Nanos at) const n
     high = high.cwiseMax(box.high);
   }
   return std::max((low - tip).maxCoeff(), (tip - high).maxCoeff());
-}
-
-void PlaceAudit::remember_stop(const JointAudit& joints, const TipWay& motion) noexcept {
-  last_asked_ = joints;
-  even_way_ = motion.even_way();
-}
-
-// Further off than any stop since the tip was last where it was asked to be.
-bool PlaceAudit::too_far(double off) const noexcept {
-  return off > kRoom + even_way_ && off > kRoom + last_asked_.way_of_joints();
 }
 
 }  // namespace handrail

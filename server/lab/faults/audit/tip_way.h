@@ -28,6 +28,14 @@ class TipWay {
     const double cycles = stop_time_ / dt_;
     return cycles / 2.0 * step.norm() + cycles * cycles / 12.0 * (step - last).norm();
   }
+  // How far it goes at most [m] when it has to rest within `time` [s]: no stop is longer than going
+  // on at its speed until then, and with twice what of the acceleration an even one keeps. A stop
+  // that first lets an acceleration fade, beside a bend, is longer than an even one.
+  double longest_way(double time) const noexcept {
+    const Vec3 step = tips_[0] - tips_[1], last = tips_[1] - tips_[2];
+    const double cycles = std::max(0.0, time / dt_);
+    return cycles * step.norm() + cycles * cycles / 6.0 * (step - last).norm();
+  }
   double way_to_rest(const JointAudit& joints) const noexcept {
     return std::max(even_way(), joints.way_of_joints());
   }
