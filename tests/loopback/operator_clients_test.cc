@@ -216,10 +216,10 @@ TEST_F(OperatorClients, SayThatNoDescriptorIsLeft) {
   const rlimit none{0, before.rlim_max};  // of new ones
   ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
   OperatorClient client(path_);
-  const auto reply = client.call(order(&pb::Request::set_status), kPatience);
+  const auto reply = client.call(order(&pb::Request::set_status), kClientPatience);
   ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
   EXPECT_EQ(reply.message(), "no master on " + path_ + ": Too many open files");
-  EXPECT_TRUE(client.call(order(&pb::Request::set_status), kPatience).is_ok());
+  EXPECT_TRUE(client.call(order(&pb::Request::set_status), kClientPatience).is_ok());
 }
 
 // The descriptors that lead to a named socket and that a program started now would inherit.
@@ -237,7 +237,7 @@ int inherited() {
 
 TEST_F(OperatorClients, AreNotInheritedByAProgramThatIsStartedMeanwhile) {
   OperatorClient client(path_);
-  ASSERT_TRUE(client.call(order(&pb::Request::set_status), kPatience).is_ok());
+  ASSERT_TRUE(client.call(order(&pb::Request::set_status), kClientPatience).is_ok());
   EXPECT_EQ(inherited(), 0);
 }
 
