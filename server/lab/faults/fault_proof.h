@@ -20,6 +20,7 @@ struct FaultProof {
   int runs;                // the first so many of the row
   const char* found;       // what they find without the check, and do not with it
   std::uint64_t with = 0;  // left out as well, a bit for each: would find the same by chance
+  std::uint64_t seed = 0;  // of the runs, where what they find is rare; 0: the one asked for
 };
 
 // One for each check, in their order.
