@@ -37,9 +37,12 @@ Vec3 inside(const Workspace& workspace, const Vec3& p, const Vec3& tip) {
 }
 
 // Why the place or the turn asked for is not gone to.
-Verdict beyond_reach(const Reached& reached) {
+Verdict beyond_reach(const ArmGeometry& arm, const Vec3& p_target, const Reached& reached) {
   if (reached.joint < 0) return {};
-  const bool stretched = reached.arm && reached.joint == 2;
+  // Too near to the shoulder it is a joint that ends.
+  const Vec3 shoulder = arm.d1 * Vec3::UnitZ();
+  const bool further = (p_target - shoulder).norm() > (reached.X.p - shoulder).norm();
+  const bool stretched = reached.arm && reached.joint == 2 && further;
   return {stretched ? Reason::kOutOfReach : Reason::kJointRange, reached.joint};
 }
 
@@ -118,7 +121,7 @@ Moved move_toward(const MotionSettings& settings, const PlanLimits& limits, cons
   const Pose goal{within.nearest(reached.X.p), reached.X.q};
   const Ends ends = ends_of(settings, within, asked, target.p, goal.p, in_reach, state);
   state.asked = TipTarget{asked, !in_reach, ends.least};
-  Moved moved{state, goal.p, beyond_reach(reached), {}};
+  Moved moved{state, goal.p, beyond_reach(arm, target.p, reached), {}};
   if (in_reach && target.p != asked.p) moved.reach = {Reason::kWorkspace, -1};
 
   const TipPlace tip_now(arm, state.joints.q);

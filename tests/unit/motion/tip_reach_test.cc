@@ -122,6 +122,19 @@ TEST(TipReach, FromATargetThatStandsItGoesNoFurtherAwayWhereverThatIs) {
   }
 }
 
+// The way out of the one is toward the base, of the other away from it.
+TEST(TipReach, TooFarIsOutOfReachAndTooNearIsAJointsRange) {
+  for (const bool far : {true, false}) {
+    MotionRig rig(kHome);
+    const Pose start = rig.state.X_ST;
+    const Vec3 p = far ? Vec3(1.2, 0.0, 0.4) : Vec3(0.02, 0.0, 0.35);
+    for (int k = 0; k < 300; ++k)
+      rig.follow({start.p + std::min(1.0, k / 200.0) * (p - start.p), start.q});
+    EXPECT_EQ(rig.verdict.reason, far ? Reason::kOutOfReach : Reason::kJointRange);
+    EXPECT_EQ(rig.verdict.joint, far ? 2 : 1);
+  }
+}
+
 struct Push {
   const char* name;
   JointVector q;     // where it starts
