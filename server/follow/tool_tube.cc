@@ -69,7 +69,7 @@ void ToolTube::close(double catch_up, double catch_up_rotation, const Vec3& p_SU
 }
 
 Vec3 ToolTube::across(const Vec3& p) const noexcept {
-  const Vec3 d = p - position_.p_SA;
+  Vec3 d = p - position_.p_SA;
   switch (position_.kind) {
     case ToolKind::kPoint: return d;
     case ToolKind::kLine: return d - d.dot(position_.direction_S) * position_.direction_S;

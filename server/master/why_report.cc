@@ -132,7 +132,7 @@ Reason still_wrong(const HapticReport& report, const SlaveState& slave, const Li
 // "11.8 mm and 0.3 deg"; what is not worth saying is left out, but never all.
 std::string amount(double mm, double deg) {
   const bool turned = deg >= kWorthSaying;
-  const std::string far = fmt::format("{:.1f} mm", mm);
+  std::string far = fmt::format("{:.1f} mm", mm);
   if (!turned) return far;
   return (mm >= kWorthSaying ? far + " and " : "") + fmt::format("{:.1f} deg", deg);
 }

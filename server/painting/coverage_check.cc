@@ -55,8 +55,8 @@ std::string reach_problem(const Walls& walls, std::size_t start, std::string& wa
   const auto area = [&](std::size_t pixels) {
     return number_text(std::round(static_cast<double>(pixels) * mm2 * 100.0) / 100.0) + " mm^2";
   };
-  const std::string sealed = "the wall seals the start off: it reaches " + area(reach.reached) +
-                             " of " + area(reach.open) + " of free space";
+  std::string sealed = "the wall seals the start off: it reaches " + area(reach.reached) + " of " +
+                       area(reach.open) + " of free space";
   for (std::size_t r = 0; r < walls.regions.size(); ++r) {
     if (walls.regions[r].kind != RegionKind::kAisle) continue;
     if (reach.region_open[r] == 0 || reach.region_reached[r] > 0) continue;

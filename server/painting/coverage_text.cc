@@ -14,7 +14,7 @@ namespace {
 std::string colour_text(const std::uint8_t* rgba) {
   std::array<char, 32> text;
   std::snprintf(text.data(), text.size(), "#%02x%02x%02x", rgba[0], rgba[1], rgba[2]);
-  const std::string out = text.data();
+  std::string out = text.data();
   if (rgba[3] == 255) return out;
   return out + " at alpha " + std::to_string(rgba[3]) + "/255";
 }
@@ -47,8 +47,8 @@ std::string place_text(std::size_t pixel, int width) {
 }
 
 std::string pixels_text(const RgbaImage& image, const PixelCount& pixels) {
-  const std::string one = "pixel " + place_text(pixels.first, image.width) + " of colour " +
-                          colour_text(image.rgba.data() + 4 * pixels.first);
+  std::string one = "pixel " + place_text(pixels.first, image.width) + " of colour " +
+                    colour_text(image.rgba.data() + 4 * pixels.first);
   if (pixels.count == 1) return one;
   return one + " and more, " + (pixels.count >= PixelCount::kMost ? "at least " : "") +
          std::to_string(pixels.count) + " pixels in all,";

@@ -23,8 +23,9 @@ std::optional<std::size_t> pixel_of(const CoverageMap& map, const Vec2& p) noexc
 
 Vec2 centre_of(const CoverageMap& map, std::size_t pixel) noexcept {
   const auto width = static_cast<std::size_t>(map.width);
-  const double x = static_cast<double>(pixel % width) + 0.5 - 0.5 * map.width;
-  const double y = 0.5 * map.height - static_cast<double>(pixel / width) - 0.5;
+  const std::size_t row = pixel / width, column = pixel % width;
+  const double x = static_cast<double>(column) + 0.5 - 0.5 * map.width;
+  const double y = 0.5 * map.height - static_cast<double>(row) - 0.5;
   return Vec2(x, y) * map.pixel;
 }
 

@@ -40,7 +40,7 @@ Problem plane_from(const pb::RigEffect::Plane& in, RigEffectSpec& out) {
   PlaneSpec plane;
   plane.at = vector_of(in.at_mm()) * kMm;
   plane.surface = surface_from(in.surface());
-  const Problem problem = unit_from("plane.normal", in.normal(), plane.normal);
+  Problem problem = unit_from("plane.normal", in.normal(), plane.normal);
   out = plane;
   return problem;
 }
@@ -60,7 +60,7 @@ Problem cylinder_from(const pb::RigEffect::Cylinder& in, RigEffectSpec& out) {
   cylinder.half_length = 0.5 * in.length_mm() * kMm;
   cylinder.hole = in.hole();
   cylinder.surface = surface_from(in.surface());
-  const Problem problem = unit_from("cylinder.axis", in.axis(), cylinder.axis);
+  Problem problem = unit_from("cylinder.axis", in.axis(), cylinder.axis);
   out = cylinder;
   return problem;
 }

@@ -137,7 +137,7 @@ Problem check_socket(const Scene& scene, const HexSocketSpec& socket, double tur
 
 Quat key_in_socket(const Scene& scene) noexcept {
   const Pose& X_SK = socket_of(scene)->X_SK;
-  const Quat first = X_SK.q * Quat(0.0, 0.0, 1.0, 0.0);
+  Quat first = X_SK.q * Quat(0.0, 0.0, 1.0, 0.0);
   const JointLimits& limits = scene.limits.joints;
   const double middle = 0.5 * (limits.lower[kLast] + limits.upper[kLast]);
   const std::optional<Standing> way = stand(scene, {X_SK.p, first}, 0.0);

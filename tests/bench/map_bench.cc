@@ -18,7 +18,7 @@ std::string write_scene(const TempFolder& folder, int size) {
   png.width = png.height = size;
   png.type = 2;
   png.pixel = [size](int x, int y) {
-    const double u = x + 0.5 - size / 2, v = y + 0.5 - size / 2;
+    const double u = x + 0.5 - 0.5 * size, v = y + 0.5 - 0.5 * size;
     const double ring = std::abs(std::remainder(std::hypot(u, v) + 0.037 * size, 0.1 * size));
     const double outside = std::min(ring - 0.02 * size, std::abs(v) - 0.01 * size);
     const double open = std::clamp(0.5 - outside, 0.0, 1.0);

@@ -141,8 +141,7 @@ TEST_F(OperatorApi, AClientSaysWhoElseListens) {
     }
     char byte = 0;
     EXPECT_EQ(::read(ready[0], &byte, 1), 1);
-    const std::string said =
-        OperatorClient(path).call(status_request(), 200 * kMillisecond).message();
+    std::string said = OperatorClient(path).call(status_request(), 200 * kMillisecond).message();
     ::kill(child, SIGKILL);
     ::waitpid(child, nullptr, 0);
     for (const int end : ready) ::close(end);

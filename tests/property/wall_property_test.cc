@@ -155,7 +155,7 @@ RC_GTEST_PROP(WallProperty, TurningMapAndHandTogetherChangesNothing, ()) {
 // Lanes beside lanes and rings around rings, 0.1 mm of wall between them; which one a point is in
 // is plain from its coordinates.
 struct ThinWalls {
-  static constexpr int kCount = 9;
+  static constexpr int kCount = 9, kMiddle = kCount / 2;
   static constexpr double kPitch = 0.0051, kWidth = 0.005;
   double angle = 0.0;
   bool rings = false;
@@ -164,15 +164,15 @@ struct ThinWalls {
     std::vector<WallShape> shapes;
     for (int i = 0; i < kCount; ++i) {
       const int k = (first + i) % kCount;
-      const Vec2 c = Pose2::turned({0, (k - kCount / 2) * kPitch}, angle);
+      const Vec2 c = Pose2::turned({0, (k - kMiddle) * kPitch}, angle);
       shapes.push_back(rings ? ring({0, 0}, (k + 2) * kPitch, kWidth)
                              : box(c, {0.06, 0.5 * kWidth}, angle));
     }
     return drawn(shapes);
   }
   bool contains(int k, const Vec2& p) const {
-    const double across = rings ? p.norm() - (k + 2) * kPitch
-                                : Pose2::turned(p, -angle).y() - (k - kCount / 2) * kPitch;
+    const double across =
+        rings ? p.norm() - (k + 2) * kPitch : Pose2::turned(p, -angle).y() - (k - kMiddle) * kPitch;
     return std::abs(across) <= 0.5 * kWidth + kRounding;
   }
 };

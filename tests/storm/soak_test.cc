@@ -11,8 +11,9 @@ SoakOutcome with_growth(double rig, double slave, double master) {
   SoakOutcome out;
   out.complete = true;
   out.minutes = 10.0;
-  const double rates[] = {rig, slave, master};
-  for (std::size_t i = 0; i < out.growth.size(); ++i) out.growth[i].slope.value = rates[i];
+  out.growth[0].slope.value = rig;
+  out.growth[1].slope.value = slave;
+  out.growth[2].slope.value = master;
   return out;
 }
 

@@ -33,7 +33,7 @@ Vec3 force_at(const Contact& c, const Equation& e, const Vec3& x) noexcept {
   }
   const double depth = -c.gap(x) - e.sag;
   const Vec3 off = x - c.anchor;
-  const Vec3 stuck = e.W_inverse * (depth * c.n - (off - c.n.dot(off) * c.n));
+  Vec3 stuck = e.W_inverse * (depth * c.n - (off - c.n.dot(off) * c.n));
   const double pressure = c.n.dot(stuck);
   const Vec3 across = stuck - pressure * c.n;
   const double friction = across.norm();

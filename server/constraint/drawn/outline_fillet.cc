@@ -37,7 +37,7 @@ class Corner {
 
   // The fillet of the largest radius up to `wanted` that fits.
   std::optional<Fillet> largest(double wanted) const {
-    if (const auto whole = of(wanted)) return whole;
+    if (auto whole = of(wanted)) return whole;
     std::optional<Fillet> best;
     double low = 0.0, high = wanted;
     for (int i = 0; i < 40; ++i) {

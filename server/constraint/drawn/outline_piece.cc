@@ -82,7 +82,7 @@ Vec2 OutlinePiece::nearest_on_carrier(const Vec2& x) const noexcept {
 }
 
 Vec2 OutlinePiece::nearest(const Vec2& x) const noexcept {
-  const Vec2 p = nearest_on_carrier(x);
+  Vec2 p = nearest_on_carrier(x);
   if (spans(p, 0.0)) return p;
   return (x - a).squaredNorm() <= (x - b).squaredNorm() ? a : b;
 }

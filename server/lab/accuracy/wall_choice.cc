@@ -92,7 +92,7 @@ const char* name_of(WallMethod method) noexcept {
 
 std::string describe(const WallSetting& s) {
   if (s.method == WallMethod::kExact) return "shapes";
-  const std::string pixel = fmt::format("pixel {:g} mm", s.pixel / kMm);
+  std::string pixel = fmt::format("pixel {:g} mm", s.pixel / kMm);
   if (s.method == WallMethod::kSubpixel) return pixel;
   return pixel + fmt::format(", radius {:g} px", s.radius);
 }

@@ -28,7 +28,9 @@ int run_bumper_command(const BumperCommand& command, const std::atomic<bool>& ca
   Progress progress;
   for (const bool rig : {false, true}) {
     if (!command.arm.empty() && (command.arm == "rig") != rig) continue;
-    for (const auto& [form, promise] : kForms) {
+    for (const auto& pair : kForms) {
+      const BumperSettings::Form form = pair.first;
+      const double promise = pair.second;
       const bool published = form == BumperSettings::Form::kPublished;
       if (!command.form.empty() && (command.form == "published") != published) continue;
       BumperMapOptions options;

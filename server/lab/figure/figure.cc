@@ -109,10 +109,11 @@ std::string Figure::svg() const {
   double y = draw_heading(svg, title_, kEdge, width, {.size = kTitleFont, .bold = true});
   y = draw_heading(svg, subtitle_, y, width, {.size = kSubtitleFont, .colour = kPaleInk}) + 6.0;
   for (std::size_t i = 0; i < panels_.size(); ++i) {
-    const Margins& side = sides[i % columns];
-    const Margins& end = ends[i / columns];
-    const double left = kEdge + static_cast<double>(i % columns) * (w + kGap);
-    const double top = y + static_cast<double>(i / columns) * (h + kGap);
+    const std::size_t row = i / columns, column = i % columns;
+    const Margins& side = sides[column];
+    const Margins& end = ends[row];
+    const double left = kEdge + static_cast<double>(column) * (w + kGap);
+    const double top = y + static_cast<double>(row) * (h + kGap);
     panels_[i].draw(svg,
                     {left + side.first, top + end.first, frame_width(i),
                      std::max(h - end.first - end.second, 1.0)},

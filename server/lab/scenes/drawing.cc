@@ -140,9 +140,8 @@ Status draw_accuracy(const std::string& folder, const AccuracyRows& rows) {
   for (auto first = rows.begin(); first != rows.end();) {
     const auto last = std::find_if(
         first, rows.end(), [&](const AccuracyRow& row) { return row.choice != first->choice; });
-    const Status written = figure_of(AccuracyRows(first, last))
-                               .write_file(folder + "/accuracy-" + first->choice + ".svg");
-    if (!written) return written;
+    const std::string file = folder + "/accuracy-" + first->choice + ".svg";
+    if (Status s = figure_of(AccuracyRows(first, last)).write_file(file); !s) return s;
     first = last;
   }
   return Status::ok();

@@ -110,35 +110,30 @@ std::function<void()> device() {
   };
 }
 
-struct Pair {
-  const char* name;
-  bool on_rig;
-  std::function<void()> with, without;
-};
-
 }  // namespace
 
 std::vector<PricedEffect> price_of_arm(const Scene& scene, const std::atomic<bool>& cancelled) {
   const auto nothing = [] {};
   const HandOptions h;
-  const std::vector<Pair> pairs = {
-      {"position_tool", false, guide(scene, true, true), guide(scene, false, true)},
-      {"orientation_tool", false, guide(scene, true, true), guide(scene, true, false)},
-      {"smoother", false, smoother(scene), nothing},
-      {"hand_impedance", true, hand(0.0, 0.0, 0.0), nothing},
-      {"hand_tremor", true, hand(h.tremor_rms, 0.0, 0.0), hand(0.0, 0.0, 0.0)},
-      {"hand_drift", true, hand(0.0, h.drift_rms, h.drift_rotation_rms), hand(0.0, 0.0, 0.0)},
-      {"device", true, device(), hand(h.tremor_rms, h.drift_rms, h.drift_rotation_rms)}};
   Contest contest;
-  for (const Pair& pair : pairs) {
-    contest.add([] {}, pair.with, kCalls);
-    contest.add([] {}, pair.without, kCalls);
-  }
-  contest.run(kTurns, kBatches, cancelled);
   std::vector<PricedEffect> out;
-  for (std::size_t i = 0; !cancelled && i < pairs.size(); ++i) {
-    const double price = contest.longer(2 * i, 2 * i + 1);
-    out.push_back({pairs[i].name, pairs[i].on_rig, std::max(price, 0.0)});
+  const auto enter = [&](const char* name, bool on_rig, const std::function<void()>& with,
+                         const std::function<void()>& without) {
+    contest.add([] {}, with, kCalls);
+    contest.add([] {}, without, kCalls);
+    out.push_back({name, on_rig});
+  };
+  enter("position_tool", false, guide(scene, true, true), guide(scene, false, true));
+  enter("orientation_tool", false, guide(scene, true, true), guide(scene, true, false));
+  enter("smoother", false, smoother(scene), nothing);
+  enter("hand_impedance", true, hand(0.0, 0.0, 0.0), nothing);
+  enter("hand_tremor", true, hand(h.tremor_rms, 0.0, 0.0), hand(0.0, 0.0, 0.0));
+  enter("hand_drift", true, hand(0.0, h.drift_rms, h.drift_rotation_rms), hand(0.0, 0.0, 0.0));
+  enter("device", true, device(), hand(h.tremor_rms, h.drift_rms, h.drift_rotation_rms));
+  contest.run(kTurns, kBatches, cancelled);
+  if (cancelled) return {};
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    out[i].ns_per_tick = std::max(contest.longer(2 * i, 2 * i + 1), 0.0);
   }
   return out;
 }

@@ -101,7 +101,8 @@ TEST(Slider, ACountChangesTheForceByAtMostSevenQuartersOfTheCouplingTimesIt) {
     slider.restart(Vec2::Zero());
     double last = 0.0;
     for (int i = 1; i < 2000; ++i) {
-      const double f = slider.force({kCount * (i / 3), 0.0}, law_of(b), kT).x();
+      const int counts = i / 3;  // one more every third step
+      const double f = slider.force({kCount * counts, 0.0}, law_of(b), kT).x();
       EXPECT_LE(std::abs(f - last), 1.75 * 2500.0 * kCount * (1.0 + 1e-9)) << b << " at " << i;
       last = f;
     }

@@ -29,7 +29,7 @@ TEST(AuditorTest, ASoundDriveHasNoBreach) {
 }
 
 TEST(AuditorTest, NamesEachLimit) {
-  const JointLimits joints = rv2a_limits();
+  const JointLimits& joints = rv2a_limits();
   const double v = joints.max_speed[0] * kDt;
   const double a = joints.max_acceleration[0] * kDt * kDt;
   Stream fast;

@@ -21,7 +21,7 @@ TEST(SessionWatch, HoldsThatComeAndGoAreALineASecondAndNothingElseWaits) {
   SessionWatch watch;
   int lines = 0;
   const auto step = [&](Nanos now, SessionState state) {
-    const auto line = watch.step(now, state, Reason::kNone, [](Reason) { return ""; });
+    auto line = watch.step(now, state, Reason::kNone, [](Reason) { return ""; });
     lines += line.has_value();
     return line;
   };

@@ -15,7 +15,7 @@ constexpr int kSize = 200;                             // pixels of the maps, ta
 constexpr double kTurn = 17 * std::numbers::pi / 180;  // of the block [rad]
 constexpr double kMapPixel = 1e-4;                     // [m]
 
-Vec2 metres(double x, double y) { return Vec2(x - kSize / 2, kSize / 2 - y) * kMapPixel; }
+Vec2 metres(double x, double y) { return Vec2(x - 0.5 * kSize, 0.5 * kSize - y) * kMapPixel; }
 
 // The drawing: wall, in it a free disc, in that a wall turned by 17 degrees.
 CoverageMap drawing(double x, double y) {

@@ -49,7 +49,8 @@ void draw_pixel(int x, int y, std::uint8_t page, const std::vector<Layer>& layer
     if (depth < -0.75) continue;
     int hits = 0;
     for (std::size_t s = 0; s < top.size(); ++s) {
-      const Vec2 fine(static_cast<double>(s % kFine), static_cast<double>(s / kFine));
+      const std::size_t row = s / kFine, column = s % kFine;
+      const Vec2 fine(static_cast<double>(column), static_cast<double>(row));
       if (layer.depth(Vec2(x, y) + (fine + Vec2(0.5, 0.5)) / kFine) < 0.0) continue;
       top[s] = layer.entry;
       ++hits;
