@@ -23,12 +23,11 @@ bool plainly_allowed(const GuardLimits& limits, const GuardState& state, const J
                      const JointVector& step, const JointVector& change) {
   const JointVector a = change.cwiseAbs();
   const JointVector fast = step.cwiseAbs() + 0.5 * a.cwiseProduct(a).cwiseProduct(limits.per_jerk);
-  const JointVector room =
-      (limits.acceleration - a)
-          .cwiseMin(limits.jerk - (change - state.change).cwiseAbs())
-          .cwiseMin(limits.speed - fast)
-          .cwiseMin(limits.plain_upper - wanted)
-          .cwiseMin(wanted - limits.plain_lower);
+  const JointVector room = (limits.acceleration - a)
+                               .cwiseMin(limits.jerk - (change - state.change).cwiseAbs())
+                               .cwiseMin(limits.speed - fast)
+                               .cwiseMin(limits.plain_upper - wanted)
+                               .cwiseMin(wanted - limits.plain_lower);
   return room.minCoeff() >= 0.0;
 }
 
@@ -66,8 +65,7 @@ struct Reaches {
   JointVector up, down;
 };
 
-// More than any joint can still turn while it stops, for less work: a stop from the highest speed
-// it comes through [rad].
+// stop_reach_at_most of all joints at once [rad].
 JointVector most_turn(const GuardLimits& limits, const JointVector& step,
                       const JointVector& change) {
   const JointVector fast =
@@ -161,7 +159,7 @@ GuardLimits::GuardLimits(const JointLimits& joints, const ArmGeometry& geometry,
     per_jerk[i] = 1.0 / l.jerk;
     half_per_acceleration[i] = 0.5 / l.acceleration;
     stop_time[i] = 1.5 * l.acceleration / l.jerk + 1.0;
-    plenty[i] = l.speed * (half_per_acceleration[i] * l.speed + stop_time[i]);
+    plenty[i] = stop_reach_at_most(l, l.speed);
   }
   plain_lower = lower + plenty;
   plain_upper = upper - plenty;

@@ -32,10 +32,10 @@ struct GuardLimits {
   std::array<AxisLimits, kJoints> axis;
   JointVector speed, acceleration, jerk;  // of `axis`
   JointVector per_jerk, half_per_acceleration;
-  JointVector stop_time;                  // of a stop, beyond speed / 2 acceleration [cycles]
-  JointVector lower, upper;               // [rad]
-  JointVector plain_lower, plain_upper;   // plenty inside of them [rad]
-  JointVector plenty;                     // more room to a range's end than any stop takes [rad]
+  JointVector stop_time;                 // of a stop, beyond speed / 2 acceleration [cycles]
+  JointVector lower, upper;              // [rad]
+  JointVector plain_lower, plain_upper;  // plenty inside of them [rad]
+  JointVector plenty;                    // more room to a range's end than any stop takes [rad]
   JointVector lever;      // the tip moves at most this far with one radian of the joint [m]
   double furthest = 0.0;  // more than the tip goes in any stop [m]
   ArmGeometry arm;

@@ -72,6 +72,14 @@ inline double stop_reach(const AxisLimits& limits, double v, double a) noexcept 
   return std::max(0.0, reach - std::max(0.0, 0.5 * v - 0.125 * A));
 }
 
+// More than stop_reach either way for less work, by what the axis steps at most on its way to rest:
+// |v| + a^2 / 2 jerk.
+inline double stop_reach_at_most(const AxisLimits& limits, double fastest) noexcept {
+  const double in_cycles =
+      0.5 * fastest / limits.acceleration + 1.5 * limits.acceleration / limits.jerk + 1.0;
+  return fastest * in_cycles;
+}
+
 // Largest |step| the axis passes through when stop_change acts from (v, a). Exact.
 inline double stop_peak(const AxisLimits& limits, double v, double a) noexcept {
   const double more = ramp(std::abs(a) - limits.jerk, limits.jerk);

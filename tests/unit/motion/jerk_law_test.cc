@@ -81,6 +81,8 @@ TEST(JerkLaw, TheBoundOnAStopsReachIsNeverShort) {
     const double v = between(random, -speed, speed), a = between(random, -1.0, 1.0);
     const double bound = stop_reach(l, v, a), exact = roll_out(l, v, a).furthest;
     ASSERT_GE(bound, exact - 1e-12) << "v " << v << " a " << a << " j " << l.jerk;
+    const double fastest = std::abs(v) + 0.5 * a * a / l.jerk;
+    ASSERT_GE(stop_reach_at_most(l, fastest), bound) << v << " " << a << " " << l.jerk;
     longest += exact;
     excess += bound - exact;
   }
