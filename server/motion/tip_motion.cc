@@ -39,9 +39,12 @@ Vec3 inside(const Workspace& workspace, const Vec3& p, const Vec3& tip) {
 // Why the place or the turn asked for is not gone to.
 Verdict beyond_reach(const ArmGeometry& arm, const Vec3& p_target, const Reached& reached) {
   if (reached.joint < 0) return {};
-  // Too near to the shoulder it is a joint that ends.
-  const Vec3 shoulder = arm.d1 * Vec3::UnitZ();
-  const bool further = (p_target - shoulder).norm() > (reached.X.p - shoulder).norm();
+  // Where the wrist would be too near to the shoulder it is a joint that ends.
+  const Vec3 to_tip = arm.d6 * (reached.X.q * Vec3::UnitZ());
+  const auto off_shoulder = [&](const Vec3& p_wrist) {
+    return std::hypot(p_wrist.head<2>().norm() - arm.a1, p_wrist.z() - arm.d1);
+  };
+  const bool further = off_shoulder(p_target - to_tip) > off_shoulder(reached.X.p - to_tip);
   const bool stretched = reached.arm && reached.joint == 2 && further;
   return {stretched ? Reason::kOutOfReach : Reason::kJointRange, reached.joint};
 }

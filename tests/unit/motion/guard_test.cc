@@ -114,6 +114,27 @@ TEST(Guard, ATipAtTheEndOfTheWorkspaceStopsInsideAndMayComeBack) {
   EXPECT_EQ(guard(l, state, back).reason, Reason::kNone);
 }
 
+// J1 turns the stretched arm as fast as it may, straight at a face that it meets at full speed.
+TEST(Guard, ATipAtFullSpeedStopsInsideTheWorkspace) {
+  Workspace workspace;
+  workspace.high.y() = 0.3;
+  const GuardLimits l = limits(workspace);
+  GuardState state = at(test::joints_deg(-80, 70, 20, 0, 0, 0));
+  double fastest = 0.0, furthest = -1.0;
+  for (int i = 0; i < 400; ++i) {
+    JointVector wanted = state.q + state.step;
+    const double faster = std::min(0.99 * l.acceleration[0], state.change[0] + 0.99 * l.jerk[0]);
+    const double slack = 0.98 * l.speed[0] - state.step[0];
+    wanted[0] += std::min(faster, std::max(slack, state.change[0] - 0.99 * l.jerk[0]));
+    guard(l, state, wanted);
+    fastest = std::max(fastest, state.step[0]);
+    furthest = std::max(furthest, forward(l.arm, state.q).p.y());
+    ASSERT_LE(furthest, 0.3) << i;
+  }
+  EXPECT_GT(fastest, 0.8 * l.speed[0]);
+  EXPECT_GT(furthest, 0.25);
+}
+
 TEST(Guard, AJointFoundOutsideItsRangeMayOnlyComeBack) {
   JointVector outside = home();
   outside[2] = rv2a_limits().upper[2] + 0.01;
