@@ -109,8 +109,8 @@ Led lead(const FollowSettings& settings, const PlanLimits& limits, const FollowI
   const Stage command{in.master.X_SU.p};
   const Stage tool = hold_on_tool(in, X_SN, s);
   const Stage bumped = yield(settings, X_SN.p, s, contact);
-  const Moved moved = move_toward(settings.motion, limits, space_to(bumped.p, s), {bumped.p, X_SN.q},
-                                  share_of_speed(age_of_master(in)), s.motion);
+  const Moved moved = move_toward(settings.motion, limits, space_to(bumped.p, s),
+                                  {bumped.p, X_SN.q}, share_of_speed(age_of_master(in)), s.motion);
   const Stage reached{moved.p_goal, moved.reach.reason};
   const Stage limited{moved.next.X_ST.p, moved.limit.reason};
   const Stage* const way[] = {&command, &tool, &bumped, &reached, &limited};

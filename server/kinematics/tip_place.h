@@ -62,8 +62,7 @@ class TipPlace {
       constexpr double k3 = 1.0 / 6.0, k5 = 1.0 / 20.0, k7 = 1.0 / 42.0, k9 = 1.0 / 72.0;
       constexpr double k4 = 1.0 / 12.0, k6 = 1.0 / 30.0, k8 = 1.0 / 56.0, k10 = 1.0 / 90.0;
       const double y = x * x;
-      const double sine =
-          x * (1.0 - k3 * y * (1.0 - k5 * y * (1.0 - k7 * y * (1.0 - k9 * y))));
+      const double sine = x * (1.0 - k3 * y * (1.0 - k5 * y * (1.0 - k7 * y * (1.0 - k9 * y))));
       const double less =
           0.5 * y * (1.0 - k4 * y * (1.0 - k6 * y * (1.0 - k8 * y * (1.0 - k10 * y))));
       const double turned = s + (c * sine - s * less);
