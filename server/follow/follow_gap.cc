@@ -21,7 +21,7 @@ void begin_gap(const FollowSettings& settings, FollowState& s) noexcept {
   // An end that is not sent any more does not end the motion of the arm.
   s.halted = !standing(s.motion) || s.motion.joints.q != s.train.newest();
   s.halts += s.halted ? 1 : 0;
-  s.motion = standing_at(settings.motion.arm, s.train.newest());
+  s.motion = standing_at(settings.motion->arm, s.train.newest());
   s.gap = true;
   s.waited = 0;
   s.owed = static_cast<int>(s.train.unconfirmed());
@@ -34,7 +34,7 @@ void hear_controller(const FollowSettings& settings, const FollowInput& in,
   if (!s.placed) return;
   if (!in.robot_ready) {
     // Nobody is told anything: the arm is where it is, at rest.
-    if (!standing(s.motion)) s.motion = standing_at(settings.motion.arm, s.train.newest());
+    if (!standing(s.motion)) s.motion = standing_at(settings.motion->arm, s.train.newest());
     return;
   }
   const std::size_t unheard = s.train.unconfirmed();

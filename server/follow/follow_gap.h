@@ -33,7 +33,7 @@ bool controller_has_enough(const FollowInput& in, FollowState& state) noexcept;
 
 // One rated step of every joint [rad].
 inline JointVector rated_step(const FollowSettings& settings) noexcept {
-  return settings.rated.max_speed * settings.motion.dt;
+  return settings.rated.max_speed * settings.motion->dt;
 }
 
 // The first joint of `q` outside its range by more than an arm at rest may be off (twice

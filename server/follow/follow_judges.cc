@@ -19,11 +19,11 @@ Reason read_force(const FollowSettings& settings, const FollowInput& in, const P
   const WrenchReading reading{in.f_E_T, in.wrench_valid, X_ST, still,
                               settings.payload.reading(X_ST.q).force};
   const Reason wrong =
-      s.wrench.judge(settings.bumper, settings.sensor_range, settings.motion.dt, reading);
+      s.wrench.judge(settings.bumper, settings.sensor_range, settings.motion->dt, reading);
   if (wrong == Reason::kNone) {
     s.invalid_wrenches = 0;
     const Wrench f_E_T = settings.payload.remove(in.f_E_T, X_ST.q);
-    s.f_E_S = s.filter.pass(X_ST.q * f_E_T.force, settings.force_lag, settings.motion.dt);
+    s.f_E_S = s.filter.pass(X_ST.q * f_E_T.force, settings.force_lag, settings.motion->dt);
     s.torque_E_S = X_ST.q * f_E_T.torque;
     return Reason::kNone;
   }
@@ -37,7 +37,7 @@ Reason read_force(const FollowSettings& settings, const FollowInput& in, const P
 
 Reason judge_arm(const FollowSettings& settings, const FollowInput& in,
                  const JointVector& q_measured, FollowState& s, std::int8_t& joint) noexcept {
-  const double dt = settings.motion.dt;
+  const double dt = settings.motion->dt;
   const bool answered = in.answer != Answer::kNone && in.has_measured;
   const bool judged = s.placed && !s.gap;
   for (int i = answered ? 1 : 0; judged && i < in.cycles; ++i) {
@@ -72,7 +72,7 @@ Reason judge_contact(const FollowSettings& settings, const Vec3& p_measured,
     return Reason::kNone;
   }
   const Reason found =
-      s.contact.judge(settings.bumper, s.f_E_S, moved, rest_place(s.motion), settings.motion.dt);
+      s.contact.judge(settings.bumper, s.f_E_S, moved, rest_place(s.motion), settings.motion->dt);
   if (found == Reason::kSensorSign && !kept(Check::kSensorSign)) return Reason::kNone;
   if (found == Reason::kContactUnrelieved && !kept(Check::kRelief)) return Reason::kNone;
   return found;

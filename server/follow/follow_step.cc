@@ -73,11 +73,10 @@ void advance_session(const FollowSettings& settings, const FollowInput& in, Foll
 // The commands of one cycle, through the guard; returns what intervened.
 Reason move_once(const FollowSettings& settings, const FollowInput& in, FollowState& s,
                  FollowLedger& ledger) {
-  const PlanLimits limits(settings.motion.guard());
   const bool following = follows(s.session);
-  const Led led = following ? lead(settings, limits, in, s, ledger)
-                            : Led{brake(limits, s.motion), Reason::kNone};
-  const Verdict safe = command(limits, led.next, s.motion);
+  const Led led = following ? lead(settings, in, s, ledger)
+                            : Led{brake(settings.motion, s.motion), Reason::kNone};
+  const Verdict safe = command(settings.motion, led.next, s.motion);
   if (safe.reason == Reason::kNone) return led.why;
   ++s.guarded;
   if (following) {
@@ -169,7 +168,7 @@ bool released(const FollowInput& in, const FollowState& state) noexcept {
 }
 
 void place(const FollowSettings& settings, const JointVector& q, FollowState& state) noexcept {
-  state.motion = standing_at(settings.motion.arm, q);
+  state.motion = standing_at(settings.motion->arm, q);
   state.joints = JointMonitor();
   state.following.restart(q);
   state.lag.restart(q);
@@ -189,9 +188,9 @@ void follow_step(const FollowSettings& settings, const FollowInput& in, FollowSt
   s.joints.pass(in.cycles);
   Found found;
   found.q_measured = answered ? s.joints.judge(in.q_measured) : s.joints.newest();
-  found.X_ST = forward(settings.motion.arm, found.q_measured);
+  found.X_ST = forward(settings.motion->arm, found.q_measured);
   found.sensor = read_force(settings, in, found.X_ST, s);
-  if (s.placed) s.lag.add(s.motion.joints.q, found.q_measured, settings.motion.dt);
+  if (s.placed) s.lag.add(s.motion.joints.q, found.q_measured, settings.motion->dt);
   const Reason contact = judge_contact(settings, found.X_ST.p, s);
   FollowLedger& ledger = out.link.ledger;
   ledger = FollowLedger();

@@ -19,7 +19,7 @@ namespace handrail {
 
 // Everything a cycle needs to know beforehand. Constant while a scene is loaded.
 struct FollowSettings {
-  MotionSettings motion;
+  ArmMotion motion;
   BumperSettings bumper;
   double sensor_range = 1000.0;  // a larger component is a fault of the sensor [N]
   Payload payload;               // taken out of what the sensor reads

@@ -65,7 +65,7 @@ Stage yield(const FollowSettings& settings, const Vec3& p_SN, FollowState& s, Re
   contact.fresh = s.invalid_wrenches == 0;
   contact.p_ST = s.p_measured;
   contact.delay = settings.bumper.sensor_lag + (kept(Check::kLag) ? s.lag.lag() : 0.0);
-  contact.dt = settings.motion.dt;
+  contact.dt = settings.motion->dt;
   const bool published = settings.bumper.form == BumperSettings::Form::kPublished;
   contact.p_last = published ? s.motion.X_ST.p : bumped_from(s);
   Bumped bumped{p_SN};
@@ -93,24 +93,24 @@ TipSpace space_to(const Vec3& p, const FollowState& s) {
 
 }  // namespace
 
-Led lead(const FollowSettings& settings, const PlanLimits& limits, const FollowInput& in,
-         FollowState& s, FollowLedger& ledger) noexcept {
+Led lead(const FollowSettings& settings, const FollowInput& in, FollowState& s,
+         FollowLedger& ledger) noexcept {
   if (const Reason refused = refusal(in, s); refused != Reason::kNone) {
-    return {brake(limits, s.motion), refused};
+    return {brake(settings.motion, s.motion), refused};
   }
   s.oldest_applied = std::max(s.oldest_applied, age_of_master(in));
   s.applied_sequence = in.master_sequence;
   if (s.session == SessionState::kEngaged) {
     s.tube.close(settings.catch_up, settings.catch_up_rotation, in.master.X_SU.p, s.motion.X_ST.p,
-                 settings.motion.dt);
+                 settings.motion->dt);
   }
   const Pose X_SN = s.tube.project(in.master.X_SU, s.motion.X_ST);
   Reason contact = Reason::kNone;
   const Stage command{in.master.X_SU.p};
   const Stage tool = hold_on_tool(in, X_SN, s);
   const Stage bumped = yield(settings, X_SN.p, s, contact);
-  const Moved moved = move_toward(settings.motion, limits, space_to(bumped.p, s),
-                                  {bumped.p, X_SN.q}, share_of_speed(age_of_master(in)), s.motion);
+  const Moved moved = move_toward(settings.motion, space_to(bumped.p, s), {bumped.p, X_SN.q},
+                                  share_of_speed(age_of_master(in)), s.motion);
   const Stage reached{moved.p_goal, moved.reach.reason};
   const Stage limited{moved.next.X_ST.p, moved.limit.reason};
   const Stage* const way[] = {&command, &tool, &bumped, &reached, &limited};

@@ -18,7 +18,7 @@ struct Led {
 
 // Decides one cycle toward the master's newest command; brakes where that is not to be followed.
 // `ledger` gets what each stage did. Real-time safe.
-Led lead(const FollowSettings& settings, const PlanLimits& limits, const FollowInput& in,
-         FollowState& state, FollowLedger& ledger) noexcept;
+Led lead(const FollowSettings& settings, const FollowInput& in, FollowState& state,
+         FollowLedger& ledger) noexcept;
 
 }  // namespace handrail

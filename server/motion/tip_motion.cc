@@ -111,8 +111,10 @@ MotionState standing_at(const ArmGeometry& arm, const JointVector& q) noexcept {
   return state;
 }
 
-Moved move_toward(const MotionSettings& settings, const PlanLimits& limits, const TipSpace& space,
-                  const Pose& asked, double share, MotionState& state) noexcept {
+Moved move_toward(const ArmMotion& motion, const TipSpace& space, const Pose& asked, double share,
+                  MotionState& state) noexcept {
+  const MotionSettings& settings = motion.settings();
+  const PlanLimits& limits = motion.limits();
   const ArmGeometry& arm = settings.arm;
   const Pose target{inside(settings.workspace, asked.p, state.X_ST.p), asked.q};
   const TipSpace within = space_now(space, target.p, state);
@@ -166,20 +168,20 @@ Moved move_toward(const MotionSettings& settings, const PlanLimits& limits, cons
   return moved;
 }
 
-TipMotion brake(const PlanLimits& limits, MotionState& state) noexcept {
-  return play(limits, state);
+TipMotion brake(const ArmMotion& motion, MotionState& state) noexcept {
+  return play(motion.limits(), state);
 }
 
-Verdict command(const PlanLimits& limits, const TipMotion& decided, MotionState& state) noexcept {
+Verdict command(const ArmMotion& motion, const TipMotion& decided, MotionState& state) noexcept {
   GuardState sent = state.joints;
-  const Verdict verdict = guard(limits.guard, sent, decided.joints.q);
+  const Verdict verdict = guard(motion.limits().guard, sent, decided.joints.q);
   if (verdict.reason == Reason::kNone) {
     static_cast<TipMotion&>(state) = decided;
   } else {
     // No plan starts here: the joints stop each by its own law until they stand.
     const Twist before = state.tip_step;
     const Pose X_last = state.X_ST;
-    state.X_ST = forward(limits.guard.arm, sent.q);
+    state.X_ST = forward(motion->arm, sent.q);
     state.tip_step = between(X_last, state.X_ST);
     state.tip_change = state.tip_step - before;
     state.stop = StopPlan();

@@ -12,6 +12,7 @@
 #include "server/base/joints.h"
 #include "server/base/spatial.h"
 #include "server/model/reason.h"
+#include "server/model/rv2a_limits.h"
 #include "server/model/tip_space.h"
 #include "server/motion/guard.h"
 #include "server/motion/stop_plan.h"
@@ -20,12 +21,25 @@ namespace handrail {
 
 struct MotionSettings {
   ArmGeometry arm;
-  JointLimits limits;
+  JointLimits limits = rv2a_limits();
   Workspace workspace;
   double tip_speed = 1.0;  // [m/s]
   double dt = 0.0071;      // controller cycle [s]
+};
 
-  GuardLimits guard() const noexcept { return {limits, arm, workspace, dt}; }
+// The settings, and the limits that are worked out of them once.
+class ArmMotion {
+ public:
+  ArmMotion(const MotionSettings& settings = {}) noexcept
+      : settings_(settings),
+        limits_({settings.limits, settings.arm, settings.workspace, settings.dt}) {}
+  const MotionSettings* operator->() const noexcept { return &settings_; }
+  const MotionSettings& settings() const noexcept { return settings_; }
+  const PlanLimits& limits() const noexcept { return limits_; }
+
+ private:
+  MotionSettings settings_;
+  PlanLimits limits_;
 };
 
 // The newest target.
@@ -59,15 +73,15 @@ struct Moved {
 // and its way, and its orientation lags. `share` 0..1 slows the approach. The plan in `state`
 // becomes the one from the step decided; `command` is to follow. Real-time safe, at most four
 // stops.
-Moved move_toward(const MotionSettings& settings, const PlanLimits& limits, const TipSpace& space,
-                  const Pose& target, double share, MotionState& state) noexcept;
+Moved move_toward(const ArmMotion& motion, const TipSpace& space, const Pose& target, double share,
+                  MotionState& state) noexcept;
 
 // Decides one cycle of the stop plan; at rest it holds. `command` is to follow.
-TipMotion brake(const PlanLimits& limits, MotionState& state) noexcept;
+TipMotion brake(const ArmMotion& motion, MotionState& state) noexcept;
 
 // Sends what was decided through the guard, which commits it, or sends what `state` becomes
 // instead. Real-time safe.
-Verdict command(const PlanLimits& limits, const TipMotion& decided, MotionState& state) noexcept;
+Verdict command(const ArmMotion& motion, const TipMotion& decided, MotionState& state) noexcept;
 
 // True when the arm is commanded to rest.
 inline bool standing(const MotionState& state) noexcept {

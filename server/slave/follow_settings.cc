@@ -5,11 +5,13 @@ namespace handrail {
 FollowSettings follow_settings(const Scene& scene, Nanos period, bool has_sensor,
                                double sensor_range, const Payload& payload, double force_lag) {
   FollowSettings out;
-  out.motion.arm.d6 = scene.tip_length;
-  out.motion.limits = scene.limits.joints;
-  out.motion.workspace = {scene.limits.workspace_low, scene.limits.workspace_high};
-  out.motion.tip_speed = scene.limits.tip_speed;
-  out.motion.dt = to_seconds(period);
+  MotionSettings motion;
+  motion.arm.d6 = scene.tip_length;
+  motion.limits = scene.limits.joints;
+  motion.workspace = {scene.limits.workspace_low, scene.limits.workspace_high};
+  motion.tip_speed = scene.limits.tip_speed;
+  motion.dt = to_seconds(period);
+  out.motion = motion;
   out.bumper = scene.bumper;
   out.sensor_range = sensor_range;
   out.payload = payload;

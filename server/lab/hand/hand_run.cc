@@ -119,7 +119,7 @@ Result<HandRunResult> run_hand(const Scene& scene, const RecordedMotion& motion,
   HandRunResult result;
   result.samples = motion.rows();
   result.gaps = motion.gaps();
-  Judge judge(cell_options->follow.motion.arm, cell->master_state().command.guide.position(),
+  Judge judge(cell_options->follow.motion->arm, cell->master_state().command.guide.position(),
               cell_options->rig.controller.period);
   const auto ticks = static_cast<long>(motion.duration() * 1e3) + 1 + kSettle;
   for (long i = 0; i <= ticks; ++i) {

@@ -116,7 +116,7 @@ TEST(FollowApproach, TheArmIsAsFastAsItsLagAllowsAfterASecond) {
   Floor floor(60e3, 6);
   floor.rig.settings.bumper.promise = kPromise;
   floor.surface -= 0.1;
-  const double dt = floor.rig.settings.motion.dt;
+  const double dt = floor.rig.settings.motion->dt;
   for (int i = 0; i < 140; ++i) floor.down(0.25, 0.1);
   const double before = floor.height();
   for (int i = 0; i < 70; ++i) floor.down(0.25, 0.1);

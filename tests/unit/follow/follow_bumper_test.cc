@@ -74,13 +74,13 @@ TEST(FollowBumper, AKeyThatIsTurnedHardInItsSocketStaysInIt) {
     std::deque<JointVector> late(7, rig.joints());
     double out = 0.0, hardest = 0.0;
     for (int i = 0; i < 330; ++i) {
-      const double t = i * rig.settings.motion.dt;
+      const double t = i * rig.settings.motion->dt;
       const double angle = 110.0 * kDeg * std::max(0.0, t - 0.7);
       const Vec3 hand(stray * std::sin(angle + begin), 0.35 * stray * std::sin(2.0 * angle),
                       -press);
       const Pose X{X_first.p + std::min(1.0, t / 0.4) * hand,
                    rotation_exp(-angle * Vec3::UnitZ()) * X_first.q};
-      const Pose tip = forward(rig.settings.motion.arm, late.front());
+      const Pose tip = forward(rig.settings.motion->arm, late.front());
       const Vec3 bent = tip.p - X_first.p;
       const Vec3 f_S(-7e3 * bent.x(), -7e3 * bent.y(), 30e3 * std::max(0.0, -bent.z()));
       hardest = std::max(hardest, f_S.norm());
@@ -186,12 +186,12 @@ TEST(FollowBumper, AnApproachIsAsFastAsThePromiseAllows) {
       slowed |= floor.rig.out.link.reason == Reason::kApproach &&
                 ledger.why[static_cast<std::size_t>(FollowStage::kBumper)] == Reason::kApproach;
       most = std::max(most, floor.force);
-      const double speed = (height - floor.height()) / floor.rig.settings.motion.dt;
+      const double speed = (height - floor.height()) / floor.rig.settings.motion->dt;
       fastest = std::max(fastest, speed);
       if (floor.force > 0.0) continue;
       const FollowSettings& settings = floor.rig.settings;
       const double delay = floor.rig.state.lag.lag() + settings.bumper.sensor_lag;
-      allowed = approach_speed(settings.bumper, 150.0, delay, settings.motion.dt);
+      allowed = approach_speed(settings.bumper, 150.0, delay, settings.motion->dt);
       touched_at = speed;
     }
     EXPECT_TRUE(slowed);
@@ -294,7 +294,7 @@ TEST(FollowBumper, AForceThatBackingOffDoesNotRelieveStopsTheArm) {
 TEST(FollowBumper, AHandThatComesAndGoesOnASurfaceIsNoFaultOfTheSensor) {
   Floor floor(30e3, 6);
   for (int i = 0; i < 3000; ++i) {
-    const double t = i * floor.rig.settings.motion.dt;
+    const double t = i * floor.rig.settings.motion->dt;
     floor.X.p.z() = floor.surface - 2e-3 * std::sin(3.0 * t) - 2e-3 * std::sin(7.3 * t);
     floor.cycle();
     ASSERT_EQ(floor.rig.out.link.state, SessionState::kEngaged) << i;

@@ -134,7 +134,7 @@ TEST(FollowContact, PushingIntoASurfaceSettlesNearTheThresholdWithoutChatter) {
     double most_force = 0.0, moved_late = 0.0;
     for (int i = 0; i < 1500; ++i) {
       // Down at 50 mm/s to 20 mm below the surface, and pressing on.
-      X.p.z() = std::max(surface - 0.02, X.p.z() - 0.05 * rig.settings.motion.dt);
+      X.p.z() = std::max(surface - 0.02, X.p.z() - 0.05 * rig.settings.motion->dt);
       const double depth = std::max(0.0, surface - rig.tip.p.z());
       press(rig, std::abs(k) * depth + noise(random));
       const double before = rig.tip.p.z();

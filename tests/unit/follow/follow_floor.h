@@ -31,12 +31,12 @@ struct Floor {
     told = rig.joints();
     q.assign(static_cast<std::size_t>(late) + 1, told);
   }
-  double height() const { return forward(rig.settings.motion.arm, q.front()).p.z(); }
+  double height() const { return forward(rig.settings.motion->arm, q.front()).p.z(); }
   Vec3 rest() const {
     const StopPlan& stop = rig.state.motion.stop;
     if (stop.done()) return rig.state.motion.X_ST.p;
     const auto last = static_cast<std::size_t>(stop.size - 1);
-    return forward(rig.settings.motion.arm, stop.q[last]).p;
+    return forward(rig.settings.motion->arm, stop.q[last]).p;
   }
   double wobble() {
     return noise == 0.0 ? 0.0 : noise * std::normal_distribution<double>()(random);
@@ -52,7 +52,7 @@ struct Floor {
     q.pop_front();
   }
   void down(double speed, double depth) {
-    X.p.z() = std::max(surface - depth, X.p.z() - speed * rig.settings.motion.dt);
+    X.p.z() = std::max(surface - depth, X.p.z() - speed * rig.settings.motion->dt);
     cycle();
   }
 };

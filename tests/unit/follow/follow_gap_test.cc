@@ -160,7 +160,7 @@ TEST_F(FollowGap, GoesOnFromRestFromWhereTheControllerHoldsTheArm) {
   cycles(40, false);
   ASSERT_TRUE(rig.state.gap);
   double fastest = 0.0, change = 0.0, last = 0.0;
-  const double dt = rig.settings.motion.dt;
+  const double dt = rig.settings.motion->dt;
   for (int i = 0; i < 30; ++i) {
     const JointVector before = held;
     cycle();
@@ -170,7 +170,7 @@ TEST_F(FollowGap, GoesOnFromRestFromWhereTheControllerHoldsTheArm) {
   }
   EXPECT_FALSE(rig.state.gap);
   EXPECT_GT(fastest, 0.0);
-  EXPECT_LE(change, rig.settings.motion.limits.max_acceleration.maxCoeff() * dt * dt);
+  EXPECT_LE(change, rig.settings.motion->limits.max_acceleration.maxCoeff() * dt * dt);
 }
 
 // So slowly that all of half a second is within a rated step.
@@ -187,7 +187,7 @@ TEST_F(FollowGap, ASlowArmThatHasStoodForATenthOfASecondIsNotSentTheNextTarget) 
     sent += rig.out.send == Send::kTarget;
   }
   EXPECT_TRUE(rig.state.gap);
-  EXPECT_LE(sent * rig.settings.motion.dt, 0.1);
+  EXPECT_LE(sent * rig.settings.motion->dt, 0.1);
   EXPECT_EQ(rig.state.session, SessionState::kEngaged);
   cycles(5);
   EXPECT_EQ(rig.state.fault, Reason::kNone);
@@ -217,9 +217,9 @@ TEST_F(FollowGap, AControllerThatStartedAnewIsNotSentAStepToWhereTheArmWas) {
   for (int i = 0; i < 400; ++i) cycle();
   ASSERT_TRUE(standing(rig.state.motion));
   cycles(14, false);
-  held = held.array() + 0.3 * rig.settings.rated.max_speed[4] * rig.settings.motion.dt;
+  held = held.array() + 0.3 * rig.settings.rated.max_speed[4] * rig.settings.motion->dt;
   const double most =
-      1.01 * rig.settings.rated.max_jerk.maxCoeff() * std::pow(rig.settings.motion.dt, 3);
+      1.01 * rig.settings.rated.max_jerk.maxCoeff() * std::pow(rig.settings.motion->dt, 3);
   for (int i = 0; i < 20; ++i) {
     const JointVector before = held;
     rig.in.anew = i == 0;

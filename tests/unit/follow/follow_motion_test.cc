@@ -94,7 +94,7 @@ TEST(FollowMotion, ACommandThatOnlyGoesForwardNeverMakesTheTipGoBackOrPassIt) {
     const double speed = dice.between(0.05, 2.0);
     double wanted = 0.0, furthest = 0.0, off = 0.0;
     for (int i = 0; i < 300; ++i) {
-      if (i % 60 < 30) wanted = std::min(0.25, wanted + speed * rig.settings.motion.dt);
+      if (i % 60 < 30) wanted = std::min(0.25, wanted + speed * rig.settings.motion->dt);
       rig.follow({A.p + wanted * direction, A.q});
       const double travel = (rig.tip.p - A.p).dot(direction);
       ASSERT_GT(travel, furthest - 5e-4) << "run " << run << " cycle " << i;
@@ -190,7 +190,7 @@ TEST(FollowMotion, OutOfReachItHoldsAtTheBoundaryWithAReasonAndComesBackWithoutA
     rig.in.master.position_tool.epoch = 1;
     Pose X = A;
     for (int i = 0; i < 600; ++i) {
-      X.p += 0.3 * rig.settings.motion.dt * direction;
+      X.p += 0.3 * rig.settings.motion->dt * direction;
       rig.follow(X);
       ASSERT_LT(off_line(rig.tip.p, A.p, direction), kOnPath);
     }
@@ -203,11 +203,11 @@ TEST(FollowMotion, OutOfReachItHoldsAtTheBoundaryWithAReasonAndComesBackWithoutA
     // The target comes back over the boundary; the tip sets out after it and catches up gently.
     double last = reached;
     while ((X.p - A.p).dot(direction) > 0.0) {
-      X.p -= 0.3 * rig.settings.motion.dt * direction;
+      X.p -= 0.3 * rig.settings.motion->dt * direction;
       rig.follow(X);
       const double travel = (rig.tip.p - A.p).dot(direction);
       ASSERT_LT(travel, last + 1e-8);
-      ASSERT_GT(travel, last - 2.0 * 0.3 * rig.settings.motion.dt);
+      ASSERT_GT(travel, last - 2.0 * 0.3 * rig.settings.motion->dt);
       last = travel;
     }
     for (int i = 0; i < 100; ++i) rig.follow(X);
@@ -222,7 +222,7 @@ TEST(FollowMotion, CrossesAStraightWristWithoutTurningJ4) {
   Pose X;
   for (int i = 0; i <= 200; ++i) {
     const double j5 = 30.0 - 0.3 * i;
-    X = forward(rig.settings.motion.arm, joints_deg(0, 0, 90, 0, j5, 0));
+    X = forward(rig.settings.motion->arm, joints_deg(0, 0, 90, 0, j5, 0));
     rig.follow(X);
     ASSERT_LT(std::abs(rig.joints()[3]), 1e-6);
     ASSERT_LT(std::abs(rig.joints()[5]), 1e-6);
@@ -235,7 +235,7 @@ TEST(FollowMotion, CrossesAStraightWristWithoutTurningJ4) {
 TEST(FollowMotion, CrossesAStraightWristAtFullSpeedWithoutTurningJ4) {
   FollowRig rig(joints_deg(0, 0, 90, 0, 60, 0));
   rig.engage();
-  const Pose X = forward(rig.settings.motion.arm, joints_deg(0, 0, 90, 0, -60, 0));
+  const Pose X = forward(rig.settings.motion->arm, joints_deg(0, 0, 90, 0, -60, 0));
   for (int i = 0; i < 400; ++i) {
     rig.follow(X);
     ASSERT_LT(std::abs(rig.joints()[3]), 1e-6);
@@ -249,7 +249,7 @@ TEST(FollowMotion, BesideAStraightWristTheTipKeepsItsPlaceAndTheTurnCatchesUp) {
   FollowRig rig(joints_deg(0, 0, 90, 0, 30, 0));
   rig.engage();
   const auto beside = [&rig](double j5) {
-    Pose X = forward(rig.settings.motion.arm, joints_deg(0, 0, 90, 0, j5, 0));
+    Pose X = forward(rig.settings.motion->arm, joints_deg(0, 0, 90, 0, j5, 0));
     X.q = rotation_exp(Vec3(0, 0, 0.01)) * X.q;
     return X;
   };
@@ -274,7 +274,7 @@ TEST(FollowMotion, BesideAStraightWristTheTipKeepsItsPlaceAndTheTurnCatchesUp) {
 
 // As the controller gets it: joints as 32-bit floats.
 Vec3 tip_as_sent(const FollowRig& rig) {
-  return forward(rig.settings.motion.arm, rig.joints().cast<float>().cast<double>()).p;
+  return forward(rig.settings.motion->arm, rig.joints().cast<float>().cast<double>()).p;
 }
 
 TEST(FollowMotion, TurningJ6FromMinus180To180AboutAPointMovesTheTipByLessThan50Micrometres) {

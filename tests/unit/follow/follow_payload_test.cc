@@ -14,7 +14,7 @@ const Payload kHeavy{2.0, {0.01, -0.02, 0.05}, {{3.0, -1.0, 2.0}, {0.1, 0.2, -0.
 
 // What a sensor with that payload reads while the arm is at `q` and the environment pushes.
 Wrench reading(const FollowRig& rig, const JointVector& q, const Vec3& push_S) {
-  const Mat3 R = forward(rig.settings.motion.arm, q).q.toRotationMatrix();
+  const Mat3 R = forward(rig.settings.motion->arm, q).q.toRotationMatrix();
   const Vec3 weight = R.transpose() * Vec3(0, 0, -9.80665 * kHeavy.mass);
   return {weight + kHeavy.bias_T.force + R.transpose() * push_S,
           kHeavy.centre_T.cross(weight) + kHeavy.bias_T.torque};
@@ -61,7 +61,7 @@ TEST(FollowPayload, TheForceIsTurnedByWhereTheArmIsNotByWhereItIsTold) {
     FollowRig rig;
     if (loaded) rig.settings.payload = kHeavy;
     const JointVector behind = home() + joints_deg(0, 0, 0, 0, -4.0, 2.0);
-    const Quat q_ST = forward(rig.settings.motion.arm, behind).q;
+    const Quat q_ST = forward(rig.settings.motion->arm, behind).q;
     const Vec3 push(5.0, -7.0, 20.0), turn(0.5, 0.2, -0.3);
     rig.in.q_measured = behind;
     rig.in.f_E_T =

@@ -13,21 +13,20 @@ inline JointVector home() { return joints_deg(0, 0, 90, 0, 90, 0); }
 class FollowRig {
  public:
   explicit FollowRig(const JointVector& q = home()) {
-    settings.motion.limits = rv2a_limits();
     in.robot_ready = true;
     in.q_measured = in.q_commanded = last_ = q;
     in.wrench_valid = true;
     place(settings, q, state);
-    watch.see(settings.motion.limits, settings.motion.dt, q);
+    watch.see(settings.motion->limits, settings.motion->dt, q);
   }
 
   // One cycle with what `in` says.
   void cycle() {
     follow_step(settings, in, state, out);
-    watch.see(settings.motion.limits, settings.motion.dt, out.q_target);
+    watch.see(settings.motion->limits, settings.motion->dt, out.q_target);
     guarded = static_cast<int>(state.guarded);
     last_ = in.q_measured = in.q_commanded = out.q_target;
-    tip = forward(settings.motion.arm, out.q_target);
+    tip = forward(settings.motion->arm, out.q_target);
   }
 
   // Plays the master until the slave is engaged, standing.

@@ -55,7 +55,7 @@ TEST(FollowScene, AnEngagementEndsWhenTheMastersSceneChanges) {
     ASSERT_EQ(rig.out.link.state, SessionState::kEngaged);
     Pose X = rig.tip;
     for (int i = 0; i < 30; ++i) {
-      X.p.y() += 0.2 * rig.settings.motion.dt;
+      X.p.y() += 0.2 * rig.settings.motion->dt;
       rig.follow(X);
     }
     difference.make(rig.in.master);

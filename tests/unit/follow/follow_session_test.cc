@@ -21,7 +21,7 @@ void set_going(FollowRig& rig) {
   rig.engage();
   Pose X = rig.state.motion.X_ST;
   for (int i = 0; i < 30; ++i) {
-    X.p.y() += 0.2 * rig.settings.motion.dt;
+    X.p.y() += 0.2 * rig.settings.motion->dt;
     rig.follow(X);
   }
 }

@@ -64,7 +64,7 @@ class FollowFilter : public ::testing::Test {
     return rig.out.link.f_E_S.force.norm();
   }
   FollowRig rig;
-  const double b = rig.settings.motion.dt / (0.02 + rig.settings.motion.dt);
+  const double b = rig.settings.motion->dt / (0.02 + rig.settings.motion->dt);
 };
 
 TEST_F(FollowFilter, TheFirstReadingIsFeltAtOnceAndTheNextBySteps) {
@@ -98,7 +98,7 @@ TEST_F(FollowFilter, ThePayloadIsTakenOutBeforeIt) {
     const JointVector q = test::home() + test::joints_deg(0, 0, 0, 0, 0.4 * turn, turn);
     place(rig.settings, q, rig.state);
     rig.in.q_measured = q;
-    rig.in.f_E_T.force = forward(rig.settings.motion.arm, q).q.toRotationMatrix().transpose() *
+    rig.in.f_E_T.force = forward(rig.settings.motion->arm, q).q.toRotationMatrix().transpose() *
                          Vec3(0, 0, -2.0 * 9.80665);
     rig.cycle();
     EXPECT_LT(rig.out.link.f_E_S.force.norm(), 1e-9);

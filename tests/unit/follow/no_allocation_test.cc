@@ -49,7 +49,7 @@ TEST(NoAllocationInSteps, FollowStepDoesNotTouchTheHeapFreeLimitedOrBraking) {
       target.p += dice.within(0.2);
       target.q = (rotation_exp(dice.within(1.0)) * target.q).normalized();
     }
-    if (i % 400 == 0) target = forward(rig.settings.motion.arm, test::home());
+    if (i % 400 == 0) target = forward(rig.settings.motion->arm, test::home());
     rig.in.master.X_SU = target;
     rig.in.master_age = i % 100 > 95 ? 30 * kMillisecond : 0;
     rig.in.f_E_T.force = i % 60 > 50 ? Vec3(0, 0, 80) : Vec3(Vec3::Zero());

@@ -115,11 +115,11 @@ TEST(ToolTube, AToolCalledAwayFromTheTipIsReachedAtTheScenesPace) {
         of_epoch(test::line_along(start + Vec3(0, 0, 0.06), Vec3::UnitY()), 1);
     const Pose X = rig.tip;  // a master that never comes to its own tool
     double fastest = 0.0;
-    const auto cycles = static_cast<int>(0.03 / pace / rig.settings.motion.dt);
+    const auto cycles = static_cast<int>(0.03 / pace / rig.settings.motion->dt);
     for (int i = 0; i < cycles; ++i) {
       const Vec3 before = rig.tip.p;
       rig.follow(X);
-      fastest = std::max(fastest, (rig.tip.p - before).norm() / rig.settings.motion.dt);
+      fastest = std::max(fastest, (rig.tip.p - before).norm() / rig.settings.motion->dt);
     }
     // Half the way in its time, but for what the arm is late.
     EXPECT_NEAR(rig.tip.p.z() - start.z(), 0.03, 0.05 * pace + 1e-4) << pace;
@@ -138,7 +138,7 @@ TEST(ToolTube, AnOrientationToolAwayFromTheTipIsReachedAtTheScenesPace) {
     tool.q_ref = rotation_exp({0.0, 0.0, 0.2}) * rig.tip.q;
     rig.in.master.orientation_tool = tool;
     const Pose X = rig.tip;
-    const auto cycles = static_cast<int>(0.1 / pace / rig.settings.motion.dt);
+    const auto cycles = static_cast<int>(0.1 / pace / rig.settings.motion->dt);
     for (int i = 0; i < cycles; ++i) rig.follow(X);
     EXPECT_NEAR(angle_between(rig.tip.q, X.q), 0.1, 0.05 * pace + 1e-3) << pace;
   }
@@ -155,7 +155,7 @@ TEST(ToolTube, AToolCalledAwayFromTheTipIsReached) {
   for (int i = 0; i < 300; ++i) {
     const Vec3 before = rig.tip.p;
     rig.follow(X);
-    fastest = std::max(fastest, (rig.tip.p - before).norm() / rig.settings.motion.dt);
+    fastest = std::max(fastest, (rig.tip.p - before).norm() / rig.settings.motion->dt);
   }
   EXPECT_NEAR(rig.tip.p.z(), start.z() + 0.006, 1e-6);
   EXPECT_LT(fastest, 0.1);

@@ -5,7 +5,6 @@
 
 #include "server/base/random.h"
 #include "server/base/units.h"
-#include "server/model/rv2a_limits.h"
 #include "server/motion/tip_motion.h"
 #include "tests/support/arm_samples.h"
 #include "tests/unit/motion/joint_watch.h"
@@ -26,17 +25,16 @@ struct MotionRig {
   double off_rest = 0.0;  // the place that a plan says it ends at from where it does, the worst [m]
 
   explicit MotionRig(const JointVector& q) {
-    settings.limits = rv2a_limits();
     state = standing_at(settings.arm, q);
     watch.see(settings.limits, settings.dt, q);
   }
-  PlanLimits limits() const { return PlanLimits(settings.guard()); }
+  ArmMotion motion() const { return settings; }
   void follow(const Pose& target, double share = 1.0) {
-    const Moved moved = move_toward(settings, limits(), space, target, share, state);
+    const Moved moved = move_toward(motion(), space, target, share, state);
     verdict = moved.reach.reason != Reason::kNone ? moved.reach : moved.limit;
     finish(moved.next);
   }
-  void stop() { finish(brake(limits(), state)); }
+  void stop() { finish(brake(motion(), state)); }
   // Cycles in which a stop from here moves any joint.
   int cycles_to_stop() const {
     MotionRig copy = *this;
@@ -62,7 +60,7 @@ struct MotionRig {
 
  private:
   void finish(const TipMotion& decided) {
-    guarded += command(limits(), decided, state).reason != Reason::kNone;
+    guarded += command(motion(), decided, state).reason != Reason::kNone;
     watch.see(settings.limits, settings.dt, state.joints.q);
     still_ = state.joints.step.isZero(1e-7) ? still_ + 1 : 0;
     frozen = std::max(frozen, still_);

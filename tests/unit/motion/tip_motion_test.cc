@@ -198,7 +198,7 @@ MotionRig moving(const JointVector& q, const JointVector& step, const JointVecto
   const Twist last = handrail::between(first, before);
   state.tip_change = state.tip_step - last;
   Verdict why;
-  EXPECT_TRUE(plan_stop(rig.limits(), rig.space, state, TipPlace(rig.settings.arm, q),
+  EXPECT_TRUE(plan_stop(rig.motion().limits(), rig.space, state, TipPlace(rig.settings.arm, q),
                         Stopping::kAsOne, state.stop, why));
   return rig;
 }

@@ -81,7 +81,6 @@ class ScriptedRobot : public Robot {
 
 inline FollowSettings settings() {
   FollowSettings s;
-  s.motion.limits = rv2a_limits();
   s.scene = scene_name("first");
   return s;
 }
