@@ -23,4 +23,14 @@ inline std::string default_operator_socket() {
   return "/tmp/handrail-" + std::to_string(::geteuid()) + "/operator.sock";
 }
 
+// Where the slave of one user meets its master, when nobody says another place. As above.
+inline std::string default_link_socket() {
+  return "/tmp/handrail-" + std::to_string(::geteuid()) + "/link.sock";
+}
+
+// Where a master of that slave listens: beside it, one for each process.
+inline std::string master_socket(const std::string& link_socket, ::pid_t master) {
+  return link_socket + ".master-" + std::to_string(master);
+}
+
 }  // namespace handrail

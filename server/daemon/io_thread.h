@@ -1,7 +1,6 @@
 // What the IO thread of either daemon does.
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <string>
 
@@ -31,7 +30,7 @@ class IoServer {
 
   // Takes its ports and paths. The error names the one that it cannot have, and why.
   virtual Status open() = 0;
-  virtual std::uint16_t port() const = 0;  // of the link
+  virtual std::string place() const = 0;  // of the link
   // Serves until `hooks` say so.
   virtual void run(ServerHooks hooks) = 0;
 };

@@ -113,6 +113,9 @@ Codec::Codec() : messages_(std::make_unique<Messages>()) {
   const std::span<const std::uint8_t> bytes(buffer);
   (void)decode(bytes.first(encode(header, master, buffer, cause)), header, master);
   (void)decode(bytes.first(encode(header, slave, buffer, cause)), header, slave);
+  Refusal refusal{.refused_session = 1};
+  std::fill(refusal.leader.begin(), refusal.leader.end() - 1, 'x');
+  (void)decode(bytes.first(encode(refusal, buffer)), refusal);
 }
 Codec::~Codec() = default;
 Codec::Codec(Codec&&) noexcept = default;
@@ -141,7 +144,8 @@ std::size_t Codec::encode(const Refusal& refusal, std::span<std::uint8_t> out) n
   m.Clear();
   m.set_refused_session(refusal.refused_session);
   m.set_retired(refusal.retired);
-  m.set_leader_port(refusal.leader_port);
+  const std::string_view leader = text_of(refusal.leader);
+  m.mutable_leader()->assign(leader);
   m.set_led_for_ns(refusal.led_for);
   return write(DatagramKind::kRefusal, m, out);
 }
@@ -149,10 +153,11 @@ Reject Codec::decode(std::span<const std::uint8_t> bytes, Refusal& refusal) noex
   pb::RefusalDatagram& m = messages_->refusal;
   const Reject unread = read(DatagramKind::kRefusal, bytes, m);
   if (unread != Reject::kNone) return unread;
-  if (!m.has_refused_session() || !m.has_retired() || !m.has_leader_port() || !m.has_led_for_ns()) {
+  if (!m.has_refused_session() || !m.has_retired() || !m.has_leader() || !m.has_led_for_ns()) {
     return Reject::kMissingField;
   }
-  refusal = {m.refused_session(), m.retired(), m.leader_port(), m.led_for_ns()};
+  if (!is_leader_name(m.leader())) return Reject::kHeader;
+  refusal = {m.refused_session(), m.retired(), fixed_text<LeaderName>(m.leader()), m.led_for_ns()};
   return sound(refusal) ? Reject::kNone : Reject::kHeader;
 }
 

@@ -13,7 +13,7 @@
 
 namespace handrail {
 
-inline constexpr std::uint8_t kWireVersion = 6;
+inline constexpr std::uint8_t kWireVersion = 7;
 
 // Largest datagram: fits the smallest MTU every IPv4 path carries (576) with IP and UDP headers.
 inline constexpr std::size_t kMaxDatagram = 548;
@@ -51,7 +51,7 @@ class Codec {
   std::size_t encode(const DatagramHeader& header, const SlaveState& state,
                      std::span<std::uint8_t> out, Reject& cause) noexcept;
 
-  // As above; 0 without a session or a port.
+  // As above; 0 when it is not sound.
   std::size_t encode(const Refusal& refusal, std::span<std::uint8_t> out) noexcept;
 
   // Reads one datagram; unless kNone is returned, `header` and `state` hold nothing of use.

@@ -18,17 +18,17 @@ class LeaderWatch {
 
   Change step(const LinkSnapshot& link, Nanos now) noexcept {
     if (link.refused(now)) {
-      if (link.refusal.leader_port == leader_port_) return Change::kNone;
-      leader_port_ = link.refusal.leader_port;
+      if (link.refusal.leader == leader_) return Change::kNone;
+      leader_ = link.refusal.leader;
       return Change::kLed;
     }
-    if (leader_port_ == 0 || link.received_at <= link.refused_at) return Change::kNone;
-    leader_port_ = 0;
+    if (leader_ == LeaderName{} || link.received_at <= link.refused_at) return Change::kNone;
+    leader_ = {};
     return Change::kAnswers;
   }
 
  private:
-  std::uint32_t leader_port_ = 0;  // said last; 0: nobody, or the other side has answered since
+  LeaderName leader_{};  // said last; empty: nobody, or the other side has answered since
 };
 
 }  // namespace handrail

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
+#include <memory>
 #include <new>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -16,11 +18,11 @@
 #include "server/link/leader_watch.h"
 #include "server/link/pump.h"
 #include "server/link/stall_watch.h"
-#include "server/link/udp_transport.h"
+#include "server/link/transport.h"
 
 namespace handrail {
 
-// One end of the link on a socket of its own, and the thread's clock. Says who connects and when
+// One end of the link on a transport of its own, and the thread's clock. Says who connects and when
 // the control loop, whose state is sent, stands still. All methods in one thread.
 template <typename Local, typename Remote>
 class LinkServer {
@@ -43,14 +45,19 @@ class LinkServer {
     if (bell_.is_open()) bell_.release();
   }
 
-  // Binds the port. The error names address or port and what was expected.
-  Status open(const UdpTransportOptions& options) {
+  // Opens what `make` makes. The error says what was expected.
+  Status open(const TransportMaker& make) {
     boost::system::error_code error = boost::asio::error::no_descriptors;
     if (doorbell_.fd() >= 0) bell_.assign(doorbell_.fd(), error);
-    if (!error) return transport_.open(options);
-    return Status::error("the " + own_loop_ + " loop cannot wake the link: " + error.message());
+    if (error) {
+      return Status::error("the " + own_loop_ + " loop cannot wake the link: " + error.message());
+    }
+    transport_ = make(io_);
+    pump_.emplace(*transport_, peer_);
+    return transport_->open();
   }
-  std::uint16_t port() const { return transport_.port(); }
+  // Where the link is; empty until open().
+  std::string place() const { return transport_ ? transport_->place() : std::string(); }
   boost::asio::io_context& io() { return io_; }
   const Remote& newest() const { return peer_.newest(); }
   const LinkSnapshot& snapshot() const { return peer_.snapshot(); }
@@ -61,7 +68,7 @@ class LinkServer {
     speaking_ = true;
     if (const auto line = stall_.step(now, good_until, own_loop_)) hooks_.say(true, *line);
     const std::uint64_t unsendable = snapshot().unsendable;
-    pump_.send(now, state, sent_until);
+    pump_->send(now, state, sent_until);
     if (unsendable == 0 && snapshot().unsendable != 0) {
       hooks_.say(true,
                  std::string("own state cannot be sent: ") + describe(peer_.last_unsendable()));
@@ -83,7 +90,7 @@ class LinkServer {
       if (!error) hooks_.on_signal();
     });
     take_endings();
-    transport_.on_readable([this] { in_memory([this] { receive(monotonic_now()); }); });
+    transport_->on_readable([this] { in_memory([this] { receive(monotonic_now()); }); });
     wait_for_ring();
     wait_for_tick(monotonic_now());
     io_.run();
@@ -123,6 +130,7 @@ class LinkServer {
 
   void tick(Nanos now) {
     in_memory([this, now] {
+      transport_->tick(now);
       receive(now);
       log_leader(now);
       hooks_.on_tick(now);
@@ -142,7 +150,7 @@ class LinkServer {
   }
 
   void receive(Nanos now) {
-    if (!pump_.receive(now)) return;
+    if (!pump_->receive(now)) return;
     if (snapshot().peer_epoch != peer_epoch_) {
       peer_epoch_ = snapshot().peer_epoch;
       hooks_.say(false, peer_name_ + " connected, session " + std::to_string(peer_epoch_));
@@ -168,9 +176,9 @@ class LinkServer {
   boost::asio::steady_timer timer_{io_};
   boost::asio::signal_set signals_{io_};  // needs descriptors: had before anybody is told READY
   boost::asio::posix::stream_descriptor bell_{io_};  // the doorbell's, not ours to close
-  UdpTransport transport_{io_};
+  std::unique_ptr<ServedTransport> transport_;       // null until open()
   LinkPeer<Local, Remote> peer_{random_session_id()};
-  LinkPump<Local, Remote> pump_{transport_, peer_};
+  std::optional<LinkPump<Local, Remote>> pump_;
   StallWatch stall_;
   LeaderWatch leader_;
   Hooks hooks_;

@@ -97,10 +97,11 @@ void PeerCore::take_echo(const DatagramHeader& header, Nanos now) noexcept {
 }
 
 std::optional<Refusal> PeerCore::refuse(std::uint64_t session, Reject cause,
-                                        std::uint16_t leader_port, Nanos now) noexcept {
+                                        std::string_view leader, Nanos now) noexcept {
   const bool led = cause == Reject::kSessionBusy || cause == Reject::kSessionRetired;
-  if (!led || leader_port == 0 || !turns_.take(session, now)) return std::nullopt;
-  return Refusal{session, cause == Reject::kSessionRetired, leader_port, now - peer_since_};
+  if (!led || leader.empty() || !turns_.take(session, now)) return std::nullopt;
+  return Refusal{session, cause == Reject::kSessionRetired, fixed_text<LeaderName>(leader),
+                 now - peer_since_};
 }
 
 Reject PeerCore::take(const Refusal& refusal, Nanos now) noexcept {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <type_traits>
 
 #include "server/base/time.h"
@@ -73,8 +74,8 @@ class PeerCore {
   // Judges a well-formed datagram from the other side; kNone: it is the newest. Real-time safe.
   Reject accept(const DatagramHeader& header, Nanos now) noexcept;
   // What the sender of a datagram refused for another session's sake is to be told; none: nothing,
-  // or it is not its turn. `leader_port`: where the present session is.
-  std::optional<Refusal> refuse(std::uint64_t session, Reject cause, std::uint16_t leader_port,
+  // or it is not its turn. `leader`: whose the present session is.
+  std::optional<Refusal> refuse(std::uint64_t session, Reject cause, std::string_view leader,
                                 Nanos now) noexcept;
   // Takes what we are told when it is about our session. One that was replaced is over: what is
   // sent from then on begins another.
@@ -151,12 +152,12 @@ class LinkPeer {
   }
 
   // Writes what the sender of the datagram that on_datagram() has just refused for `cause` is to be
-  // told, and returns its size, less than that datagram's; 0 = nothing. `leader_port`: where the
-  // newest accepted datagram came from.
-  std::size_t refuse(Reject cause, std::uint16_t leader_port, Nanos now,
+  // told, and returns its size, less than that datagram's; 0 = nothing. `leader`: who sent the
+  // newest accepted datagram.
+  std::size_t refuse(Reject cause, std::string_view leader, Nanos now,
                      std::span<std::uint8_t> out) noexcept {
     if constexpr (kLeads) return 0;
-    const auto refusal = core_.refuse(header_.session, cause, leader_port, now);
+    const auto refusal = core_.refuse(header_.session, cause, leader, now);
     return refusal ? codec_.encode(*refusal, out) : 0;
   }
 

@@ -45,7 +45,7 @@ class LinkPump {
         const Reject cause = peer_.on_datagram(std::span(buffer_).first(arrival->size), now);
         if (cause == Reject::kNone) transport_.adopt_sender();
         changed = changed || cause == Reject::kNone || cause == Reject::kRefused;
-        const std::size_t size = peer_.refuse(cause, transport_.peer_port(), now, buffer_);
+        const std::size_t size = peer_.refuse(cause, transport_.peer_name(), now, buffer_);
         if (size != 0) (void)transport_.answer(std::span(buffer_).first(size));
       }
     }

@@ -34,7 +34,7 @@ enum class Reject : std::uint8_t {
   kSessionRetired,  // a session that another one has replaced
   kRefused,         // no state: the slave says that another master leads it
   // Transport
-  kSender,      // from an address that is not the peer's
+  kSender,      // from another user, or one who is not the peer
   kAfterStall,  // waited in our own queue while we did not run
   kCount
 };

@@ -22,6 +22,7 @@
 #include "server/base/units.h"
 #include "server/daemon/daemon_main.h"
 #include "server/daemon/errand.h"
+#include "server/link/unix_transport.h"
 #include "server/master/haptic_loop.h"
 #include "server/master/haptic_settings.h"
 #include "server/master/master_server.h"
@@ -145,18 +146,20 @@ OrderDeskOptions desk_of(const pb::MasterConfig& config, const HapticCapabilitie
   out.identity.device_simulated = capabilities.simulated;
   out.presence = presence_of(config, capabilities);
   out.user = own_user_name();
-  out.slave_at = config.slave_address() + ":" + std::to_string(config.slave_port());
+  out.slave_at = config.has_slave() ? config.slave() : config.link_socket();
   return out;
 }
 
-MasterServerOptions server_of(const pb::MasterConfig& config) {
-  MasterServerOptions out;
-  out.address = config.link_address();
-  out.port = static_cast<std::uint16_t>(config.link_port());
-  out.slave_address = config.slave_address();
-  out.slave_port = static_cast<std::uint16_t>(config.slave_port());
-  out.operator_socket = config.operator_socket();
-  return out;
+// The link that is asked for; the error says why it cannot be had.
+Result<TransportMaker> link_of(const pb::MasterConfig& config) {
+  if (config.has_slave()) {
+    return Status::error("slave " + config.slave() +
+                         ": asks for the encrypted link, which needs a key; leave it out for the "
+                         "plain link with a slave on this computer");
+  }
+  return TransportMaker([path = config.link_socket()](boost::asio::io_context& io) {
+    return std::make_unique<UnixTransport>(io, UnixTransport::End::kMaster, path);
+  });
 }
 
 int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
@@ -178,6 +181,8 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
     return out;
   };
   const LoopScene first = loop_scene(*scene);
+  const Result<TransportMaker> link = link_of(config);
+  if (!link) return fail(link.message());
   if (check_only) {
     std::puts("configuration ok");
     return end_output("handrail-master", 0);
@@ -194,7 +199,7 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
   };
   desk_options.loop_scene = loop_scene;
   OrderDesk desk(*boxes, *scene, desk_options);
-  const auto server = make_master_server(*boxes, desk, server_of(config));
+  const auto server = make_master_server(*boxes, desk, {*link, config.operator_socket()});
   hold_endings();
   if (const Status opened = server->open(); !opened) return fail(opened.message());
   if (const Status opened = (*device)->open(); !opened) return fail(opened.message());
@@ -204,8 +209,7 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
   desk.set_realtime(realtime.report);
   news.serve(
       *server,
-      fmt::format("READY link_port={} operator_socket={}", server->port(),
-                  config.operator_socket()),
+      fmt::format("READY link={} operator_socket={}", server->place(), config.operator_socket()),
       {"haptic", realtime, [&] { haptic.request_stop(); }, [&] { return haptic.finished(); }});
   return 0;
 }

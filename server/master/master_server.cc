@@ -17,12 +17,11 @@ class MasterServer final : public IoServer {
       : boxes_(mailboxes), desk_(order_desk), options_(std::move(opts)) {}
 
   Status open() override {
-    const Status opened =
-        link_.open({options_.address, options_.port, options_.slave_address, options_.slave_port});
+    const Status opened = link_.open(options_.link);
     return opened ? operators_.start(options_.operator_socket) : opened;
   }
 
-  std::uint16_t port() const override { return link_.port(); }
+  std::string place() const override { return link_.place(); }
 
   void run(ServerHooks hooks) override {
     alive_ = std::move(hooks.alive);

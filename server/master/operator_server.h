@@ -2,6 +2,8 @@
 // protobuf, at most 64 KiB; one Reply for each Request, in order.
 #pragma once
 
+#include <sys/socket.h>
+
 #include <utility>
 // Boost 1.74 uses std::exchange without including it.
 #include <boost/asio/io_context.hpp>
@@ -16,10 +18,10 @@
 
 #include "proto/operator.pb.h"
 #include "server/base/length_prefix.h"
+#include "server/base/path_socket.h"
 #include "server/base/status.h"
 #include "server/base/time.h"
 #include "server/master/memory_reserve.h"
-#include "server/master/operator_socket.h"
 
 namespace handrail {
 
@@ -84,7 +86,7 @@ class OperatorServer {
   bool said_full_ = false, said_short_ = false;
   // As much as one client may hold.
   MemoryReserve reserve_{kMaxFrame};
-  OperatorSocket file_;
+  PathSocket file_{{SOCK_STREAM, "operator socket", "another master"}};
   boost::asio::local::stream_protocol::acceptor acceptor_;
   boost::asio::steady_timer pause_;
   std::vector<std::shared_ptr<Client>> clients_;

@@ -22,7 +22,7 @@ struct OrderDeskOptions {
   MasterIdentity identity;
   Presence presence = Presence::kNone;  // what the configuration wants
   std::string user = "operator";        // who speaks when a request does not say
-  std::string slave_at;                 // "127.0.0.1:47002", where a slave is looked for
+  std::string slave_at;                 // where a slave is looked for
   // A scene by name; the error says why there is none. Must not wait: asked again every tick while
   // it gives nothing, as the disk takes its time.
   std::function<std::optional<Result<Scene>>(const std::string& name)> load_scene;

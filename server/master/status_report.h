@@ -26,8 +26,8 @@ pb::Status status_report(const MasterIdentity& identity, const HapticReport& rep
 // `reason` in words; of a slave in fault also why it is: HapticOutput::peer_fault.
 std::string reason_text(Reason reason, Reason peer_fault);
 
-// "the slave is led by another master (port 47001 on this computer, for 12 s)". Only of a link that
-// is refused at `now`.
+// "the slave is led by another master (process 4711 on this computer, for 12 s)". Only of a link
+// that is refused at `now`.
 std::string other_master_text(const LinkSnapshot& link, Nanos now);
 
 // Each section both sides must agree on and do not: "mapping: master 3f2a..., slave 91bc...".

@@ -22,14 +22,6 @@ Problem check_ipv4(const char* field, const std::string& address) {
   return FieldProblem{field, "'" + address + "' is not an IPv4 address such as 127.0.0.1"};
 }
 
-Problem check_loopback(const char* field, const std::string& address) {
-  if (Problem p = check_ipv4(field, address)) return p;
-  if (address.starts_with("127.")) return std::nullopt;
-  return FieldProblem{field, "'" + address +
-                                 "' is not a loopback address: the link is plain, so it is kept "
-                                 "within this machine (127.x.x.x)"};
-}
-
 // The other end of a connection; port 0 would mean "any", which nobody can be reached at.
 Problem check_peer_port(const char* field, std::uint32_t port) {
   if (port != 0) return std::nullopt;
@@ -66,7 +58,25 @@ Problem check_scene_name(const std::string& scene) {
   return FieldProblem{"scene", "empty, expected a scene's name such as linear-movement"};
 }
 
+// `other`: the field that asks for the encrypted link, as `encrypted` says.
+template <typename Config>
+Problem check_link(const Config& c, bool encrypted, const char* other) {
+  if (!c.has_link_socket()) return std::nullopt;
+  if (encrypted) {
+    return FieldProblem{"link_socket", "is for the plain link, but " + std::string(other) +
+                                           " asks for the encrypted one: expected one of them"};
+  }
+  constexpr ::pid_t kLongest = 1 << 22;  // the kernel's PID_MAX_LIMIT
+  const std::size_t beside = master_socket("", kLongest).size();
+  const std::string problem = socket_path_problem(c.link_socket(), beside);
+  return problem.empty() ? Problem() : FieldProblem{"link_socket", problem};
+}
+
 Problem check(const pb::MasterConfig& c) {
+  Problem slave;
+  if (c.has_slave() && c.slave().empty()) {
+    slave = FieldProblem{"slave", "empty, expected HOST or HOST:PORT"};
+  }
   Problem socket;
   const std::string socket_text =
       c.has_operator_socket() ? socket_path_problem(c.operator_socket()) : std::string();
@@ -79,12 +89,8 @@ Problem check(const pb::MasterConfig& c) {
              c.device().kind() != pb::DeviceConfig::SIM_JOYSTICK) {
     recording = FieldProblem{"device.recording", "only used with kind: RECORDED or SIM_JOYSTICK"};
   }
-  return first({check_loopback("link_address", c.link_address()),
-                check_loopback("slave_address", c.slave_address()),
-                check_peer_port("slave_port", c.slave_port()), socket, recording,
-                check_scene_name(c.scene()),
-                check_distinct({{"link_port", c.link_address(), c.link_port()},
-                                {"slave_port", c.slave_address(), c.slave_port()}})});
+  return first({slave, check_link(c, c.has_slave(), "slave"), socket, recording,
+                check_scene_name(c.scene())});
 }
 
 Problem check_payload(const pb::SlaveConfig& c) {
@@ -112,15 +118,15 @@ Problem check(const pb::SlaveConfig& c) {
   if (n != 64 && n != 196) {
     bytes = FieldProblem{"robot.packet_bytes", std::to_string(n) + " is neither 64 nor 196"};
   }
-  std::vector<Endpoint> ends = {{"link_port", c.link_address(), c.link_port()},
-                                {"robot.port", c.robot().address(), c.robot().port()}};
+  std::vector<Endpoint> ends = {{"robot.port", c.robot().address(), c.robot().port()}};
   Problem sensor;
   if (c.force_sensor().enabled()) {
     sensor = first({check_ipv4("force_sensor.address", c.force_sensor().address()),
                     check_peer_port("force_sensor.port", c.force_sensor().port())});
     ends.push_back({"force_sensor.port", c.force_sensor().address(), c.force_sensor().port()});
   }
-  return first({check_loopback("link_address", c.link_address()),
+  return first({check_link(c, c.has_link_address(), "link_address"),
+                check_link(c, c.has_link_port(), "link_port"),
                 check_ipv4("robot.address", c.robot().address()),
                 check_peer_port("robot.port", c.robot().port()), bytes, sensor, check_payload(c),
                 check_scene_name(c.scene()), check_distinct(ends)});
@@ -145,12 +151,15 @@ void resolve_scene_path(const std::string& file, Config& config) {
   for (std::string& folder : *config.mutable_scene_path()) folder = from_folder_of(file, folder);
 }
 
-void set_addresses(pb::MasterConfig& c) {
-  if (!c.has_link_address()) c.set_link_address(own_address());
-  if (!c.has_slave_address()) c.set_slave_address(own_address());
+// The path of the plain link as it is to be used.
+template <typename Config>
+void resolve_link_socket(const std::string& file, Config& config) {
+  config.set_link_socket(config.has_link_socket() ? from_folder_of(file, config.link_socket())
+                                                  : default_link_socket());
 }
+
+void set_addresses(pb::MasterConfig&) {}
 void set_addresses(pb::SlaveConfig& c) {
-  if (!c.has_link_address()) c.set_link_address(own_address());
   if (!c.robot().has_address()) c.mutable_robot()->set_address(own_address());
   if (!c.force_sensor().has_address()) c.mutable_force_sensor()->set_address(own_address());
 }
@@ -173,18 +182,19 @@ Result<Config> load(const std::string& path) {
 
 }  // namespace
 
-std::string socket_path_problem(const std::string& path) {
-  constexpr std::size_t kLongest = sizeof(sockaddr_un{}.sun_path) - 1;
+std::string socket_path_problem(const std::string& path, std::size_t beside) {
+  const std::size_t longest = sizeof(sockaddr_un{}.sun_path) - 1 - beside;
   if (path.empty()) return "empty, expected the path of a Unix socket";
-  if (path.size() <= kLongest) return {};
-  return "a path of " + std::to_string(path.size()) +
-         " bytes, but a Unix socket's path has at most " + std::to_string(kLongest);
+  if (path.size() <= longest) return {};
+  return "a path of " + std::to_string(path.size()) + " bytes, but a Unix socket's path has " +
+         (beside == 0 ? "" : "room here for ") + "at most " + std::to_string(longest);
 }
 
 Result<pb::MasterConfig> load_master_config(const std::string& path) {
   Result<pb::MasterConfig> config = load<pb::MasterConfig>(path);
   if (!config) return config;
   resolve_scene_path(path, *config);
+  resolve_link_socket(path, *config);
   if (!config->has_operator_socket()) config->set_operator_socket(default_operator_socket());
   if (config->device().has_recording()) {
     config->mutable_device()->set_recording(from_folder_of(path, config->device().recording()));
@@ -194,7 +204,9 @@ Result<pb::MasterConfig> load_master_config(const std::string& path) {
 
 Result<pb::SlaveConfig> load_slave_config(const std::string& path) {
   Result<pb::SlaveConfig> config = load<pb::SlaveConfig>(path);
-  if (config) resolve_scene_path(path, *config);
+  if (!config) return config;
+  resolve_scene_path(path, *config);
+  resolve_link_socket(path, *config);
   return config;
 }
 

@@ -1,8 +1,9 @@
 // Loads the three daemons' configuration files.
 //
 // An empty path gives the defaults. Beyond the ranges in config.proto the loaders check what spans
-// fields. Relative paths inside a file (recording, scene_path) are taken from the file's own
-// folder. Errors are one line with file, line, column, field, value and what was expected.
+// fields. Relative paths inside a file (recording, scene_path, link_socket) are taken from the
+// file's own folder. Errors are one line with file, line, column, field, value and what was
+// expected.
 #pragma once
 
 #include <string>
@@ -16,7 +17,8 @@ Result<pb::MasterConfig> load_master_config(const std::string& path);
 Result<pb::SlaveConfig> load_slave_config(const std::string& path);
 Result<pb::RigConfig> load_rig_config(const std::string& path);
 
-// Why `path` cannot name a Unix socket; empty when it can.
-std::string socket_path_problem(const std::string& path);
+// Why `path` cannot name a Unix socket, and another whose path has `beside` bytes more; empty when
+// it can.
+std::string socket_path_problem(const std::string& path, std::size_t beside = 0);
 
 }  // namespace handrail

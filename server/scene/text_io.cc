@@ -10,6 +10,7 @@
 #include <memory>
 #include <vector>
 
+#include "proto/field.pb.h"
 #include "server/base/plain_text.h"
 #include "server/base/read_file.h"
 
@@ -57,6 +58,9 @@ const Descriptor* descend(const Descriptor* type, const std::vector<std::string>
 
 std::string unknown_field_hint(const Descriptor* type, const std::string& name) {
   if (type == nullptr) return "no such field";
+  for (const pb::Gone& gone : type->options().GetRepeatedExtension(pb::gone)) {
+    if (gone.name() == name) return "no longer used; in its place: " + gone.instead();
+  }
   std::vector<std::string> names;
   for (int i = 0; i < type->field_count(); ++i) names.push_back(type->field(i)->name());
   const std::string nearest = nearest_name(name, names);

@@ -19,6 +19,7 @@
 #include "server/base/signals.h"
 #include "server/daemon/daemon_main.h"
 #include "server/daemon/errand.h"
+#include "server/link/unix_transport.h"
 #include "server/scene/config_io.h"
 #include "server/scene/payload_io.h"
 #include "server/scene/scene_library.h"
@@ -149,12 +150,27 @@ void say_counters(const MelfaRobot& robot, const NetFtSensor* sensor) {
                records.rejected, records.stale);
 }
 
+// The link that is asked for; the error says why it cannot be had.
+Result<TransportMaker> link_of(const pb::SlaveConfig& config) {
+  if (config.has_link_address() || config.has_link_port()) {
+    return Status::error(
+        "link_address, link_port: ask for the encrypted link, which needs a key; leave both out "
+        "for "
+        "the plain link with a master on this computer");
+  }
+  return TransportMaker([path = config.link_socket()](boost::asio::io_context& io) {
+    return std::make_unique<UnixTransport>(io, UnixTransport::End::kSlave, path);
+  });
+}
+
 int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
   MelfaRobot robot(robot_options(config.robot()));
   const std::unique_ptr<NetFtSensor> sensor = make_sensor(config.force_sensor());
   const SettingsOf load = settings_of(config, robot.capabilities().period, sensor != nullptr);
   const auto settings = load(config.scene());
   if (!settings) return fail(settings.message());
+  const Result<TransportMaker> link = link_of(config);
+  if (!link) return fail(link.message());
   const std::string sensor_says = sensor_text(*settings);
   if (check_only) {
     std::puts("configuration ok");
@@ -168,8 +184,7 @@ int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
   Errand<Result<FollowSettings>> scenes;
   SlaveMailboxes boxes;
   SlaveServerOptions options;
-  options.address = config.link_address();
-  options.port = port_of(config.link_port());
+  options.link = *link;
   options.robot = robot.capabilities().name;
   options.load_scene =
       [&scenes, shared = std::make_shared<const SettingsOf>(load)](const std::string& scene) {
@@ -184,7 +199,7 @@ int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
   }
   RobotThread loop(robot, *settings, boxes);
   news.serve(
-      *server, fmt::format("READY link_port={}", server->port()),
+      *server, fmt::format("READY link={}", server->place()),
       {"robot", loop.realtime(), [&] { loop.request_stop(); }, [&] { return loop.finished(); }});
   loop.finish();
   if (sensor) sensor->stop();

@@ -21,8 +21,8 @@ class SlaveServer final : public IoServer {
   SlaveServer(SlaveMailboxes& mailboxes, FtSensor* ft_sensor, SlaveServerOptions opts)
       : boxes_(mailboxes), sensor_(ft_sensor), options_(std::move(opts)) {}
 
-  Status open() override { return link_.open({options_.address, options_.port}); }
-  std::uint16_t port() const override { return link_.port(); }
+  Status open() override { return link_.open(options_.link); }
+  std::string place() const override { return link_.place(); }
 
   void run(ServerHooks hooks) override {
     alive_ = std::move(hooks.alive);

@@ -10,14 +10,14 @@
 #include "devices/ft_sensor.h"
 #include "server/base/status.h"
 #include "server/daemon/io_thread.h"
+#include "server/link/transport.h"
 #include "server/slave/mailboxes.h"
 
 namespace handrail {
 
 struct SlaveServerOptions {
-  std::string address = "127.0.0.1";  // loopback
-  std::uint16_t port = 0;             // 0 = any free one
-  std::string robot = "the robot";    // in what is said
+  TransportMaker link;              // the slave's end
+  std::string robot = "the robot";  // in what is said
   // Lines of the log that were lost so far; empty: nobody counts.
   std::function<std::uint64_t()> log_lost = {};
   // Our scene of that name; the error says why there is none. Called in the IO thread, first while
@@ -26,7 +26,7 @@ struct SlaveServerOptions {
   std::function<std::optional<Result<FollowSettings>>(const std::string& scene)> load_scene;
 };
 
-// On the link's port. Mailboxes and sensor (null: none) must outlive the server.
+// Mailboxes and sensor (null: none) must outlive the server.
 std::unique_ptr<IoServer> make_slave_server(SlaveMailboxes& boxes, FtSensor* sensor,
                                             SlaveServerOptions options);
 

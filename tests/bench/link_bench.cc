@@ -1,8 +1,16 @@
-// One datagram of the link, written and read, on seeded states.
+// One datagram of the link, written and read, on seeded states; and a slave's datagram there and
+// back through the plain link's sockets, beside the same over UDP.
 #include <array>
+#include <cstdlib>
+#include <utility>
+// Boost 1.74 uses std::exchange without including it.
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/udp.hpp>
 
 #include "server/link/peer.h"
+#include "server/link/unix_transport.h"
 #include "tests/bench/percentile.h"
+#include "tests/support/temp_folder.h"
 #include "tests/unit/link/link_samples.h"
 
 namespace handrail::bench {
@@ -41,6 +49,56 @@ struct BothEnds {
   }
 };
 
+using Datagram = std::array<std::uint8_t, 512>;  // of a slave
+
+struct UnixThereAndBack {
+  TempFolder folder;
+  boost::asio::io_context io;
+  UnixTransport slave{io, UnixTransport::End::kSlave, folder.path() + "/link.sock"};
+  UnixTransport master{io, UnixTransport::End::kMaster, folder.path() + "/link.sock"};
+  Datagram bytes{};
+  UnixThereAndBack() {
+    if (!slave.open() || !master.open()) std::abort();
+  }
+  std::size_t operator()() {
+    (void)master.send(bytes);
+    (void)slave.receive(bytes);
+    slave.adopt_sender();
+    (void)slave.send(bytes);
+    const auto back = master.receive(bytes);
+    if (!back || !back->from_peer) std::abort();
+    return back->size;
+  }
+};
+
+struct UdpThereAndBack {
+  using Udp = boost::asio::ip::udp;
+  boost::asio::io_context io;
+  Udp::socket slave{io, {boost::asio::ip::address_v4::loopback(), 0}};
+  Udp::socket master{io, {boost::asio::ip::address_v4::loopback(), 0}};
+  const Udp::endpoint to_slave = slave.local_endpoint();
+  Datagram bytes{};
+  std::size_t operator()() {
+    Udp::endpoint from;
+    master.send_to(boost::asio::buffer(bytes), to_slave);
+    slave.receive_from(boost::asio::buffer(bytes), from);
+    slave.send_to(boost::asio::buffer(bytes), from);
+    return master.receive_from(boost::asio::buffer(bytes), from);
+  }
+};
+
+// By reference: sockets do not move.
+template <typename Way>
+void there_and_back(benchmark::State& state, const char* name) {
+  Way way;
+  run(state, name, 1, 0.0, [&way] { return way(); });
+}
+void BM_LinkUnixSocket(benchmark::State& state) {
+  there_and_back<UnixThereAndBack>(state, "link, there and back through its Unix sockets");
+}
+void BM_LinkUdp(benchmark::State& state) {
+  there_and_back<UdpThereAndBack>(state, "the same over UDP");
+}
 void BM_LinkCodec(benchmark::State& state) {
   run(state, "link datagram, encode + decode", 1, 0.0, MasterThereAndBack{});
 }
@@ -49,6 +107,8 @@ void BM_LinkBothEnds(benchmark::State& state) {
 }
 BENCHMARK(BM_LinkCodec);
 BENCHMARK(BM_LinkBothEnds);
+BENCHMARK(BM_LinkUnixSocket);
+BENCHMARK(BM_LinkUdp);
 
 }  // namespace
 }  // namespace handrail::bench

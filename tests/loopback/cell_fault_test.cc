@@ -215,20 +215,22 @@ TEST_F(AlarmTest, AnAlarmOfTheControllerIsAFaultUntilBothAreReset) {
   reset_and_engage();
 }
 
-class PortTest : public WholeCell {};
+class SocketTest : public WholeCell {};
 
-TEST_F(PortTest, APortInUseIsNamed) {
-  const std::string taken = std::to_string(master_port);
-  const auto second = launch("handrail-master", "link_port: " + taken + " operator_socket: '" +
-                                                    folder.path() + "/other.sock'");
+TEST_F(SocketTest, ASecondSlaveOnTheLinksSocketIsRefusedAndTheFirstServesOn) {
+  const auto second = launch("handrail-slave", "link_socket: '" + link_socket + "'");
   EXPECT_EQ(second->finish(), 2);
-  EXPECT_THAT(second->output(), HasSubstr("link port " + taken));
-  EXPECT_FALSE(std::filesystem::exists(folder.path() + "/other.sock"));
+  EXPECT_EQ(second->output(),
+            "handrail-slave: link socket " + link_socket + ": another slave answers on it\n");
+  order("engage: true");
+  EXPECT_TRUE(slave_reaches("engaged"));
 }
 
-TEST_F(PortTest, ASecondMasterOnTheSocketIsRefusedAndTheFirstServesOn) {
-  const auto second = launch("handrail-master", master_config(0));
+TEST_F(SocketTest, ASecondMasterOnTheSocketIsRefusedAndTheFirstServesOn) {
+  const auto second = launch("handrail-master", master_config());
+  const std::string place = master_place(*second);
   EXPECT_EQ(second->finish(), 2);
+  EXPECT_FALSE(std::filesystem::exists(place));
   EXPECT_THAT(second->output(), HasSubstr("another master answers on it"));
   EXPECT_THAT(second->output(), HasSubstr(socket()));
   client.close();
@@ -242,8 +244,8 @@ TEST(Programs, NamePlaceAndValueOfABadConfiguration) {
     const char* text;
     const char* place;
     const char* value;
-  } cases[] = {{"handrail-master", "link_port: 0\n\n  slave_port: 70000\n", ":3:", "70000"},
-               {"handrail-master", "link_prot: 1\n", ":1:", "link_prot"},
+  } cases[] = {{"handrail-master", "scene: 'plane'\n\n  loop_limit_ms: 7\n", ":3:", "7"},
+               {"handrail-master", "link_sokcet: 'a'\n", ":1:", "link_sokcet"},
                {"handrail-master", "device {\n  hand { mass_kg: -1 }\n}\n", ":2:", "mass_kg"},
                {"handrail-slave", "robot {\n  packet_bytes: 65\n}\n", ":2:", "65"},
                {"handrail-slave", "scene 'x'\n", ":1:", "scene"},

@@ -132,7 +132,6 @@ TEST_F(FullDisk, UnderEveryCommandOfTheLab) {
 
 // Every command of handrail that prints JSON, and those that print a table, help or an answer.
 TEST_F(FullDisk, UnderTheOperatorsCommands) {
-  slave_port = 9;  // nobody's
   start_master();
   std::set<std::string> listed;
   const std::string at = " --socket " + socket();

@@ -13,7 +13,7 @@
 #include "tests/loopback/raw_client.h"
 #include "tests/loopback/whole_cell.h"
 #include "tests/support/bad_datagrams.h"
-#include "tests/support/udp_relay.h"
+#include "tests/support/datagram_relay.h"
 
 namespace handrail {
 namespace {
@@ -44,7 +44,7 @@ class GarbageTest : public WholeCell {
     robot = std::make_unique<UdpRelay>(robot_port);
     sensor = std::make_unique<UdpRelay>(sensor_port);
     slave_through_relays();
-    link = std::make_unique<UdpRelay>(slave_port);
+    link = std::make_unique<LinkRelay>(link_socket);
     master_through_relay();
     ASSERT_TRUE(eventually([](const pb::Status& s) { return s.has_tip(); }));
   }
@@ -55,9 +55,10 @@ class GarbageTest : public WholeCell {
     std::tie(robot_port, sensor_port) = own;
   }
   void master_through_relay() {
-    const int own = std::exchange(slave_port, link->port());
+    const std::string own = std::exchange(link_socket, link->path());
     start_master();
-    slave_port = own;
+    master_at = DatagramPlace(master_place(*master));
+    link_socket = own;
   }
   static bool fresh(const pb::Status& s) {
     return s.has_tip() && s.packet_age_ms() >= 0.0 && s.packet_age_ms() < 20.0;
@@ -65,16 +66,15 @@ class GarbageTest : public WholeCell {
 
   // As if the slave had said it, or the master.
   void say_to_master(Reject cause, const Bytes& bytes) {
-    link->to_client(bytes);
-    ++sent_to_master[cause];
+    sent_to_master[cause] += link->to_client(bytes) ? 1 : 0;
     sleep_until(monotonic_now() + kPause);
   }
   void say_to_slave(Reject cause, const Bytes& bytes) {
-    say_as_stranger(slave_port, bytes);
-    ++sent_to_slave[cause];
+    sent_to_slave[cause] += stranger_of_link.send(slave_at, bytes) ? 1 : 0;
+    sleep_until(monotonic_now() + kPause);
   }
   void say_as_stranger(int port, const Bytes& bytes) {
-    stranger.send(port, bytes);
+    (void)stranger.send(DatagramPlace(port), bytes);
     sleep_until(monotonic_now() + kPause);
   }
   bool eventually_engages() {
@@ -118,8 +118,11 @@ class GarbageTest : public WholeCell {
     return out;
   }
 
-  std::unique_ptr<UdpRelay> robot, sensor, link;
-  UdpSender stranger;
+  std::unique_ptr<UdpRelay> robot, sensor;
+  std::unique_ptr<LinkRelay> link;
+  DatagramSocket stranger{DatagramPlace(0)};
+  DatagramSocket stranger_of_link{DatagramPlace(folder.path() + "/stranger")};
+  DatagramPlace slave_at{link_socket}, master_at;
   DatagramHeader header;
   std::vector<test::BadDatagram> to_slave, to_master;
   Causes sent_to_slave, sent_to_master;
@@ -160,8 +163,7 @@ TEST_F(GarbageTest, OnTheLinkEachCheckCountsItAndNothingChanges) {
   for (int i = 0; i < 20; ++i) {
     for (const auto& bad : to_master) {
       say_to_master(bad.cause, bad.bytes);
-      say_as_stranger(master_port, bad.bytes);
-      ++sent_to_master[Reject::kSender];
+      sent_to_master[Reject::kSender] += stranger_of_link.send(master_at, bad.bytes) ? 1 : 0;
     }
     for (const auto& bad : refusals) say_to_master(bad.cause, bad.bytes);
     for (const auto& bad : to_slave) say_to_slave(bad.cause, bad.bytes);
@@ -172,9 +174,9 @@ TEST_F(GarbageTest, OnTheLinkEachCheckCountsItAndNothingChanges) {
     say_to_slave(Reject::kStale, link->seen(true).front());
     say_to_master(Reject::kSessionBusy, other_slave);
     say_to_slave(Reject::kSessionBusy, other_master);
-    link->to_client(noise());
-    say_as_stranger(master_port, noise());
-    say_as_stranger(slave_port, noise());
+    (void)link->to_client(noise());
+    for (const DatagramPlace& to : {master_at, slave_at}) (void)stranger_of_link.send(to, noise());
+    sleep_until(monotonic_now() + kPause);
   }
   EXPECT_TRUE(reaches("engaged"));
   EXPECT_TRUE(slave_reaches("engaged"));
@@ -213,7 +215,8 @@ TEST_F(GarbageTest, OnTheLinkNoOldSessionComesBack) {
   master->send(SIGCONT);
   ASSERT_TRUE(eventually(fresh));
   Bytes refusal(kMaxDatagram);
-  refusal.resize(Codec().encode(Refusal{session_of_master(), false, 4711, kSecond}, refusal));
+  refusal.resize(Codec().encode(
+      Refusal{session_of_master(), false, fixed_text<LeaderName>("eve"), kSecond}, refusal));
   say_to_master(Reject::kRefused, refusal);
   ASSERT_TRUE(eventually_engages()) << "it stands until the slave's next word";
   ASSERT_TRUE(slave_reaches("engaged"));
@@ -227,8 +230,8 @@ TEST_F(GarbageTest, FromRobotAndSensorItChangesNothing) {
   const pb::Status before = at_rest();
   std::uint64_t to_robot = 0, to_sensor = 0;
   const auto say = [&](UdpRelay& way, std::uint64_t& count, const Bytes& bytes) {
-    way.to_client(bytes);
-    say_as_stranger(way.client_port(), bytes);
+    (void)way.to_client(bytes);
+    say_as_stranger(way.client().port(), bytes);
     ++count;
   };
   for (int i = 0; i < 20; ++i) {
@@ -255,7 +258,7 @@ TEST_F(GarbageTest, FromRobotAndSensorItChangesNothing) {
     say(*sensor, to_sensor, noise());
     say(*sensor, to_sensor, Bytes(kRdtRecordSize - 1));
     say(*sensor, to_sensor, Bytes(kRdtRecordSize + 1));
-    sensor->to_client(sensor->seen(false).front());
+    (void)sensor->to_client(sensor->seen(false).front());
   }
   EXPECT_EQ(at_rest().state(), "engaged");
   EXPECT_EQ(status().slave_state(), "engaged");

@@ -105,9 +105,10 @@ class PaintedTest : public NewcomerTest {
   void SetUp() override {}
   // The hand is where the scene says, in the aisle, and nothing pushes it.
   void expect_free_at_start(const std::string& scene) {
-    master = launch("handrail-master", "link_port: 0 operator_socket: '" + socket() +
-                                           "' scene_path: '" + folder.path() + "' scene: '" +
-                                           scene + "' device { kind: SIM_JOYSTICK }");
+    master =
+        launch("handrail-master", "link_socket: '" + link_socket + "' operator_socket: '" +
+                                      socket() + "' scene_path: '" + folder.path() + "' scene: '" +
+                                      scene + "' device { kind: SIM_JOYSTICK }");
     (void)master->after("READY ");
     sleep_until(monotonic_now() + kSecond);
     const pb::Status s = status();

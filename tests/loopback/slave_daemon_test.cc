@@ -18,7 +18,7 @@
 #include "server/base/own_places.h"
 #include "server/base/pacer.h"
 #include "server/link/pump.h"
-#include "server/link/udp_transport.h"
+#include "server/link/unix_transport.h"
 #include "tests/support/temp_folder.h"
 
 namespace handrail {
@@ -87,17 +87,13 @@ class SlaveDaemonTest : public ::testing::Test {
   void SetUp() override {
     ASSERT_TRUE(rig.open(own_address(), 0, 0));
     rig_thread = std::thread([this] { rig.run(); });
-    const std::string config =
-        folder.write("slave.config",
-                     "link_port: 0\nrobot { port: " + std::to_string(rig.robot_port()) +
-                         " }\nforce_sensor { port: " + std::to_string(rig.sensor_port()) + " }\n");
+    const std::string config = folder.write(
+        "slave.config",
+        "link_socket: '" + link_socket + "'\nrobot { port: " + std::to_string(rig.robot_port()) +
+            " }\nforce_sensor { port: " + std::to_string(rig.sensor_port()) + " }\n");
     slave = std::make_unique<Program>(std::vector<std::string>{kSlave, "--config", config});
-    const std::string ready = slave->line("READY link_port=");
-    ASSERT_FALSE(ready.empty());
-    UdpTransportOptions options;
-    options.address = options.peer_address = own_address();
-    options.peer_port = static_cast<std::uint16_t>(std::stoi(ready.substr(16)));
-    ASSERT_TRUE(transport.open(options));
+    ASSERT_EQ(slave->line("READY"), "READY link=" + link_socket + "\n");
+    ASSERT_TRUE(transport.open());
   }
   void TearDown() override {
     stop_rig();
@@ -139,11 +135,12 @@ class SlaveDaemonTest : public ::testing::Test {
   }
 
   TempFolder folder;
+  const std::string link_socket = folder.path() + "/link.sock";
   RigServer rig{RigOptions{}};
   std::thread rig_thread;
   std::unique_ptr<Program> slave;
   boost::asio::io_context io;
-  UdpTransport transport{io};
+  UnixTransport transport{io, UnixTransport::End::kMaster, link_socket};
   MasterPeer peer{random_session_id()};
   LinkPump<MasterState, SlaveState> pump{transport, peer};
   MasterState master;
@@ -206,11 +203,11 @@ TEST_F(SlaveDaemonTest, TermStopsTheMovingArmAndExitsWithZero) {
   EXPECT_EQ(slave->exit_code(), 0);
 }
 
-TEST_F(SlaveDaemonTest, APortInUseEndsTheSecondDaemonWithTwo) {
-  const std::string config =
-      folder.write("second.config", "link_port: " + std::to_string(transport.port()) + "\n");
+TEST_F(SlaveDaemonTest, ASecondDaemonOnItsSocketEndsWithTwo) {
+  const std::string config = folder.write("second.config", "link_socket: 'link.sock'\n");
   Program second({kSlave, "--config", config});
-  EXPECT_NE(second.line("handrail-slave: link port").find("is in use"), std::string::npos);
+  EXPECT_EQ(second.line("handrail-slave: "),
+            "handrail-slave: link socket " + link_socket + ": another slave answers on it\n");
   EXPECT_EQ(second.exit_code(), 2);
 }
 
@@ -256,10 +253,10 @@ class SlaveAlone : public ::testing::TestWithParam<bool> {};
 TEST_P(SlaveAlone, WithoutAControllerIsALineWhenItBeginsAndNothingASecond) {
   const NoController nobody(GetParam());
   TempFolder folder;
-  Program slave(
-      {kSlave, "--config",
-       folder.write("alone.config", "link_port: 0 robot { port: " + std::to_string(nobody.port()) +
-                                        " } force_sensor { enabled: false }")});
+  Program slave({kSlave, "--config",
+                 folder.write("alone.config", "link_socket: 'link.sock' robot { port: " +
+                                                  std::to_string(nobody.port()) +
+                                                  " } force_sensor { enabled: false }")});
   ASSERT_FALSE(slave.line("READY").empty());
   sleep_until(monotonic_now() + 6 * kSecond);  // it tries once a second
   slave.terminate();

@@ -22,8 +22,9 @@ class SocketFolderTest : public ::testing::Test {
   SocketFolderTest() { std::filesystem::create_directory(run); }
 
   std::string config() const {
-    return folder.write("master.cfg",
-                        "link_port: 0 slave_port: 9 operator_socket: '" + run + "/operator.sock'");
+    return folder.write("master.cfg", "link_socket: '" + link_folder +
+                                          "/link.sock' operator_socket: '" + run +
+                                          "/operator.sock'");
   }
   // A master that does not start: what it says.
   std::string refusal() {
@@ -43,6 +44,7 @@ class SocketFolderTest : public ::testing::Test {
 
   TempFolder folder;
   const std::string run = folder.path() + "/run";
+  std::string link_folder = folder.path();
   const std::string self = user_text(::geteuid());
 };
 
@@ -75,6 +77,7 @@ TEST_F(SocketFolderTest, ACommandTrustsTheOwnerOfASafeFolderAndNobodyElse) {
   ASSERT_EQ(::chmod(folder.path().c_str(), 01777), 0);
   ASSERT_EQ(::chown(run.c_str(), kStranger, kStranger), 0);
   ASSERT_EQ(::chmod(run.c_str(), 0700), 0);
+  link_folder = run;
   const std::string file = config();
   const std::string program = HANDRAIL_BIN_DIR "/handrail-master", out = folder.path() + "/out";
   ASSERT_EQ(::chmod(file.c_str(), 0644), 0);

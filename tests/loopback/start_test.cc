@@ -44,7 +44,7 @@ class StartTest : public WholeCell {
     rig = launch("handrail-rig", "robot_port: " + std::to_string(robot_port) +
                                      " sensor_port: " + std::to_string(sensor_port));
     launch_slave();
-    master = launch("handrail-master", master_config(master_port));
+    master = launch("handrail-master", master_config());
     ASSERT_TRUE(within(kPatience, [&] {
       pb::Request request;
       request.set_status(true);
@@ -83,9 +83,8 @@ TEST_F(StartTest, ASignalBeforeTheSlaveServesEndsItInOrder) {
 }
 
 TEST_F(StartTest, ASignalBeforeTheMasterServesEndsItInOrder) {
-  slave_port = 1;  // nobody there
   for (int i = 0; i < 5; ++i) {
-    master = launch("handrail-master", master_config(0));
+    master = launch("handrail-master", master_config());
     ASSERT_TRUE(within(kPatience, [&] { return std::filesystem::exists(socket()); }));
     master->send(SIGTERM);
     ASSERT_EQ(master->finish(), 0);
@@ -106,7 +105,7 @@ TEST_F(StartTest, AFullStandardOutputKeepsNobodyWaiting) {
     for (ssize_t n; (n = ::read(ends[0], part.data(), part.size())) > 0;) {
       text.append(part.data(), static_cast<std::size_t>(n));
     }
-    return text.find("READY link_port=" + std::to_string(master_port) + " ") != text.npos;
+    return text.find("READY link=" + master_place(*master) + " ") != text.npos;
   }));
   end_master_and_rig();
   for (const int end : ends) ::close(end);

@@ -19,9 +19,9 @@ class TwoMastersTest : public WholeCell {
  protected:
   // A second master for the same slave, with operators of its own.
   void start_second(const std::string& extra = "") {
-    second = launch("handrail-master", "link_port: 0 slave_port: " + std::to_string(slave_port) +
-                                           " operator_socket: '" + second_socket() + "' " + extra);
-    second_port = second->number_after("READY link_port=");
+    second = launch("handrail-master", "link_socket: '" + link_socket + "' operator_socket: '" +
+                                           second_socket() + "' " + extra);
+    (void)second->after("READY");
   }
   std::string second_socket() const { return folder.path() + "/second.sock"; }
   pb::Reply ask_second(const std::string& text) {
@@ -46,11 +46,10 @@ class TwoMastersTest : public WholeCell {
   static bool fresh(const pb::Status& s) {
     return s.packet_age_ms() >= 0.0 && s.packet_age_ms() < 20.0;
   }
-  static std::string led_by(int port) {
-    return std::string(describe(Reason::kOtherMaster)) + " (port " + std::to_string(port) + " ";
+  static std::string led_by(const Program& other) {
+    return std::string(describe(Reason::kOtherMaster)) + " (" + name_of(other) + ", for ";
   }
 
-  int second_port = 0;
   std::unique_ptr<Program> second;
   OperatorClient second_client{second_socket()};
 };
@@ -59,17 +58,16 @@ TEST_F(TwoMastersTest, TheSecondIsToldWhoLeadsAndTheFirstDrivesOn) {
   order("engage: true");
   start_second();
   EXPECT_TRUE(second_eventually([&](const pb::Status& s) {
-    return s.reason().find(led_by(master_port)) == 0 &&
-           s.ledger().sentence().find(led_by(master_port)) != std::string::npos;
+    return s.reason().find(led_by(*master)) == 0 &&
+           s.ledger().sentence().find(led_by(*master)) != std::string::npos;
   }));
   const pb::Reply engage = ask_second("engage: true");
   EXPECT_FALSE(engage.done());
-  EXPECT_THAT(engage.reason(), HasSubstr(led_by(master_port)));
+  EXPECT_THAT(engage.reason(), HasSubstr(led_by(*master)));
   const pb::Reply stop = ask_second("stop: true");
   EXPECT_FALSE(stop.done());
-  EXPECT_THAT(stop.reason(), HasSubstr(led_by(master_port)));
-  EXPECT_NE(
-      second->after("the slave is led by another master (port " + std::to_string(master_port)), "");
+  EXPECT_THAT(stop.reason(), HasSubstr(led_by(*master)));
+  EXPECT_NE(second->after("the slave is led by another master (" + name_of(*master)), "");
   EXPECT_EQ(status().state(), "engaged");
   EXPECT_EQ(status().slave_state(), "engaged");
 }
@@ -77,14 +75,14 @@ TEST_F(TwoMastersTest, TheSecondIsToldWhoLeadsAndTheFirstDrivesOn) {
 TEST_F(TwoMastersTest, APausedMasterIsToldWhoTookItsPlaceAndComesBackWhenThatOneEnds) {
   start_second();
   ASSERT_TRUE(second_eventually(
-      [&](const pb::Status& s) { return s.reason().find(led_by(master_port)) == 0; }));
+      [&](const pb::Status& s) { return s.reason().find(led_by(*master)) == 0; }));
   master->send(SIGSTOP);
   ASSERT_TRUE(second_eventually([](const pb::Status& s) { return s.has_tip() && fresh(s); }));
   master->send(SIGCONT);
   EXPECT_TRUE(
-      eventually([&](const pb::Status& s) { return s.reason().find(led_by(second_port)) == 0; }));
-  EXPECT_THAT(refusal("engage: true"), HasSubstr(led_by(second_port)));
-  EXPECT_NE(master->after("is led by another master (port " + std::to_string(second_port)), "");
+      eventually([&](const pb::Status& s) { return s.reason().find(led_by(*second)) == 0; }));
+  EXPECT_THAT(refusal("engage: true"), HasSubstr(led_by(*second)));
+  EXPECT_NE(master->after("is led by another master (" + name_of(*second)), "");
   second->send(SIGTERM);
   EXPECT_EQ(second->finish(), 0);
   EXPECT_TRUE(eventually([](const pb::Status& s) { return fresh(s); }));

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "client/api/operator_client.h"
+#include "server/base/own_places.h"
 #include "server/base/spatial.h"
 #include "tests/loopback/program.h"
 
@@ -35,23 +36,23 @@ class WholeCell : public ::testing::Test {
     sensor_port = rig->number_after(" sensor_port=");
   }
   void launch_slave() {
-    slave = launch("handrail-slave", "link_port: " + std::to_string(slave_port) +
-                                         " robot { port: " + std::to_string(robot_port) +
-                                         " } force_sensor { port: " + std::to_string(sensor_port) +
-                                         " } " + slave_extra);
+    slave =
+        launch("handrail-slave",
+               "link_socket: '" + link_socket + "' robot { port: " + std::to_string(robot_port) +
+                   " } force_sensor { port: " + std::to_string(sensor_port) + " } " + slave_extra);
   }
   void start_slave() {
     launch_slave();
-    slave_port = slave->number_after("READY link_port=");
+    EXPECT_EQ(slave->after("READY link="), link_socket);
   }
   void start_master() {
-    master = launch("handrail-master", master_config(0));
-    master_port = master->number_after("READY link_port=");
+    master = launch("handrail-master", master_config());
+    EXPECT_TRUE(master->after("READY link=").starts_with(master_place(*master) + " "));
   }
   // A hand without tremor and drift, so that what moves is what was told to.
-  std::string master_config(int port) const {
-    return "link_port: " + std::to_string(port) + " slave_port: " + std::to_string(slave_port) +
-           " operator_socket: '" + socket() + "' scene_path: '" + folder.path() +
+  std::string master_config() const {
+    return "link_socket: '" + link_socket + "' operator_socket: '" + socket() + "' scene_path: '" +
+           folder.path() +
            "' device { hand { tremor_rms_mm: 0 drift_rms_mm: 0 drift_rms_deg: 0 } } " +
            master_extra;
   }
@@ -59,6 +60,14 @@ class WholeCell : public ::testing::Test {
     return std::make_unique<Program>(
         folder, name, std::vector<std::string>{"--config", folder.write(name + ".cfg", config)},
         streams);
+  }
+  // Where the slave's datagrams to that master go.
+  std::string master_place(const Program& program) const {
+    return master_socket(link_socket, program.pid());
+  }
+  // How that master is named where it leads the slave.
+  static std::string name_of(const Program& program) {
+    return "process " + std::to_string(program.pid()) + " on this computer";
   }
   std::string socket() const { return folder.path() + "/operator/operator.sock"; }
 
@@ -139,7 +148,8 @@ class WholeCell : public ::testing::Test {
   }
 
   TempFolder folder;
-  int robot_port = 0, sensor_port = 0, slave_port = 0, master_port = 0;
+  int robot_port = 0, sensor_port = 0;
+  std::string link_socket = folder.path() + "/link.sock";  // where slave and master meet
   std::string rig_extra, slave_extra, master_extra;
   Streams streams;  // of what is launched next
   std::unique_ptr<Program> rig, slave, master;

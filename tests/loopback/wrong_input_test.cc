@@ -148,20 +148,22 @@ TEST_F(WrongInput, ConfigurationFiles) {
     parts.push_back(name + ":1:");
     expect({"handrail-" + daemon, {"--check", "--config", file(name, text)}, 2, parts});
   };
-  check("master", "link_prot: 1", {"link_prot", "link_port"});
-  check("master", "link_port: 70000", {"link_port", "70000", "65535"});
-  check("master", "link_port: -1", {"link_port"});
-  check("master", "link_port: 'a'", {"link_port"});
-  check("master", "slave_port: 0", {"slave_port", "0", "1 to 65535"});
-  check("master", "slave_address: 'localhost'", {"slave_address", "'localhost'", "127.0.0.1"});
-  check("master", "slave_address: '10.0.0.1'", {"slave_address", "'10.0.0.1'", "loopback"});
+  check("master", "link_sokcet: 'a'", {"link_sokcet", "link_socket"});
+  check("master", "link_socket: ''", {"link_socket", "empty", "path of a Unix socket"});
+  check("master", "link_socket: 1", {"link_socket"});
+  check("master", "link_port: 47001", {"link_port", "no longer used", "link_socket"});
+  check("master", "slave_address: '127.0.0.1'", {"slave_address", "no longer used", "slave"});
+  check("master", "slave: ''", {"slave", "empty", "HOST"});
+  check("master", "slave: 'arm' link_socket: 'a'", {"link_socket", "slave", "one of them"});
+  check("slave", "link_port: 70000", {"link_port", "70000", "65535"});
+  check("slave", "link_port: -1", {"link_port"});
+  check("slave", "link_port: 'a'", {"link_port"});
   check("master", "scene: ''", {"scene", "linear-movement"});
   check("master", "presence: SOMETIMES", {"presence", "SOMETIMES"});
   check("master", "device { kind: OMNI }", {"kind", "OMNI"});
   check("master", "device { kind: RECORDED }", {"device.recording", "missing"});
   check("master", "device { hand { mass_kg: 0 } }", {"mass_kg", "0.01 to 5 kg"});
   check("master", "operator_socket: ''", {"operator_socket", "empty"});
-  check("master", "link_port: 5 slave_port: 5", {"slave_port", "5", "link_port"});
   check("slave", "robot { packet_bytes: 100 }", {"robot.packet_bytes", "100", "64", "196"});
   check("slave", "robot { address: 'arm' }", {"robot.address", "'arm'", "IPv4"});
   check("slave", "force_sensor { filter_ms: 51 }", {"filter_ms", "51", "0 to 50 ms"});
@@ -206,6 +208,7 @@ TEST_F(WrongInput, States) {
   std::filesystem::create_directory(folder.path() + "/open");
   ::chmod((folder.path() + "/open").c_str(), 0777);
   const std::string no_socket = file("plain.sock", "");
+  const std::string link = "link_socket: '" + folder.path() + "/run/link.sock'";
   expect_all({
       {"handrail",
        {"engage", "--socket", away()},
@@ -215,12 +218,12 @@ TEST_F(WrongInput, States) {
       {"handrail", {"status", "--socket", no_socket}, 3, {no_socket, "handrail-master"}},
       {"handrail", {"stop", "--socket", std::string(200, 'a')}, 3, {"200 bytes", "107"}},
       {"handrail-master",
-       {"--config", file("open.cfg", "link_port: 0 operator_socket: '" + folder.path() +
-                                         "/open/operator.sock'")},
+       {"--config",
+        file("open.cfg", link + " operator_socket: '" + folder.path() + "/open/operator.sock'")},
        2,
        {folder.path() + "/open", "0777", "expected 0700"}},
       {"handrail-master",
-       {"--config", file("plain.cfg", "link_port: 0 operator_socket: '" + no_socket + "'")},
+       {"--config", file("plain.cfg", link + " operator_socket: '" + no_socket + "'")},
        2,
        {no_socket, "not a socket"}},
       {"handrail-master",
@@ -236,17 +239,25 @@ TEST_F(WrongInput, States) {
   Program rig(folder, "handrail-rig",
               {"--config", file("rig.cfg", "robot_port: 0 sensor_port: 0")});
   const std::string port = std::to_string(rig.number_after("READY robot_port="));
-  Program slave(folder, "handrail-slave", {"--config", file("slave.cfg", "link_port: 0")});
-  const std::string link = std::to_string(slave.number_after("READY link_port="));
+  Program slave(folder, "handrail-slave", {"--config", file("slave.cfg", link)});
+  EXPECT_EQ(slave.after("READY link="), folder.path() + "/run/link.sock");
   expect_all({
       {"handrail-rig",
        {"--config", file("rig2.cfg", "sensor_port: 0 robot_port: " + port)},
        2,
        {port, "in use", "handrail-rig", "robot_port"}},
       {"handrail-slave",
-       {"--config", file("slave2.cfg", "link_port: " + link)},
+       {"--config", file("slave2.cfg", link)},
        2,
-       {link, "in use", "link_port"}},
+       {folder.path() + "/run/link.sock", "another slave"}},
+      {"handrail-slave",
+       {"--check", "--config", file("far.cfg", "link_address: '10.0.0.1'")},
+       2,
+       {"link_address", "needs a key", "leave both out"}},
+      {"handrail-master",
+       {"--check", "--config", file("far2.cfg", "slave: 'arm:47002'")},
+       2,
+       {"slave arm:47002", "needs a key", "leave it out"}},
   });
 }
 

@@ -48,14 +48,10 @@ Status Cell::start(Who who) {
     }
     sleep_until(monotonic_now() + 2 * kMillisecond);
   }
-  const std::string said = p.child->output();
-  switch (who) {
-    case Who::kRig:
-      robot_port_ = number_after(said, "robot_port=");
-      sensor_port_ = number_after(said, "sensor_port=");
-      break;
-    case Who::kSlave: slave_port_ = number_after(said, "link_port="); break;
-    default: master_port_ = number_after(said, "link_port=");
+  if (who == Who::kRig) {
+    const std::string said = p.child->output();
+    robot_port_ = number_after(said, "robot_port=");
+    sensor_port_ = number_after(said, "sensor_port=");
   }
   return Status::ok();
 }
@@ -77,11 +73,12 @@ std::string Cell::config(Who who) {
           robot_port_, sensor_port_, sequence_.loss, sequence_.time_out_cycles,
           sequence_.seed % 1'000'000 + taps_.size(), taps_.back());
     case Who::kSlave:
-      return fmt::format("link_port: {} robot {{ port: {} }} force_sensor {{ port: {} }} {}",
-                         slave_port_, robot_port_, sensor_port_, scene);
+      return fmt::format("link_socket: '{}' robot {{ port: {} }} force_sensor {{ port: {} }} {}",
+                         link_socket(), robot_port_, sensor_port_, scene);
     default:
-      return fmt::format("link_port: {} slave_port: {} operator_socket: '{}' {} {}", master_port_,
-                         link_through_ != 0 ? link_through_ : slave_port_, socket(), scene, hand);
+      return fmt::format("link_socket: '{}' operator_socket: '{}' {} {}",
+                         link_through_.empty() ? link_socket() : link_through_, socket(), scene,
+                         hand);
   }
 }
 

@@ -21,8 +21,8 @@ class Cell {
   // Standard error of a program that is started from here on; -1: with what it prints.
   void log_to(Who who, int fd) { logs_[static_cast<std::size_t>(who)] = fd; }
   // Where the slave is; and where masters that are started from here on find it.
-  int slave_port() const { return slave_port_; }
-  void lead_link_through(int port) { link_through_ = port; }
+  std::string link_socket() const { return folder_.path() + "/link.sock"; }
+  void lead_link_through(const std::string& path) { link_through_ = path; }
 
   // Starts a program and waits until it says that it is ready. The error has what it printed.
   Status start(Who who);
@@ -60,8 +60,8 @@ class Cell {
   std::array<int, 3> logs_{-1, -1, -1};
   std::vector<std::string> taps_;
   int starts_ = 0;
-  int robot_port_ = 0, sensor_port_ = 0, slave_port_ = 0, master_port_ = 0;
-  int link_through_ = 0;  // 0: nothing is between
+  int robot_port_ = 0, sensor_port_ = 0;
+  std::string link_through_;  // empty: nothing is between
 };
 
 }  // namespace handrail::storm

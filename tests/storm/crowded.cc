@@ -20,9 +20,9 @@
 #include "server/link/codec.h"
 #include "tests/storm/cell.h"
 #include "tests/support/crowd.h"
+#include "tests/support/datagram_relay.h"
 #include "tests/support/held_file.h"
 #include "tests/support/stuck_log.h"
-#include "tests/support/udp_relay.h"
 
 namespace handrail::storm {
 namespace {
@@ -178,11 +178,11 @@ class Window {
   Status start() {
     if (Status s = cell_.start(Who::kRig); !s) return s;
     if (Status s = cell_.start(Who::kSlave); !s) return s;
-    wire_ = std::make_unique<UdpRelay>(
-        cell_.slave_port(),
+    wire_ = std::make_unique<LinkRelay>(
+        cell_.link_socket(),
         [this](bool to_slave, std::span<const std::uint8_t> bytes) { watch_.see(to_slave, bytes); },
         [] { (void)enter_realtime(kWirePriority); });
-    cell_.lead_link_through(wire_->port());
+    cell_.lead_link_through(wire_->path());
     return cell_.start(Who::kMaster);
   }
 
@@ -269,7 +269,7 @@ class Window {
   std::vector<std::unique_ptr<StuckLog>> logs_;
   StopWatch watch_;
   Cell cell_;
-  std::unique_ptr<UdpRelay> wire_;
+  std::unique_ptr<LinkRelay> wire_;
   std::unique_ptr<Child> load_;
   std::unique_ptr<test::HeldFile> disk_;  // after what waits for it
   std::unique_ptr<OperatorClient> driver_ = std::make_unique<OperatorClient>(cell_.socket(), "ada");

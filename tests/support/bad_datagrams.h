@@ -84,7 +84,8 @@ std::vector<BadDatagram> bad_datagrams(const DatagramHeader& header, const State
 inline std::vector<BadDatagram> bad_refusals(std::uint64_t session) {
   Codec codec;
   std::vector<std::uint8_t> sound(kMaxDatagram);
-  sound.resize(codec.encode(Refusal{session, false, 1, 0}, sound));
+  sound.resize(
+      codec.encode(Refusal{session, false, fixed_text<LeaderName>("process 4711"), 0}, sound));
   std::vector<BadDatagram> out;
   const auto payload = [&](Reject cause, const std::string& text) {
     out.push_back({cause, std::vector<std::uint8_t>(kFrameBytes + text.size())});
@@ -105,9 +106,10 @@ inline std::vector<BadDatagram> bad_refusals(std::uint64_t session) {
   payload(Reject::kProtobuf, "\xff\xff\xff\xff");
   message(Reject::kUnknownField,
           [](auto& m) { m.GetReflection()->MutableUnknownFields(&m)->AddVarint(999, 1); });
-  message(Reject::kMissingField, [](auto& m) { m.clear_leader_port(); });
-  message(Reject::kHeader, [](auto& m) { m.set_leader_port(0); });
-  message(Reject::kHeader, [](auto& m) { m.set_leader_port(65536); });
+  message(Reject::kMissingField, [](auto& m) { m.clear_leader(); });
+  message(Reject::kHeader, [](auto& m) { m.set_leader(""); });
+  message(Reject::kHeader, [](auto& m) { m.set_leader(std::string(48, 'x')); });
+  message(Reject::kHeader, [](auto& m) { m.set_leader("a\nb"); });
   message(Reject::kHeader, [](auto& m) { m.set_led_for_ns(-1); });
   message(Reject::kHeader, [](auto& m) { m.set_refused_session(0); });
   message(Reject::kStale, [](auto& m) { m.set_refused_session(m.refused_session() + 1); });

@@ -148,7 +148,7 @@ class VirtualLink {
     void adopt_sender() noexcept override {}
     bool send(std::span<const std::uint8_t> bytes) noexcept override;
     bool answer(std::span<const std::uint8_t>) noexcept override { return false; }
-    std::uint16_t peer_port() const noexcept override { return 0; }
+    std::string_view peer_name() const noexcept override { return {}; }
 
    private:
     LinkWay& in_;

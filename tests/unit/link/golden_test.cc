@@ -5,6 +5,7 @@
 #include <sstream>
 #include <string>
 
+#include "tests/support/no_allocation.h"
 #include "tests/unit/link/link_samples.h"
 
 namespace handrail {
@@ -68,9 +69,10 @@ TEST(Golden, SlaveBytesDecodeToTheDocumentedValues) {
 }
 
 TEST(Golden, RefusalBytesAreTheDocumentedValues) {
-  const Refusal refusal{0x0123456789abcdef, true, 47001, 12'500'000'000};
+  const Refusal refusal{0x0123456789abcdef, true,
+                        fixed_text<LeaderName>("process 4711 on this computer"), 12'500'000'000};
   const auto bytes = golden("### Refusal");
-  ASSERT_EQ(bytes.size(), 37u);
+  ASSERT_EQ(bytes.size(), 63u);
   Codec codec;
   Refusal decoded;
   ASSERT_EQ(codec.decode(bytes, decoded), Reject::kNone);
@@ -78,8 +80,8 @@ TEST(Golden, RefusalBytesAreTheDocumentedValues) {
   std::vector<std::uint8_t> out(kMaxDatagram);
   out.resize(codec.encode(refusal, out));
   EXPECT_EQ(out, bytes);
-  EXPECT_EQ(leader_text(refusal, kSecond), "port 47001 on this computer, for 13 s");
-  for (auto flipped = bytes; std::size_t bit : {0u, 40u, 100u, 200u, 295u}) {
+  EXPECT_EQ(leader_text(refusal, kSecond), "process 4711 on this computer, for 13 s");
+  for (auto flipped = bytes; std::size_t bit : {0u, 40u, 100u, 200u, 300u, 503u}) {
     flipped[bit / 8] ^= static_cast<std::uint8_t>(1u << (bit % 8));
     EXPECT_NE(codec.decode(flipped, decoded), Reject::kNone) << bit;
     flipped = bytes;
@@ -89,10 +91,43 @@ TEST(Golden, RefusalBytesAreTheDocumentedValues) {
 TEST(Golden, ARefusalOutOfRangeIsNeitherSentNorTaken) {
   Codec codec;
   std::vector<std::uint8_t> out(kMaxDatagram);
-  for (const Refusal& bad : {Refusal{0, false, 47001, 0}, Refusal{1, false, 0, 0},
-                             Refusal{1, false, 65536, 0}, Refusal{1, false, 47001, -1}}) {
+  const auto named = [](std::string_view name) { return fixed_text<LeaderName>(name); };
+  const LeaderName longest = named(std::string(47, 'x'));
+  for (const Refusal& bad :
+       {Refusal{0, false, longest, 0}, Refusal{1, false, {}, 0}, Refusal{1, false, named("a\n"), 0},
+        Refusal{1, false, named("a/b"), 0}, Refusal{1, false, longest, -1}}) {
     EXPECT_EQ(codec.encode(bad, out), 0u);
   }
+  const Refusal sound{1, false, longest, 0};
+  const std::size_t size = codec.encode(sound, out);
+  EXPECT_EQ(size, 81u);
+  Refusal decoded;
+  EXPECT_EQ(codec.decode(std::span(out).first(size), decoded), Reject::kNone);
+  EXPECT_EQ(decoded, sound);
+  EXPECT_LT(size, datagram(sample_header(), MasterState()).size()) << "of any that it answers";
+}
+
+TEST(Golden, ALeadersNameIsReadAloudWithoutSurprises) {
+  for (const char* good : {"process 4711 on this computer", "ada@10.0.0.2:47001", "A-b_c"}) {
+    EXPECT_TRUE(is_leader_name(good)) << good;
+  }
+  for (const std::string& bad : {std::string(), std::string(48, 'x'), std::string("a\0b", 3),
+                                 std::string("a;b"), std::string("\x1b[2J"), std::string("\xc3")}) {
+    EXPECT_FALSE(is_leader_name(bad)) << bad;
+  }
+}
+
+TEST(Golden, ARefusalIsWrittenAndReadWithoutAllocation) {
+  Codec codec;
+  std::array<std::uint8_t, kMaxDatagram> out{};
+  const Refusal refusal{1, false, fixed_text<LeaderName>(std::string(47, 'x')), 0};
+  Refusal decoded;
+  {
+    const test::NoAllocation guard("refusal");
+    const std::size_t size = codec.encode(refusal, out);
+    (void)codec.decode(std::span(out).first(size), decoded);
+  }
+  EXPECT_EQ(decoded, refusal);
 }
 
 TEST(Golden, EncodingTheDocumentedValuesGivesTheSameBytes) {

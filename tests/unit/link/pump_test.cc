@@ -39,7 +39,7 @@ class ScriptedTransport : public Transport {
     answered.emplace_back(bytes.begin(), bytes.end());
     return true;
   }
-  std::uint16_t peer_port() const noexcept override { return 47001; }
+  std::string_view peer_name() const noexcept override { return "process 4711"; }
   std::vector<std::vector<std::uint8_t>> answered;
 };
 
@@ -95,7 +95,8 @@ TEST_F(PumpTest, WhoIsRefusedForAnotherIsToldNotOftenAndInFewerBytes) {
   Codec codec;
   Refusal refusal;
   ASSERT_EQ(codec.decode(net.answered.back(), refusal), Reject::kNone);
-  EXPECT_EQ(refusal, (Refusal{8, false, 47001, 801 * kMillisecond}));
+  EXPECT_EQ(refusal,
+            (Refusal{8, false, fixed_text<LeaderName>("process 4711"), 801 * kMillisecond}));
   EXPECT_LT(net.answered.back().size(), datagram(sample_header(8, 1), sample_master()).size());
 }
 

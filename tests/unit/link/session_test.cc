@@ -257,7 +257,7 @@ class TwoMastersTest : public ::testing::Test {
     bytes.resize(master.poll(now, sample_master(), bytes));
     const Reject cause = slave.on_datagram(bytes, now);
     if (cause == Reject::kNone) leader = &master;
-    back.resize(slave.refuse(cause, leader == &first ? 47001 : 47003, now, back));
+    back.resize(slave.refuse(cause, leader == &first ? "one" : "three", now, back));
     if (back.empty()) return;
     ++told;
     (void)master.on_datagram(back, now);
@@ -282,7 +282,7 @@ TEST_F(TwoMastersTest, TheRefusedOneIsToldWhoLeadsAndSinceWhen) {
   EXPECT_TRUE(second.snapshot().view(now).other_master);
   EXPECT_EQ(second.snapshot().peer_epoch, 0u);
   const Refusal& said = second.snapshot().refusal;
-  EXPECT_EQ(said.leader_port, 47001u);
+  EXPECT_EQ(text_of(said.leader), "one");
   EXPECT_FALSE(said.retired);
   const Nanos led = said.led_for + now - second.snapshot().refused_at;
   EXPECT_NEAR(static_cast<double>(led), 4e9, 5e6);
@@ -303,7 +303,7 @@ TEST_F(TwoMastersTest, APausedMasterIsReplacedIsToldAndLeadsAgainWhenTheOtherHas
   run(kSecond, true, true);
   EXPECT_TRUE(leads(second)) << "the first does not take it away again";
   ASSERT_TRUE(first.snapshot().refused(now));
-  EXPECT_EQ(first.snapshot().refusal.leader_port, 47003u);
+  EXPECT_EQ(text_of(first.snapshot().refusal.leader), "three");
   EXPECT_NE(first.session(), session);
   EXPECT_FALSE(first.snapshot().confirmed(now));
   run(300 * kMillisecond, true, false);
@@ -357,7 +357,7 @@ TEST_F(TwoMastersTest, ARefusalOfAnotherSessionOrOfALeadingMasterChangesNothing)
   run(kSecond, true, false);
   Codec codec;
   std::vector<std::uint8_t> bytes(kMaxDatagram);
-  bytes.resize(codec.encode(Refusal{0x9999, true, 47003, 0}, bytes));
+  bytes.resize(codec.encode(Refusal{0x9999, true, fixed_text<LeaderName>("three"), 0}, bytes));
   const std::uint64_t session = first.session();
   EXPECT_EQ(first.on_datagram(bytes, now), Reject::kStale);
   EXPECT_EQ(first.session(), session);
@@ -365,7 +365,7 @@ TEST_F(TwoMastersTest, ARefusalOfAnotherSessionOrOfALeadingMasterChangesNothing)
   EXPECT_EQ(slave.on_datagram(bytes, now), Reject::kKind) << "a slave takes none";
   // One that was under way when the slave took this master after all.
   bytes.resize(kMaxDatagram);
-  bytes.resize(codec.encode(Refusal{session, false, 47003, 0}, bytes));
+  bytes.resize(codec.encode(Refusal{session, false, fixed_text<LeaderName>("three"), 0}, bytes));
   EXPECT_EQ(first.on_datagram(bytes, now), Reject::kRefused);
   run(2 * kMillisecond, true, false);
   EXPECT_FALSE(first.snapshot().refused(now));

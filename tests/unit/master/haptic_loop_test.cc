@@ -189,7 +189,7 @@ TEST_F(HapticLoopTest, ARefusalAloneIsNoSlave) {
   tick();
   news.link.peer_epoch = 0;
   news.link.refused_at = now;
-  news.link.refusal.leader_port = 47001;
+  news.link.refusal.leader = fixed_text<LeaderName>("process 4711");
   boxes.slave.publish(news);
   push(1, OrderKind::kEngage);
   tick();

@@ -81,9 +81,8 @@ TEST_F(StatusReportTest, NamesTheMasterThatLeadsTheSlave) {
   report.out.reason = Reason::kLinkLost;
   link.received_at = now - 2 * kSecond;
   link.refused_at = now - kSecond;
-  link.refusal = {1, false, 47001, 11 * kSecond};
-  EXPECT_EQ(status().reason(),
-            "the slave is led by another master (port 47001 on this computer, for 12 s)");
+  link.refusal = {1, false, fixed_text<LeaderName>("process 4711"), 11 * kSecond};
+  EXPECT_EQ(status().reason(), "the slave is led by another master (process 4711, for 12 s)");
   link.received_at = now;
   EXPECT_EQ(status().reason(), describe(Reason::kLinkLost));
 }

@@ -100,7 +100,7 @@ TEST_F(StopDeskTest, AStopSaysWhenNoSlaveAnswersOrNoneIsThere) {
   tick();
   EXPECT_EQ(text(answer),
             "refused: the stop stands here, but none heard it: no slave has answered at "
-            "127.0.0.1:47002: start handrail-slave there");
+            "/run/link.sock: start handrail-slave there");
 }
 
 TEST_F(StopDeskTest, AStopToALoopThatStandsStillIsAnsweredAllTheSame) {

@@ -9,14 +9,14 @@ class UnheardDeskTest : public DeskBench {};
 TEST_F(UnheardDeskTest, WithASlaveThatAnotherMasterLeadsEveryAnswerNamesIt) {
   tick();
   connected = false;
-  link.refusal = {1, true, 47003, 5 * kSecond};
+  link.refusal = {1, true, fixed_text<LeaderName>("process 4711"), 5 * kSecond};
   const auto later = [&] {
     tick(250 * kMillisecond);
     link.refused_at = now;
   };
   later();
   const std::string who =
-      "the slave is led by another master (port 47003 on this computer, for 5 s): end that master: "
+      "the slave is led by another master (process 4711, for 5 s): end that master: "
       "then the slave takes this one, without a restart, ";
   Answer answer = ask("engage: true");
   loop(Reason::kOtherMaster);

@@ -234,9 +234,9 @@ TEST_F(WhyReportTest, NamesTheMasterThatLeadsTheSlaveAndTheWayOut) {
   report.out.reason = Reason::kLinkLost;
   link.received_at = now - 5 * kSecond;
   link.refused_at = now;
-  link.refusal = {1, false, 47001, 3 * kSecond};
+  link.refusal = {1, false, fixed_text<LeaderName>("process 4711"), 3 * kSecond};
   EXPECT_EQ(why().sentence(),
-            "the arm holds: the slave is led by another master (port 47001 on this computer, "
+            "the arm holds: the slave is led by another master (process 4711, "
             "for 3 s)");
   EXPECT_EQ(why().way_out(),
             "end that master: then the slave takes this one, without a restart, then reset "

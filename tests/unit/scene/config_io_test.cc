@@ -23,7 +23,12 @@ std::string rig_error(const std::string& text) { return error_of(load_rig_config
 
 TEST(Config, DefaultsNeedNoFileAndAreValid) {
   ASSERT_TRUE(load_master_config("").is_ok());
-  EXPECT_EQ(load_master_config("")->slave_port(), 47002U);
+  const std::string link = default_link_socket();
+  EXPECT_EQ(link, "/tmp/handrail-" + std::to_string(::geteuid()) + "/link.sock");
+  EXPECT_EQ(load_master_config("")->link_socket(), link);
+  EXPECT_EQ(load_slave_config("")->link_socket(), link);
+  EXPECT_FALSE(load_master_config("")->has_slave()) << "plain, on this computer";
+  EXPECT_FALSE(load_slave_config("")->has_link_address());
   EXPECT_EQ(load_slave_config("")->robot().packet_bytes(), 196U);
   EXPECT_EQ(load_rig_config("")->servo_lag_ms(), 45.0);
   EXPECT_EQ(master_error(""), "");
@@ -35,9 +40,6 @@ TEST(Config, DefaultsNeedNoFileAndAreValid) {
 TEST(Config, AnAddressThatIsAbsentIsTheUsersOwn) {
   const std::string own = own_address();
   EXPECT_EQ(own.substr(0, 4), "127.");
-  EXPECT_EQ(load_master_config("")->link_address(), own);
-  EXPECT_EQ(load_master_config("")->slave_address(), own);
-  EXPECT_EQ(load_slave_config("")->link_address(), own);
   EXPECT_EQ(load_slave_config("")->robot().address(), own);
   EXPECT_EQ(load_slave_config("")->force_sensor().address(), own);
   EXPECT_EQ(load_rig_config("")->address(), own);
@@ -49,14 +51,11 @@ TEST(Config, AnAddressThatIsAbsentIsTheUsersOwn) {
 }
 
 TEST(Config, AcceptsPortZeroWhereADaemonListens) {
-  EXPECT_EQ(master_error("link_port: 0"), "");
   EXPECT_EQ(slave_error("link_port: 0"), "");
   EXPECT_EQ(rig_error("robot_port: 0 sensor_port: 0"), "");
 }
 
 TEST(Config, RefusesPortZeroWhereADaemonSends) {
-  EXPECT_EQ(master_error("slave_port: 0"),
-            "c.conf:1:1: field 'slave_port': 0 is no port to send to, expected 1 to 65535");
   EXPECT_EQ(slave_error("robot { port: 0 }"),
             "c.conf:1:9: field 'robot.port': 0 is no port to send to, expected 1 to 65535");
 }
@@ -69,12 +68,30 @@ TEST(Config, RefusesAddressesThatAreNone) {
             "c.conf:1:1: field 'address': '127.0.0.256' is not an IPv4 address such as 127.0.0.1");
 }
 
-TEST(Config, KeepsThePlainLinkWithinTheMachine) {
-  EXPECT_EQ(master_error("\n  slave_address: '192.168.0.2'"),
-            "c.conf:2:3: field 'slave_address': '192.168.0.2' is not a loopback address: the link "
-            "is plain, so it is kept within this machine (127.x.x.x)");
-  EXPECT_NE(master_error("link_address: '0.0.0.0'").find("not a loopback"), std::string::npos);
-  EXPECT_NE(slave_error("link_address: '10.0.0.1'").find("not a loopback"), std::string::npos);
+TEST(Config, WhoStillHasWhatIsGoneIsToldWhatTookItsPlace) {
+  EXPECT_EQ(master_error("scene: 'plane'\n  slave_port: 47002"),
+            "c.conf:2:3: field 'slave_port': no longer used; in its place: link_socket on this "
+            "computer, slave on another");
+  EXPECT_EQ(master_error("link_port: 47001"),
+            "c.conf:1:1: field 'link_port': no longer used; in its place: link_socket");
+  for (const char* gone : {"link_address: '127.0.0.1'", "slave_address: '127.0.0.1'"}) {
+    EXPECT_NE(master_error(gone).find("no longer used"), std::string::npos) << gone;
+  }
+}
+
+TEST(Config, MasterAndSlaveAreToldOneLinkEach) {
+  EXPECT_EQ(master_error("slave: 'arm:47002'"), "");
+  EXPECT_EQ(slave_error("link_address: '10.0.0.1' link_port: 0"), "");
+  EXPECT_EQ(master_error("slave: ''"),
+            "c.conf:1:1: field 'slave': empty, expected HOST or HOST:PORT");
+  EXPECT_EQ(master_error("slave: 'arm' link_socket: 'a'"),
+            "c.conf:1:14: field 'link_socket': is for the plain link, but slave asks for the "
+            "encrypted one: expected one of them");
+  EXPECT_EQ(slave_error("link_socket: 'a' link_port: 5"),
+            "c.conf:1:1: field 'link_socket': is for the plain link, but link_port asks for the "
+            "encrypted one: expected one of them");
+  EXPECT_NE(slave_error("link_socket: 'a' link_address: '10.0.0.1'").find("one of them"),
+            std::string::npos);
   EXPECT_EQ(slave_error("robot { address: '192.168.0.2' }"), "");
 }
 
@@ -134,11 +151,9 @@ TEST(Config, RefusesAFilterLaterThanTheBumperCanReckonWith) {
 TEST(Config, RefusesTwoEndsOnOnePort) {
   EXPECT_EQ(rig_error("sensor_port: 10000"),
             "c.conf:1:1: field 'sensor_port': 10000 is taken by robot_port");
-  EXPECT_EQ(master_error("link_port: 5000 slave_port: 5000"),
-            "c.conf:1:17: field 'slave_port': 5000 is taken by link_port");
-  EXPECT_EQ(slave_error("link_port: 10000"),
-            "c.conf:1:1: field 'robot.port': 10000 is taken by link_port");
-  EXPECT_EQ(master_error("link_port: 5000 slave_port: 5000 slave_address: '127.0.0.2'"), "");
+  EXPECT_EQ(slave_error("robot { port: 49152 }"),
+            "c.conf:1:1: field 'force_sensor.port': 49152 is taken by robot.port");
+  EXPECT_EQ(slave_error("robot { port: 49152 address: '127.0.0.2' }"), "");
 }
 
 TEST(Config, MeasuresTheSocketsPath) {
@@ -149,6 +164,20 @@ TEST(Config, MeasuresTheSocketsPath) {
       "c.conf:1:1: field 'operator_socket': a path of 108 bytes, but a Unix socket's path has "
       "at most 107");
   EXPECT_NE(socket_path_problem(""), "");
+}
+
+// A master's own is beside it, and longer.
+TEST(Config, MeasuresTheLinksPathWithRoomForItsMasters) {
+  const std::string longest = "/" + std::string(91, 'a');
+  EXPECT_EQ(master_socket(longest, 4194304).size(), 107u);
+  for (const auto error : {master_error, slave_error}) {
+    EXPECT_EQ(error("link_socket: '" + longest + "'"), "");
+    EXPECT_EQ(error("link_socket: '" + longest + "a'"),
+              "c.conf:1:1: field 'link_socket': a path of 93 bytes, but a Unix socket's path has "
+              "room here for at most 92");
+    EXPECT_EQ(error("link_socket: ''"),
+              "c.conf:1:1: field 'link_socket': empty, expected the path of a Unix socket");
+  }
 }
 
 TEST(Config, WantsARecordingForARecordedHandOnly) {
@@ -168,6 +197,9 @@ TEST(Config, TakesRelativePathsFromTheFilesFolder) {
   EXPECT_EQ(config->device().recording(), folder.path() + "/a.csv");
   EXPECT_EQ(config->scene_path(0), folder.path() + "/mine");
   EXPECT_EQ(config->scene_path(1), "/abs");
+  const std::string slave = folder.write("s.conf", "link_socket: 'run/link.sock'");
+  EXPECT_EQ(load_slave_config(slave)->link_socket(), folder.path() + "/run/link.sock");
+  EXPECT_EQ(load_master_config(slave)->link_socket(), folder.path() + "/run/link.sock");
 }
 
 TEST(Config, RefusesAFileThatIsNotThere) {

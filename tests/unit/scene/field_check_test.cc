@@ -44,9 +44,9 @@ TEST(FieldCheck, ChecksWholeNumbersAndListElements) {
   pb::RigConfig rig;
   for (int i = 0; i < 6; ++i) rig.add_joint_lag_ms(i == 4 ? 61 : 45);
   EXPECT_EQ(complaint(rig), "field 'joint_lag_ms[4]': 61 is outside 30 to 60 ms");
-  pb::MasterConfig master;
-  master.set_link_port(65536);
-  EXPECT_EQ(complaint(master), "field 'link_port': 65536 is outside 0 to 65535");
+  pb::SlaveConfig slave;
+  slave.set_link_port(65536);
+  EXPECT_EQ(complaint(slave), "field 'link_port': 65536 is outside 0 to 65535");
   pb::RigConfig timeout;
   timeout.set_mxttout_cycles(-2);
   EXPECT_EQ(complaint(timeout), "field 'mxttout_cycles': -2 is outside -1 to 100000");

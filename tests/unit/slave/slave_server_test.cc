@@ -1,4 +1,4 @@
-// The slave's IO thread on real sockets, loopback and port 0.
+// The slave's IO thread on real sockets.
 #include "server/slave/slave_server.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,8 @@
 #include "server/base/clock.h"
 #include "server/base/pacer.h"
 #include "server/link/pump.h"
-#include "server/link/udp_transport.h"
+#include "server/link/unix_transport.h"
+#include "tests/support/temp_folder.h"
 
 namespace handrail {
 namespace {
@@ -48,10 +49,7 @@ class SlaveServerTest : public ::testing::Test {
     slave_state.scene = scene_name("here");
     boxes.report.publish({slave_state});
     ASSERT_TRUE(server->open());
-    UdpTransportOptions options;
-    options.peer_address = "127.0.0.1";
-    options.peer_port = server->port();
-    ASSERT_TRUE(transport.open(options));
+    ASSERT_TRUE(transport.open());
     thread = std::thread([this] {
       server->run({[this] { signalled = true; }, [this] { return done.load(); }});
     });
@@ -86,9 +84,12 @@ class SlaveServerTest : public ::testing::Test {
   }
 
   SlaveServerOptions options() {
-    return {.address = "127.0.0.1", .port = 0, .load_scene = [this](const std::string& name) {
-              return load(name);
-            }};
+    return {.link =
+                [this](boost::asio::io_context& io_of_server) {
+                  return std::make_unique<UnixTransport>(io_of_server, UnixTransport::End::kSlave,
+                                                         link_socket);
+                },
+            .load_scene = [this](const std::string& name) { return load(name); }};
   }
   // Lines of the log that hold `text`, once the server has ended.
   int lines_with(const std::string& text) {
@@ -98,6 +99,8 @@ class SlaveServerTest : public ::testing::Test {
     return count;
   }
 
+  TempFolder folder;
+  const std::string link_socket = folder.path() + "/link.sock";
   std::ostringstream log;
   std::atomic<int> looks{0};
   std::atomic<bool> disk_waits{false};
@@ -106,7 +109,7 @@ class SlaveServerTest : public ::testing::Test {
   SlaveState slave_state;
   std::unique_ptr<IoServer> server = make_slave_server(boxes, &sensor, options());
   boost::asio::io_context io;
-  UdpTransport transport{io};
+  UnixTransport transport{io, UnixTransport::End::kMaster, link_socket};
   MasterPeer peer{random_session_id()};
   LinkPump<MasterState, SlaveState> pump{transport, peer};
   MasterState master_state;
@@ -252,14 +255,14 @@ TEST_F(SlaveServerTest, ATermSignalIsPassedOnAndServingGoesOn) {
   EXPECT_TRUE(play([&] { return peer.snapshot().accepted >= before + 20; }));
 }
 
-TEST_F(SlaveServerTest, APortInUseIsAnError) {
+TEST_F(SlaveServerTest, ASocketThatAnotherHasIsAnError) {
+  EXPECT_EQ(server->place(), link_socket);
   SlaveMailboxes others;
-  SlaveServerOptions taken = options();
-  taken.port = server->port();
-  const auto second = make_slave_server(others, nullptr, taken);
+  const auto second = make_slave_server(others, nullptr, options());
+  EXPECT_EQ(second->place(), "");
   const Status status = second->open();
   ASSERT_FALSE(status);
-  EXPECT_NE(status.message().find(std::to_string(server->port())), std::string::npos);
+  EXPECT_NE(status.message().find(link_socket), std::string::npos);
 }
 
 }  // namespace
