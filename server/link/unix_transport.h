@@ -15,7 +15,7 @@
 #include <boost/asio/posix/stream_descriptor.hpp>
 
 #include "server/base/fixed_text.h"
-#include "server/base/path_socket.h"
+#include "server/link/path_socket.h"
 #include "server/link/refusal.h"
 #include "server/link/transport.h"
 

@@ -18,9 +18,9 @@
 
 #include "proto/operator.pb.h"
 #include "server/base/length_prefix.h"
-#include "server/base/path_socket.h"
 #include "server/base/status.h"
 #include "server/base/time.h"
+#include "server/link/path_socket.h"
 #include "server/master/memory_reserve.h"
 
 namespace handrail {

@@ -5,6 +5,7 @@
 #include <sstream>
 #include <string>
 
+#include "tests/support/bad_datagrams.h"
 #include "tests/support/no_allocation.h"
 #include "tests/unit/link/link_samples.h"
 
@@ -105,6 +106,15 @@ TEST(Golden, ARefusalOutOfRangeIsNeitherSentNorTaken) {
   EXPECT_EQ(codec.decode(std::span(out).first(size), decoded), Reject::kNone);
   EXPECT_EQ(decoded, sound);
   EXPECT_LT(size, datagram(sample_header(), MasterState()).size()) << "of any that it answers";
+}
+
+TEST(Golden, ARefusalThatIsWrongFailsItsOwnCheck) {
+  Codec codec;
+  Refusal decoded;
+  for (const auto& bad : test::bad_refusals(1)) {
+    const Reject cause = bad.cause == Reject::kStale ? Reject::kNone : bad.cause;
+    EXPECT_EQ(codec.decode(bad.bytes, decoded), cause) << describe(bad.cause);
+  }
 }
 
 TEST(Golden, ALeadersNameIsReadAloudWithoutSurprises) {

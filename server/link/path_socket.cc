@@ -1,4 +1,4 @@
-#include "server/base/path_socket.h"
+#include "server/link/path_socket.h"
 
 #include <fcntl.h>
 #include <sys/file.h>
