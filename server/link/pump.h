@@ -37,6 +37,7 @@ class LinkPump {
         dropping_ = false;
         break;
       }
+      if (arrival->handled) continue;
       if (dropping_) {
         peer_.count_dropped(Reject::kAfterStall);
       } else if (!arrival->from_peer) {

@@ -25,6 +25,7 @@ class Transport {
   struct Arrival {
     std::size_t size = 0;    // up to the buffer's size; a longer datagram is cut
     bool from_peer = false;  // false: from one who cannot be the peer; drop it
+    bool handled = false;    // the transport's own: nothing for the link
   };
 
   virtual ~Transport() = default;

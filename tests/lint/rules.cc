@@ -29,6 +29,7 @@ Table part_rows() {
   return {{"proto", {}},
           {"server/base", {}},
           {"server/model", kBase},
+          {"server/keys", kBase},
           {"server/daemon", kBase},
           {"server/task", kModel},
           {"server/kinematics", kModel},
@@ -46,6 +47,7 @@ Table part_rows() {
           {"server/painting", kModel},
           {"server/scene", kModel + Folders{"server/kinematics", "server/painting", "proto"}},
           {"server/link", kModel + Folders{"proto"}},
+          {"server/link/secure", kModel + Folders{"server/link", "server/keys"}},
           {"server/record", kModel + Folders{"proto"}}};
 }
 

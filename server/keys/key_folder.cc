@@ -1,0 +1,173 @@
+#include "server/keys/key_folder.h"
+
+#include <fcntl.h>
+#include <pwd.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <string_view>
+
+#include "server/base/folder_owner.h"
+#include "server/base/read_file.h"
+
+namespace handrail {
+namespace {
+
+constexpr std::size_t kMostBytes = 64 * 1024;  // 256 entries of at most 120 bytes, twice
+
+Status failure(const std::string& path, const std::string& what) {
+  return Status::error(path + ": " + what);
+}
+Status failure(const std::string& path, const char* what, int cause) {
+  return failure(path, std::string(what) + ": " + std::strerror(cause));
+}
+
+std::string mode_text(mode_t mode) {
+  std::array<char, 8> out{};
+  std::snprintf(out.data(), out.size(), "%04o", static_cast<unsigned>(mode & 07777));
+  return out.data();
+}
+
+// A regular file of ours (or root's) that has none of the rights in `not_for_others`.
+Status check(const std::string& path, mode_t not_for_others, const char* expected) {
+  struct stat info {};
+  if (::stat(path.c_str(), &info) != 0) return failure(path, "cannot be read", errno);
+  if (!S_ISREG(info.st_mode)) return failure(path, "is no file");
+  if (info.st_uid != ::geteuid() && info.st_uid != 0) {
+    return failure(path,
+                   "belongs to " + user_text(info.st_uid) + ", expected " + user_text(::geteuid()));
+  }
+  if ((info.st_mode & not_for_others) != 0) {
+    return failure(path, "has mode " + mode_text(info.st_mode) + ", so others can " + expected);
+  }
+  return Status::ok();
+}
+
+Status make_folder(const std::string& path) {
+  std::error_code error;
+  const auto above = std::filesystem::path(path).parent_path();
+  if (!above.empty()) std::filesystem::create_directories(above, error);
+  if (::mkdir(path.c_str(), 0700) != 0 && errno != EEXIST) {
+    return failure(path, "cannot be made", errno);
+  }
+  const auto owner = folder_owner(path);
+  if (!owner) return failure(path, owner.message());
+  if (owner->user == ::geteuid() || owner->user == 0) return Status::ok();
+  return failure(path,
+                 "is a folder of " + owner->text + ", expected one of " + user_text(::geteuid()));
+}
+
+// Writes a file of its own, mode 0600, and leaves it at `path`: with `fresh` only where none is.
+Status write_whole(const std::string& path, std::string_view text, bool fresh) {
+  std::string temporary = path + ".XXXXXX";
+  const int fd = ::mkstemp(temporary.data());  // mode 0600
+  if (fd < 0) return failure(temporary, "cannot be made", errno);
+  std::string_view left = text;
+  while (!left.empty()) {
+    const ssize_t written = ::write(fd, left.data(), left.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) break;
+    left.remove_prefix(static_cast<std::size_t>(written));
+  }
+  int cause = left.empty() && ::fsync(fd) == 0 ? 0 : errno;
+  ::close(fd);
+  if (cause == 0) {
+    const bool placed = fresh ? ::link(temporary.c_str(), path.c_str()) == 0
+                              : ::rename(temporary.c_str(), path.c_str()) == 0;
+    if (!placed) cause = errno;
+  }
+  if (cause != 0 || fresh) ::unlink(temporary.c_str());
+  return cause == 0 ? Status::ok() : failure(path, "cannot be written", cause);
+}
+
+std::string home() {
+  const char* home = std::getenv("HOME");
+  if (home != nullptr && *home != '\0') return home;
+  const ::passwd* user = ::getpwuid(::geteuid());
+  return user != nullptr && user->pw_dir != nullptr ? user->pw_dir : "/";
+}
+
+}  // namespace
+
+std::string default_key_folder() {
+  const char* told = std::getenv("HANDRAIL_KEYS");
+  if (told != nullptr && *told != '\0') return told;
+  const char* config = std::getenv("XDG_CONFIG_HOME");
+  if (config != nullptr && *config == '/') return std::string(config) + "/handrail";
+  return home() + "/.config/handrail";
+}
+
+Result<OwnKey> KeyFolder::create() const {
+  if (const Status made = make_folder(path_); !made) return made;
+  auto key = OwnKey::generate();
+  if (!key) return key;
+  if (has_key()) {
+    return failure(key_path(),
+                   "there is a key already; `handrail keys show` prints its public half");
+  }
+  const Status written = write_whole(key_path(), key->pem(), true);
+  if (!written) return written;
+  return key;
+}
+
+Result<OwnKey> KeyFolder::load() const {
+  if (!has_key()) {
+    return Status::error("no key at " + key_path() + ": `handrail keys new` makes one");
+  }
+  const Status safe = check(key_path(), 077,
+                            "read or change it, expected 0600: if nobody has, chmod 600 it; else "
+                            "remove it and make a new one");
+  if (!safe) return safe;
+  const auto text = read_file(key_path(), kMostBytes);
+  if (!text) return text.status();
+  auto key = OwnKey::parse(*text);
+  return key ? key : failure(key_path(), key.message());
+}
+
+bool KeyFolder::has_key() const {
+  struct stat info {};
+  return ::lstat(key_path().c_str(), &info) == 0;
+}
+
+Result<TrustList> KeyFolder::trusted() const {
+  struct stat info {};
+  if (::lstat(trusted_path().c_str(), &info) != 0 && errno == ENOENT) return TrustList();
+  const Status safe = check(trusted_path(), 022,
+                            "add themselves, expected 0600: look through it, then chmod 600 it");
+  if (!safe) return safe;
+  const auto text = read_file(trusted_path(), kMostBytes);
+  if (!text) return text.status();
+  return TrustList::parse(*text, trusted_path());
+}
+
+Status KeyFolder::save(const TrustList& list) const {
+  if (const Status made = make_folder(path_); !made) return made;
+  return write_whole(
+      trusted_path(),
+      "# Whom the programs of this user let in: NAME ROLES KEY. Written by `handrail "
+      "keys`.\n" +
+          list.text(),
+      false);
+}
+
+std::string KeyFolder::stamp() const {
+  std::string out;
+  for (const std::string& path : {key_path(), trusted_path()}) {
+    struct stat info {};
+    if (::stat(path.c_str(), &info) == 0) {
+      out += std::to_string(info.st_ino) + " " + std::to_string(info.st_size) + " " +
+             std::to_string(info.st_mtim.tv_sec) + "." + std::to_string(info.st_mtim.tv_nsec) +
+             " " + mode_text(info.st_mode);
+    }
+    out += ";";
+  }
+  return out;
+}
+
+}  // namespace handrail

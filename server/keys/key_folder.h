@@ -1,0 +1,42 @@
+// Where a user's key and the list of those who are trusted live.
+#pragma once
+
+#include <string>
+
+#include "server/base/status.h"
+#include "server/keys/own_key.h"
+#include "server/keys/trust_list.h"
+
+namespace handrail {
+
+// $HANDRAIL_KEYS; else handrail/ in $XDG_CONFIG_HOME or in .config of the home.
+std::string default_key_folder();
+
+// A folder with `key` (private, PEM) and `trusted` (lines). Reads and writes the disk: not
+// real-time safe.
+class KeyFolder {
+ public:
+  explicit KeyFolder(std::string path) : path_(std::move(path)) {}
+
+  std::string key_path() const { return path_ + "/key"; }
+  std::string trusted_path() const { return path_ + "/trusted"; }
+
+  // Makes a key, and the folder with mode 0700 if need be. Refuses where there is a key already.
+  Result<OwnKey> create() const;
+  // Refused: not there, not ours, or a file that anybody else could read or write.
+  Result<OwnKey> load() const;
+  // True when there is a file that may hold a key.
+  bool has_key() const;
+
+  // None where there is no file. Refused: one that anybody else could write.
+  Result<TrustList> trusted() const;
+  // In one piece or not at all.
+  Status save(const TrustList& list) const;
+  // A key's or a list's change shows here, without reading them: other when one has changed.
+  std::string stamp() const;
+
+ private:
+  std::string path_;
+};
+
+}  // namespace handrail

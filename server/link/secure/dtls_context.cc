@@ -1,0 +1,156 @@
+#include "server/link/secure/dtls_context.h"
+
+#include <openssl/core_names.h>
+#include <openssl/crypto.h>
+#include <openssl/err.h>
+#include <openssl/evp.h>
+#include <openssl/rand.h>
+#include <openssl/ssl.h>
+#include <openssl/x509.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+namespace handrail {
+namespace {
+
+// AES first: both ends of what is built today have it in hardware; ChaCha20 for those that do not.
+constexpr char kCiphers[] =
+    "ECDHE-ECDSA-AES128-GCM-SHA256:ECDHE-ECDSA-AES256-GCM-SHA384:ECDHE-ECDSA-CHACHA20-POLY1305";
+
+int attached_index() {
+  static const int index = SSL_get_ex_new_index(0, nullptr, nullptr, nullptr, nullptr);
+  return index;
+}
+
+DtlsContext::Attached* attached(const SSL* ssl) {
+  return static_cast<DtlsContext::Attached*>(SSL_get_ex_data(ssl, attached_index()));
+}
+
+using Certificate = std::unique_ptr<X509, decltype(&X509_free)>;
+
+// The envelope that TLS wants a public key in. Nobody reads more of it than the key: its dates are
+// all of time, so that no clock matters.
+Certificate certificate_of(const OwnKey& key) {
+  Certificate out(X509_new(), X509_free);
+  X509_NAME* name = X509_get_subject_name(out.get());
+  const auto* text = reinterpret_cast<const unsigned char*>("handrail");
+  const bool made = X509_set_version(out.get(), X509_VERSION_3) == 1 &&
+                    ASN1_INTEGER_set(X509_get_serialNumber(out.get()), 1) == 1 &&
+                    ASN1_TIME_set_string(X509_getm_notBefore(out.get()), "19700101000000Z") == 1 &&
+                    ASN1_TIME_set_string(X509_getm_notAfter(out.get()), "99991231235959Z") == 1 &&
+                    X509_NAME_add_entry_by_txt(name, "CN", MBSTRING_ASC, text, -1, -1, 0) == 1 &&
+                    X509_set_issuer_name(out.get(), name) == 1 &&
+                    X509_set_pubkey(out.get(), key.get()) == 1 &&
+                    X509_sign(out.get(), key.get(), EVP_sha256()) > 0;
+  return made ? std::move(out) : Certificate(nullptr, X509_free);
+}
+
+Status openssl_error(const char* what) {
+  std::array<char, 256> text{};
+  ERR_error_string_n(ERR_get_error(), text.data(), text.size());
+  ERR_clear_error();
+  return Status::error(std::string("encryption: ") + what + ": " + text.data());
+}
+
+}  // namespace
+
+Result<std::unique_ptr<DtlsContext>> DtlsContext::make(const OwnKey& key, TrustList trusted,
+                                                       Side side, Role wanted) {
+  std::unique_ptr<DtlsContext> out(new DtlsContext(std::move(trusted), side, wanted));
+  if (const Status opened = out->open(key); !opened) return opened;
+  return out;
+}
+
+DtlsContext::~DtlsContext() {
+  EVP_MAC_CTX_free(mac_);
+  SSL_CTX_free(context_);
+}
+
+Status DtlsContext::open(const OwnKey& key) {
+  context_ = SSL_CTX_new(side_ == Side::kClient ? DTLS_client_method() : DTLS_server_method());
+  const Certificate certificate = certificate_of(key);
+  if (context_ == nullptr || certificate == nullptr) return openssl_error("cannot begin");
+  const bool set = SSL_CTX_set_min_proto_version(context_, DTLS1_2_VERSION) == 1 &&
+                   SSL_CTX_set_max_proto_version(context_, DTLS1_2_VERSION) == 1 &&
+                   SSL_CTX_set_cipher_list(context_, kCiphers) == 1 &&
+                   SSL_CTX_set1_groups_list(context_, "P-256") == 1 &&
+                   SSL_CTX_set1_sigalgs_list(context_, "ECDSA+SHA256") == 1 &&
+                   SSL_CTX_use_certificate(context_, certificate.get()) == 1 &&
+                   SSL_CTX_use_PrivateKey(context_, key.get()) == 1;
+  if (!set) return openssl_error("cannot be set up");
+  SSL_CTX_set_options(context_, SSL_OP_NO_QUERY_MTU | SSL_OP_NO_TICKET | SSL_OP_NO_RENEGOTIATION |
+                                    SSL_OP_CIPHER_SERVER_PREFERENCE);
+  SSL_CTX_set_session_cache_mode(context_, SSL_SESS_CACHE_OFF);
+  SSL_CTX_set_verify(context_, SSL_VERIFY_PEER | SSL_VERIFY_FAIL_IF_NO_PEER_CERT, nullptr);
+  SSL_CTX_set_cert_verify_callback(context_, verify, this);
+  SSL_CTX_set_cookie_generate_cb(context_, cookie_of);
+  SSL_CTX_set_cookie_verify_cb(context_, is_cookie);
+  SSL_CTX_set_app_data(context_, this);
+
+  std::array<std::uint8_t, 32> secret{};
+  EVP_MAC* mac = EVP_MAC_fetch(nullptr, "HMAC", nullptr);
+  mac_ = EVP_MAC_CTX_new(mac);
+  EVP_MAC_free(mac);
+  std::string digest = "SHA256";
+  const std::array<OSSL_PARAM, 2> parameters = {
+      OSSL_PARAM_construct_utf8_string(OSSL_MAC_PARAM_DIGEST, digest.data(), 0),
+      OSSL_PARAM_construct_end()};
+  const bool keyed = RAND_bytes(secret.data(), static_cast<int>(secret.size())) == 1 &&
+                     EVP_MAC_init(mac_, secret.data(), secret.size(), parameters.data()) == 1;
+  OPENSSL_cleanse(secret.data(), secret.size());
+  return keyed ? Status::ok() : openssl_error("no random numbers");
+}
+
+bool DtlsContext::trusts(const PublicKey& key) const noexcept {
+  const Trusted* entry = trusted_.find(key);
+  return entry != nullptr && entry->roles.has(wanted_);
+}
+
+void DtlsContext::attach(SSL* ssl, Attached* what) { SSL_set_ex_data(ssl, attached_index(), what); }
+
+bool DtlsContext::make_cookie(const Address& address,
+                              std::array<std::uint8_t, 16>& cookie) const noexcept {
+  std::array<std::uint8_t, 32> whole{};
+  std::size_t size = 0;
+  const std::array<std::uint8_t, 2> port = {static_cast<std::uint8_t>(address.port >> 8),
+                                            static_cast<std::uint8_t>(address.port & 0xff)};
+  const bool made = EVP_MAC_init(mac_, nullptr, 0, nullptr) == 1 &&
+                    EVP_MAC_update(mac_, address.ip.data(), address.ip.size()) == 1 &&
+                    EVP_MAC_update(mac_, port.data(), port.size()) == 1 &&
+                    EVP_MAC_final(mac_, whole.data(), &size, whole.size()) == 1;
+  std::copy_n(whole.begin(), cookie.size(), cookie.begin());
+  return made;
+}
+
+int DtlsContext::verify(X509_STORE_CTX* store, void* context) {
+  const auto* self = static_cast<const DtlsContext*>(context);
+  const auto* ssl = static_cast<const SSL*>(
+      X509_STORE_CTX_get_ex_data(store, SSL_get_ex_data_X509_STORE_CTX_idx()));
+  PeerKey& peer = attached(ssl)->peer;
+  const X509* certificate = X509_STORE_CTX_get0_cert(store);
+  const EVP_PKEY* key = certificate == nullptr ? nullptr : X509_get0_pubkey(certificate);
+  peer.shown = public_half(key, peer.key);
+  peer.trusted = peer.shown && self->trusts(peer.key);
+  if (!peer.trusted) X509_STORE_CTX_set_error(store, X509_V_ERR_CERT_REJECTED);
+  return peer.trusted ? 1 : 0;
+}
+
+int DtlsContext::cookie_of(SSL* ssl, unsigned char* cookie, unsigned int* size) {
+  const auto* self = static_cast<const DtlsContext*>(SSL_CTX_get_app_data(SSL_get_SSL_CTX(ssl)));
+  std::array<std::uint8_t, 16> out{};
+  if (!self->make_cookie(attached(ssl)->address, out)) return 0;
+  std::copy(out.begin(), out.end(), cookie);
+  *size = static_cast<unsigned int>(out.size());
+  return 1;
+}
+
+int DtlsContext::is_cookie(SSL* ssl, const unsigned char* cookie, unsigned int size) {
+  const auto* self = static_cast<const DtlsContext*>(SSL_CTX_get_app_data(SSL_get_SSL_CTX(ssl)));
+  std::array<std::uint8_t, 16> expected{};
+  return size == expected.size() && self->make_cookie(attached(ssl)->address, expected) &&
+         CRYPTO_memcmp(cookie, expected.data(), expected.size()) == 0;
+}
+
+}  // namespace handrail

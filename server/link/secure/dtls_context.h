@@ -1,0 +1,70 @@
+// What every encrypted session of a program shares: its key, whom it trusts, what it agrees to.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+
+#include <openssl/types.h>
+
+#include "server/base/status.h"
+#include "server/keys/own_key.h"
+#include "server/keys/trust_list.h"
+#include "server/link/secure/address.h"
+
+namespace handrail {
+
+// What a channel's verification has found out about the other side.
+struct PeerKey {
+  bool shown = false;    // it has shown a key
+  bool trusted = false;  // ... which is in the list, with the role that is asked for
+  PublicKey key;
+};
+
+// DTLS 1.2 (RFC 6347) with AEAD ciphers only. Both sides show a certificate; of it nothing but the
+// public key is looked at, which has to be in the list with the other side's role: no names, dates
+// or authorities. Sessions are never resumed or renegotiated. Must outlive its channels.
+class DtlsContext {
+ public:
+  enum class Side : std::uint8_t { kClient, kServer };
+
+  // `wanted`: the role that the other side's key has to have.
+  static Result<std::unique_ptr<DtlsContext>> make(const OwnKey& key, TrustList trusted, Side side,
+                                                   Role wanted);
+  ~DtlsContext();
+  DtlsContext(const DtlsContext&) = delete;
+  DtlsContext& operator=(const DtlsContext&) = delete;
+
+  // For channels made from now on, and for those that are open: see trusts().
+  void set_trusted(TrustList trusted) { trusted_ = std::move(trusted); }
+  bool trusts(const PublicKey& key) const noexcept;
+  const TrustList& trusted() const noexcept { return trusted_; }
+  Side side() const noexcept { return side_; }
+  SSL_CTX* get() const noexcept { return context_; }
+
+  // A channel's place in an SSL: where its PeerKey and the address it speaks with are.
+  struct Attached {
+    PeerKey peer;
+    Address address;
+  };
+  static void attach(SSL* ssl, Attached* what);
+
+ private:
+  DtlsContext(TrustList trusted, Side side, Role wanted)
+      : trusted_(std::move(trusted)), side_(side), wanted_(wanted) {}
+  Status open(const OwnKey& key);
+  // Proves that who asks can receive at the address it names: nothing is kept for who cannot.
+  bool make_cookie(const Address& address, std::array<std::uint8_t, 16>& cookie) const noexcept;
+
+  static int verify(X509_STORE_CTX* store, void* context);
+  static int cookie_of(SSL* ssl, unsigned char* cookie, unsigned int* size);
+  static int is_cookie(SSL* ssl, const unsigned char* cookie, unsigned int size);
+
+  TrustList trusted_;
+  Side side_;
+  Role wanted_;
+  SSL_CTX* context_ = nullptr;
+  EVP_MAC_CTX* mac_ = nullptr;
+};
+
+}  // namespace handrail

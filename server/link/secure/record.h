@@ -1,0 +1,54 @@
+// What can be seen of a DTLS record (RFC 6347, section 4.1) without a key.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+namespace handrail {
+
+inline constexpr std::size_t kRecordHeader = 13;
+
+enum class RecordType : std::uint8_t { kAlert = 21, kHandshake = 22, kData = 23 };
+
+// True when a datagram is a row of whole records of DTLS 1.0 or 1.2. OpenSSL ends a session at one
+// whose length was forged, so that it is to see no other. Real-time safe, like all here.
+inline bool is_records(std::span<const std::uint8_t> bytes) noexcept {
+  const auto sound = [](std::span<const std::uint8_t> b) {
+    return b.size() >= kRecordHeader && b[0] >= 20 && b[0] <= 23 && b[1] == 0xfe &&
+           (b[2] == 0xff || b[2] == 0xfd);
+  };
+  do {
+    if (!sound(bytes)) return false;
+    const std::size_t size = kRecordHeader + (std::size_t{bytes[11]} << 8 | bytes[12]);
+    if (size > bytes.size()) return false;
+    bytes = bytes.subspan(size);
+  } while (!bytes.empty());
+  return true;
+}
+// Of the first record, like what follows. For records only.
+inline bool is_data(std::span<const std::uint8_t> bytes) noexcept {
+  return bytes[0] == static_cast<std::uint8_t>(RecordType::kData);
+}
+
+// The random number by which one attempt of a client is told from its next, of a ClientHello that
+// is not encrypted; none: it is something else.
+inline std::optional<std::array<std::uint8_t, 32>> client_random(
+    std::span<const std::uint8_t> bytes) noexcept {
+  constexpr std::size_t kHello = kRecordHeader + 12 + 2;  // headers and the client's version
+  constexpr std::uint8_t kClientHello = 1;
+  const bool plain = bytes[3] == 0 && bytes[4] == 0;  // epoch 0
+  if (!plain || bytes.size() < kHello + 32 ||
+      bytes[0] != static_cast<std::uint8_t>(RecordType::kHandshake) ||
+      bytes[kRecordHeader] != kClientHello) {
+    return std::nullopt;
+  }
+  std::array<std::uint8_t, 32> out{};
+  std::copy_n(bytes.begin() + kHello, out.size(), out.begin());
+  return out;
+}
+
+}  // namespace handrail

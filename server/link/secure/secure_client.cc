@@ -1,0 +1,88 @@
+#include "server/link/secure/secure_client.h"
+
+#include <utility>
+
+#include "server/link/secure/record.h"
+
+namespace handrail {
+
+using State = DtlsChannel::State;
+
+void SecureClient::set_trusted(TrustList trusted) {
+  context_.set_trusted(std::move(trusted));
+  if (session_ != nullptr && !context_.trusts(session_->peer().key)) session_.reset();
+}
+
+bool SecureClient::wanted() const noexcept {
+  return session_ == nullptr || (asking_ != kForever && now_ - asking_ > kUnanswered);
+}
+
+void SecureClient::tick(Nanos now) noexcept {
+  now_ = now;
+  if (attempt_ == nullptr && wanted() && !addresses_.empty() && now >= not_before_) {
+    tried_ = addresses_[next_address_++ % addresses_.size()];
+    attempt_ = std::make_unique<DtlsChannel>(context_, socket_, tried_);
+    ++counts_.attempts;
+  }
+  if (attempt_ == nullptr) return;
+  attempt_->tick();
+  settle();
+}
+
+void SecureClient::settle() noexcept {
+  if (attempt_ == nullptr || attempt_->state() == State::kHandshake) return;
+  if (attempt_->state() == State::kOpen) {
+    session_ = std::move(attempt_);
+    since_ = now_;
+    asking_ = kForever;
+    problem_ = DtlsChannel::Problem::kNone;
+    ++counts_.sessions;
+    return;
+  }
+  problem_ = attempt_->problem();
+  refused_ = attempt_->peer();
+  // One that did not answer is called again at once.
+  if (problem_ != DtlsChannel::Problem::kNoAnswer) not_before_ = now_ + kRefusedPause;
+  attempt_.reset();
+}
+
+std::optional<Transport::Arrival> SecureClient::receive(std::span<std::uint8_t> buffer) noexcept {
+  const auto arrival = socket_.receive(wire_);
+  if (!arrival) return std::nullopt;
+  const auto bytes = std::span<const std::uint8_t>(wire_).first(arrival->size);
+  const auto from = [&](const std::unique_ptr<DtlsChannel>& channel) {
+    return channel != nullptr && channel->address() == arrival->from;
+  };
+  const bool record = is_records(bytes);
+  if (record && from(attempt_) && !is_data(bytes)) {
+    (void)attempt_->take(bytes, arrival->from, buffer);
+    settle();
+    return Arrival{0, false, true};
+  }
+  if (record && from(session_)) {
+    const std::size_t size = session_->take(bytes, arrival->from, buffer);
+    if (size != 0) {
+      asking_ = kForever;
+      return Arrival{size, true};
+    }
+    // Ended by the other side, in order: another one is made.
+    if (session_->state() == State::kClosed) session_.reset();
+    if (!is_data(bytes)) return Arrival{0, false, true};
+  }
+  ++counts_.strangers;
+  return Arrival{0, false};
+}
+
+bool SecureClient::send(std::span<const std::uint8_t> bytes) noexcept {
+  if (session_ == nullptr || !session_->send(bytes)) return false;
+  if (asking_ == kForever) asking_ = now_;
+  return true;
+}
+
+std::string_view SecureClient::peer_name() const noexcept {
+  if (session_ == nullptr) return {};
+  const Trusted* who = context_.trusted().find(session_->peer().key);
+  return who == nullptr ? std::string_view() : std::string_view(who->name);
+}
+
+}  // namespace handrail

@@ -1,0 +1,78 @@
+// The calling end of the encrypted link: a master's.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "server/base/time.h"
+#include "server/link/secure/dtls_channel.h"
+#include "server/link/transport.h"
+
+namespace handrail {
+
+// Makes a session with one of the addresses it is told, and another one when it is not answered any
+// more; the old one serves until the new one is open. One thread at a time.
+class SecureClient final : public Transport {
+ public:
+  // What is sent and not answered for so long calls for another session: then the other side has
+  // closed ours (proto/WIRE.md, ages).
+  static constexpr Nanos kUnanswered = kSecond;
+  // After a refusal, which only a person can change.
+  static constexpr Nanos kRefusedPause = kSecond;
+
+  struct Counts {
+    std::uint64_t sessions = 0;   // opened
+    std::uint64_t attempts = 0;   // handshakes begun
+    std::uint64_t strangers = 0;  // datagrams of no session and no handshake, forged or repeated
+  };
+
+  SecureClient(DtlsContext& context, DatagramSocket& socket) : context_(context), socket_(socket) {}
+
+  // Where the other side is, one after the other is tried; empty: nobody is called.
+  void set_addresses(std::vector<Address> addresses) { addresses_ = std::move(addresses); }
+  void set_trusted(TrustList trusted);
+  // Call every millisecond or so.
+  void tick(Nanos now) noexcept;
+
+  std::optional<Arrival> receive(std::span<std::uint8_t> buffer) noexcept override;
+  void adopt_sender() noexcept override {}
+  bool send(std::span<const std::uint8_t> bytes) noexcept override;
+  bool answer(std::span<const std::uint8_t>) noexcept override { return false; }
+  std::string_view peer_name() const noexcept override;
+
+  const Counts& counts() const noexcept { return counts_; }
+  // The session; null: none is open.
+  const DtlsChannel* session() const noexcept { return session_.get(); }
+  Nanos session_since() const noexcept { return since_; }
+  // Why the last attempt failed; kNone: none has since a session opened.
+  DtlsChannel::Problem problem() const noexcept { return problem_; }
+  // The key that the last refused other side has shown.
+  const PeerKey& refused() const noexcept { return refused_; }
+  const Address& tried() const noexcept { return tried_; }
+
+ private:
+  bool wanted() const noexcept;
+  void settle() noexcept;  // what became of the attempt
+
+  DtlsContext& context_;
+  DatagramSocket& socket_;
+  std::vector<Address> addresses_;
+  std::size_t next_address_ = 0;
+  std::unique_ptr<DtlsChannel> session_, attempt_;
+  std::array<std::uint8_t, 2048> wire_{};
+  Nanos now_ = 0;
+  Nanos since_ = 0;
+  Nanos asking_ = kForever;  // since when what was sent has not been answered
+  Nanos not_before_ = -kForever;
+  DtlsChannel::Problem problem_ = DtlsChannel::Problem::kNone;
+  PeerKey refused_;
+  Address tried_;
+  Counts counts_;
+};
+
+}  // namespace handrail

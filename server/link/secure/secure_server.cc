@@ -1,0 +1,163 @@
+#include "server/link/secure/secure_server.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "server/link/peer.h"
+#include "server/link/secure/record.h"
+
+namespace handrail {
+
+using State = DtlsChannel::State;
+
+void SecureServer::tick(Nanos now) noexcept {
+  now_ = now;
+  if (now >= refill_) {
+    handshakes_.left = kHandshakesPerSecond;
+    cookies_.left = kCookiesPerSecond;
+    refill_ = now + kSecond;
+  }
+  for (Slot& slot : slots_) {
+    if (slot.channel == nullptr) continue;
+    slot.channel->tick();
+    settle(slot);
+  }
+}
+
+void SecureServer::set_trusted(TrustList trusted) {
+  context_.set_trusted(std::move(trusted));
+  for (Slot& slot : slots_) {
+    if (slot.channel == nullptr || context_.trusts(slot.channel->peer().key)) continue;
+    slot.channel->close();
+    settle(slot);
+  }
+}
+
+std::optional<Transport::Arrival> SecureServer::receive(std::span<std::uint8_t> buffer) noexcept {
+  const auto arrival = socket_.receive(wire_);
+  if (!arrival) return std::nullopt;
+  last_ = nullptr;
+  const auto bytes = std::span<const std::uint8_t>(wire_).first(arrival->size);
+  if (!is_records(bytes)) return stranger();
+  Slot* at = slot_at(arrival->from);
+  if (const auto random = client_random(bytes);
+      random && (at == nullptr || at->random != *random)) {
+    return greet(bytes, arrival->from);
+  }
+  if (at != nullptr) {
+    const Arrival out = give(*at, bytes, arrival->from, buffer);
+    if (out.from_peer || !is_data(bytes)) return out;
+  }
+  if (!is_data(bytes)) return stranger();
+  // Of a session whose other end has moved.
+  for (Slot& slot : slots_) {
+    if (&slot == at || !slot.open()) continue;
+    const Arrival out = give(slot, bytes, arrival->from, buffer);
+    if (out.from_peer) return out;
+  }
+  return stranger();
+}
+
+Transport::Arrival SecureServer::give(Slot& slot, std::span<const std::uint8_t> bytes,
+                                      const Address& from,
+                                      std::span<std::uint8_t> buffer) noexcept {
+  const std::size_t size = slot.channel->take(bytes, from, buffer);
+  if (size != 0) {
+    slot.heard = now_;
+    last_ = &slot;
+    return {size, true};
+  }
+  settle(slot);
+  return {0, false, true};
+}
+
+Transport::Arrival SecureServer::greet(std::span<const std::uint8_t> bytes,
+                                       const Address& from) noexcept {
+  if (!cookies_.take()) {
+    ++counts_.over_limit;
+    return {0, false, true};
+  }
+  if (listener_ == nullptr || listener_->state() != State::kListening) {
+    listener_ = std::make_unique<DtlsChannel>(context_, socket_, from);
+  }
+  if (!listener_->listen(bytes, from)) return {0, false, true};
+  Slot* slot = slot_at(from);
+  if (slot == nullptr) slot = room();
+  if (slot == nullptr || !handshakes_.take()) {
+    ++counts_.over_limit;
+    listener_.reset();
+    return {0, false, true};
+  }
+  if (leader_ == slot) leader_ = nullptr;
+  *slot = {std::move(listener_), *client_random(bytes), now_, now_, false};
+  settle(*slot);
+  return {0, false, true};
+}
+
+Transport::Arrival SecureServer::stranger() noexcept {
+  ++counts_.strangers;
+  return {0, false};
+}
+
+// What became of a channel.
+void SecureServer::settle(Slot& slot) noexcept {
+  if (slot.open() && !std::exchange(slot.opened, true)) ++counts_.sessions;
+  if (slot.channel->state() != State::kClosed) return;
+  const auto problem = slot.channel->problem();
+  if (problem != DtlsChannel::Problem::kNone) {
+    problem == DtlsChannel::Problem::kUntrusted ? ++counts_.untrusted : ++counts_.failed;
+    refused_ = {now_, slot.channel->address(), slot.channel->peer(), problem};
+  }
+  if (leader_ == &slot) leader_ = nullptr;
+  if (last_ == &slot) last_ = nullptr;
+  slot = {};
+}
+
+// For another session: a slot that is free, that of the oldest handshake, or of a session that does
+// not lead and has been silent for longest; null: all are in use.
+SecureServer::Slot* SecureServer::room() noexcept {
+  Slot* best = nullptr;
+  for (Slot& slot : slots_) {
+    if (slot.channel == nullptr) return &slot;
+    if (slot.open() && (&slot == leader_ || now_ - slot.heard <= kTakeoverSilence)) continue;
+    if (best == nullptr || slot.heard < best->heard) best = &slot;
+  }
+  return best;
+}
+
+SecureServer::Slot* SecureServer::slot_at(const Address& from) noexcept {
+  const auto at = std::find_if(slots_.begin(), slots_.end(), [&](const Slot& slot) {
+    return slot.channel != nullptr && slot.channel->address() == from;
+  });
+  return at == slots_.end() ? nullptr : &*at;
+}
+
+void SecureServer::adopt_sender() noexcept {
+  if (last_ == nullptr) return;
+  leader_ = last_;
+  leader_->channel->move_to_sender();
+}
+
+bool SecureServer::send(std::span<const std::uint8_t> bytes) noexcept {
+  return leader_ != nullptr && leader_->channel->send(bytes);
+}
+
+bool SecureServer::answer(std::span<const std::uint8_t> bytes) noexcept {
+  return last_ != nullptr && last_->channel->send(bytes);
+}
+
+std::string_view SecureServer::peer_name() const noexcept {
+  if (leader_ == nullptr) return {};
+  const Trusted* who = context_.trusted().find(leader_->channel->peer().key);
+  return who == nullptr ? std::string_view() : std::string_view(who->name);
+}
+
+const DtlsChannel* SecureServer::leader() const noexcept {
+  return leader_ == nullptr ? nullptr : leader_->channel.get();
+}
+
+Nanos SecureServer::leader_since() const noexcept {
+  return leader_ == nullptr ? 0 : leader_->since;
+}
+
+}  // namespace handrail

@@ -1,0 +1,98 @@
+#include "server/keys/key_folder.h"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <filesystem>
+
+#include "tests/support/temp_folder.h"
+
+namespace handrail {
+namespace {
+
+mode_t mode_of(const std::string& path) {
+  struct stat info {};
+  return ::stat(path.c_str(), &info) == 0 ? info.st_mode & 07777 : 0;
+}
+
+class KeyFolderTest : public ::testing::Test {
+ protected:
+  TempFolder folder_;
+  KeyFolder keys_{folder_.path() + "/a/handrail"};
+  PublicKey key() const { return OwnKey::generate()->public_key(); }
+};
+
+TEST_F(KeyFolderTest, AKeyIsMadeOnceAndOnlyItsOwnerReadsIt) {
+  const auto made = keys_.create();
+  ASSERT_TRUE(made) << made.message();
+  EXPECT_EQ(mode_of(keys_.key_path()), 0600u);
+  EXPECT_EQ(mode_of(folder_.path() + "/a/handrail"), 0700u);
+  const auto read = keys_.load();
+  ASSERT_TRUE(read) << read.message();
+  EXPECT_EQ(read->public_key(), made->public_key());
+  const auto again = keys_.create();
+  ASSERT_FALSE(again);
+  EXPECT_NE(again.message().find("there is a key already"), std::string::npos);
+  EXPECT_EQ(keys_.load()->public_key(), made->public_key());
+}
+
+TEST_F(KeyFolderTest, NoKeySaysHowToMakeOne) {
+  const auto read = keys_.load();
+  ASSERT_FALSE(read);
+  EXPECT_NE(read.message().find("`handrail keys new`"), std::string::npos);
+}
+
+TEST_F(KeyFolderTest, AKeyThatOthersCouldReadIsRefused) {
+  ASSERT_TRUE(keys_.create());
+  for (const mode_t mode : {0640u, 0604u, 0660u, 0602u, 0666u, 0610u}) {
+    ASSERT_EQ(::chmod(keys_.key_path().c_str(), mode), 0);
+    const auto read = keys_.load();
+    ASSERT_FALSE(read) << std::oct << mode;
+    EXPECT_NE(read.message().find("expected 0600"), std::string::npos);
+  }
+  ASSERT_EQ(::chmod(keys_.key_path().c_str(), 0400), 0);
+  EXPECT_TRUE(keys_.load());
+}
+
+TEST_F(KeyFolderTest, AListThatOthersCouldWriteIsRefused) {
+  TrustList list;
+  ASSERT_TRUE(list.add({"desk", Role::kMaster, key()}));
+  ASSERT_TRUE(keys_.save(list));
+  EXPECT_EQ(*keys_.trusted(), list);
+  ASSERT_EQ(::chmod(keys_.trusted_path().c_str(), 0644), 0);
+  EXPECT_TRUE(keys_.trusted());
+  ASSERT_EQ(::chmod(keys_.trusted_path().c_str(), 0666), 0);
+  const auto read = keys_.trusted();
+  ASSERT_FALSE(read);
+  EXPECT_NE(read.message().find("has mode 0666"), std::string::npos);
+}
+
+TEST_F(KeyFolderTest, WithoutAListNobodyIsTrusted) {
+  const auto read = keys_.trusted();
+  ASSERT_TRUE(read) << read.message();
+  EXPECT_TRUE(read->entries().empty());
+}
+
+TEST_F(KeyFolderTest, AListThatCannotBeReadIsNotTakenForAnEmptyOne) {
+  ASSERT_TRUE(keys_.save(TrustList()));
+  folder_.write("a/handrail/trusted", "desk\n");
+  const auto read = keys_.trusted();
+  ASSERT_FALSE(read);
+  EXPECT_NE(read.message().find(keys_.trusted_path() + ":1:"), std::string::npos);
+}
+
+TEST_F(KeyFolderTest, TheStampChangesWithKeyAndList) {
+  const std::string none = keys_.stamp();
+  ASSERT_TRUE(keys_.create());
+  const std::string key_only = keys_.stamp();
+  EXPECT_NE(none, key_only);
+  ASSERT_TRUE(keys_.save(TrustList()));
+  const std::string both = keys_.stamp();
+  EXPECT_NE(key_only, both);
+  EXPECT_EQ(both, keys_.stamp());
+  ASSERT_EQ(::chmod(keys_.trusted_path().c_str(), 0666), 0);
+  EXPECT_NE(both, keys_.stamp());
+}
+
+}  // namespace
+}  // namespace handrail

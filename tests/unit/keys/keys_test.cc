@@ -1,0 +1,99 @@
+#include <gtest/gtest.h>
+
+#include "server/keys/own_key.h"
+#include "server/keys/trust_list.h"
+
+namespace handrail {
+namespace {
+
+// Made by openssl(1): ecparam -name prime256v1 -genkey, pkcs8 -topk8, ec -pubout -conv_form
+// compressed. Nobody trusts it.
+constexpr char kPem[] =
+    "-----BEGIN PRIVATE KEY-----\n"
+    "MIGHAgEAMBMGByqGSM49AgEGCCqGSM49AwEHBG0wawIBAQQgJqtVsbtsaR2VBMla\n"
+    "w5ThHeHSenAB71+S2pl5MOgu+1qhRANCAAR/nM+Po7qnVmjAYxECHBuv1oDhnjlM\n"
+    "2jz+HNqVOGwBb+k+Ioswtm9/HMgEkZaj9W2ifXswwTIZBOHdYFFonqFd\n"
+    "-----END PRIVATE KEY-----\n";
+constexpr char kPublic[] = "p256:A3+cz4+juqdWaMBjEQIcG6/WgOGeOUzaPP4c2pU4bAFv";
+constexpr char kOther[] = "p256:A2cLxkDqBPNRAVkoFOoE676xp64Yx679QWHcO18oJYeU";
+
+TEST(Keys, ThePublicHalfIsWhatOpensslSays) {
+  const auto key = OwnKey::parse(kPem);
+  ASSERT_TRUE(key) << key.message();
+  EXPECT_EQ(key_text(key->public_key()), kPublic);
+  EXPECT_EQ(key->pem(), kPem);
+}
+
+TEST(Keys, AKeyIsReadAsItWasWritten) {
+  const auto key = parse_key(kPublic);
+  ASSERT_TRUE(key) << key.message();
+  EXPECT_EQ(key_text(*key), kPublic);
+  // sha256sum of the 33 bytes.
+  EXPECT_EQ(key_id(*key), "d3c4-50ec-d92f-e0ca");
+}
+
+TEST(Keys, WhatIsNoKeyIsRefusedWithWhatWasExpected) {
+  const std::string good = kPublic;
+  for (const std::string& text :
+       {std::string(), std::string("p256:"), good.substr(0, good.size() - 1), good + "=",
+        "rsa" + good, "p256:B" + good.substr(6), good.substr(0, 20) + "!" + good.substr(21),
+        std::string(10000, 'a')}) {
+    const auto key = parse_key(text);
+    ASSERT_FALSE(key) << text;
+    EXPECT_NE(key.message().find("expected p256:"), std::string::npos);
+    EXPECT_LT(key.message().size(), 200u);
+  }
+}
+
+TEST(Keys, WhatIsNoPrivateKeyIsRefused) {
+  for (const char* text :
+       {"", "-----BEGIN PRIVATE KEY-----\nAAAA\n-----END PRIVATE KEY-----\n", "ssh-ed25519 AAAA"}) {
+    EXPECT_FALSE(OwnKey::parse(text)) << text;
+  }
+}
+
+TEST(TrustList, ReadsNamesRolesAndKeysAndCommentsDoNotCount) {
+  const auto list =
+      TrustList::parse(std::string("# the cell\n\n  desk  master,operator\t") + kPublic +
+                           " # by the door\nben observer " + kOther + "\r\n",
+                       "trusted");
+  ASSERT_TRUE(list) << list.message();
+  ASSERT_EQ(list->entries().size(), 2u);
+  const Trusted* desk = list->find("desk");
+  ASSERT_NE(desk, nullptr);
+  EXPECT_TRUE(desk->roles.has(Role::kMaster) && desk->roles.has(Role::kOperator));
+  EXPECT_FALSE(desk->roles.has(Role::kSlave) || desk->roles.has(Role::kObserver));
+  EXPECT_EQ(list->find(*parse_key(kOther))->name, "ben");
+  EXPECT_EQ(list->find(PublicKey()), nullptr);
+  EXPECT_EQ(*TrustList::parse(list->text(), "again"), *list);
+}
+
+TEST(TrustList, NamesTheLineThatIsWrong) {
+  const std::string good = std::string("desk master ") + kPublic + "\n";
+  for (const auto& [line, says] :
+       {std::pair<std::string, std::string>{"desk master", "expected NAME"},
+        {std::string("a b c ") + kOther, "expected NAME"},
+        {std::string("b@d master ") + kOther, "is no name"},
+        {std::string("ben king ") + kOther, "roles 'king'"},
+        {std::string("ben master, ") + kOther, "roles 'master,'"},
+        {"ben master p256:xyz", "is no key"},
+        {std::string("desk master ") + kOther, "is here already with key"},
+        {std::string("ben master ") + kPublic, "is here already as 'desk'"}}) {
+    const auto list = TrustList::parse(good + line, "/keys/trusted");
+    ASSERT_FALSE(list) << line;
+    EXPECT_EQ(list.message().rfind("/keys/trusted:2: ", 0), 0u) << list.message();
+    EXPECT_NE(list.message().find(says), std::string::npos) << list.message();
+  }
+}
+
+TEST(TrustList, TheSameNameAndKeyGetTheRolesTheyComeWith) {
+  TrustList list;
+  ASSERT_TRUE(list.add({"desk", Role::kMaster, *parse_key(kPublic)}));
+  ASSERT_TRUE(list.add({"desk", Role::kObserver, *parse_key(kPublic)}));
+  EXPECT_EQ(list.find("desk")->roles, Roles(Role::kObserver));
+  EXPECT_TRUE(list.remove("desk"));
+  EXPECT_FALSE(list.remove("desk"));
+}
+
+}  // namespace
+}  // namespace handrail

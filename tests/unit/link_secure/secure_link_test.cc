@@ -1,0 +1,287 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "tests/support/no_allocation.h"
+#include "tests/unit/link_secure/made_up_net.h"
+
+namespace handrail {
+namespace {
+
+using test::Bytes;
+using test::SecurePair;
+using ::testing::ElementsAre;
+using Problem = DtlsChannel::Problem;
+
+const Bytes kCommand(500, 0x17), kState(540, 0x42);
+
+TEST(SecureLink, CarriesBothWaysBetweenTwoThatTrustEachOther) {
+  SecurePair pair;
+  ASSERT_TRUE(pair.connect());
+  ASSERT_TRUE(pair.say(kCommand));
+  ASSERT_TRUE(pair.slave.send(kState));
+  pair.step();
+  EXPECT_THAT(pair.slave_got, ElementsAre(kCommand));
+  EXPECT_THAT(pair.master_got, ElementsAre(kState));
+  EXPECT_EQ(pair.slave.peer_name(), "desk");
+  EXPECT_EQ(pair.master.peer_name(), "cell");
+}
+
+TEST(SecureLink, NothingOfWhatIsSaidCanBeReadOnTheWire) {
+  SecurePair pair;
+  ASSERT_TRUE(pair.connect());
+  ASSERT_TRUE(pair.say(kCommand));
+  const Bytes run(16, 0x17);
+  for (const auto& datagram : pair.net.sent) {
+    EXPECT_EQ(std::search(datagram.bytes.begin(), datagram.bytes.end(), run.begin(), run.end()),
+              datagram.bytes.end());
+  }
+}
+
+TEST(SecureLink, ADatagramFitsIntoWhatIpv6CarriesEverywhere) {
+  SecurePair pair;
+  ASSERT_TRUE(pair.connect());
+  ASSERT_TRUE(pair.say(Bytes(548, 1)));
+  for (const auto& datagram : pair.net.sent) EXPECT_LE(datagram.bytes.size() + 48, 1280u);
+  EXPECT_EQ(pair.net.sent.back().bytes.size(), 548u + 37u);
+}
+
+TEST(SecureLink, AKeyThatTheSlaveDoesNotKnowIsRefusedAndBothSidesSayWhose) {
+  SecurePair pair;
+  pair.slave.set_trusted(TrustList());
+  EXPECT_FALSE(pair.connect());
+  EXPECT_EQ(pair.master.problem(), Problem::kWeAre);
+  EXPECT_EQ(pair.slave.refused().problem, Problem::kUntrusted);
+  EXPECT_TRUE(pair.slave.refused().peer.shown);
+  EXPECT_EQ(pair.slave.refused().peer.key, pair.master_key.public_key());
+  EXPECT_EQ(pair.slave.refused().from, pair.master_socket.own());
+  EXPECT_EQ(pair.slave.counts().sessions, 0u);
+}
+
+TEST(SecureLink, ASlaveWithAnotherKeyThanThePinnedIsRefused) {
+  SecurePair pair;
+  pair.master.set_trusted(test::trusting({{"cell", Role::kSlave, pair.master_key.public_key()}}));
+  EXPECT_FALSE(pair.connect());
+  EXPECT_EQ(pair.master.problem(), Problem::kUntrusted);
+  EXPECT_EQ(pair.master.refused().key, pair.slave_key.public_key());
+}
+
+TEST(SecureLink, AKnownKeyWithAnotherRoleIsRefused) {
+  for (const Role role : {Role::kSlave, Role::kOperator, Role::kObserver}) {
+    SecurePair pair;
+    pair.slave.set_trusted(test::trusting({{"desk", role, pair.master_key.public_key()}}));
+    EXPECT_FALSE(pair.connect()) << role_text(role);
+    EXPECT_EQ(pair.master.problem(), Problem::kWeAre);
+  }
+}
+
+TEST(SecureLink, AKeyThatIsTakenOffTheListEndsItsSessionAtOnce) {
+  SecurePair pair;
+  ASSERT_TRUE(pair.connect());
+  ASSERT_TRUE(pair.say(kCommand));
+  pair.slave.set_trusted(TrustList());
+  EXPECT_EQ(pair.slave.leader(), nullptr);
+  EXPECT_FALSE(pair.slave.send(kState));
+  (void)pair.master.send(kCommand);
+  pair.step();
+  EXPECT_EQ(pair.slave_got.size(), 1u);
+  EXPECT_EQ(pair.master.session(), nullptr);  // it was told
+}
+
+TEST(SecureLink, ARepeatedDatagramIsNotTakenTwice) {
+  SecurePair pair;
+  ASSERT_TRUE(pair.connect());
+  ASSERT_TRUE(pair.say(kCommand));
+  const auto recorded = pair.net.sent.back();
+  for (int i = 0; i < 1000; ++i) {
+    pair.net.put(recorded);
+    pair.step();
+  }
+  EXPECT_EQ(pair.slave_got.size(), 1u);
+  EXPECT_EQ(pair.slave.counts().strangers, 1000u);
+}
+
+TEST(SecureLink, NoChangedBitPassesAndTheSessionGoesOn) {
+  SecurePair pair;
+  ASSERT_TRUE(pair.connect());
+  ASSERT_TRUE(pair.say(kCommand));
+  const std::size_t sent = pair.net.sent.size();
+  pair.net.passes = [](auto&) { return false; };
+  ASSERT_TRUE(pair.master.send(kCommand));
+  const auto whole = pair.net.sent[sent];
+  pair.net.passes = [](auto&) { return true; };
+  for (std::size_t bit = 0; bit < 8 * whole.bytes.size(); ++bit) {
+    auto broken = whole;
+    broken.bytes[bit / 8] ^= static_cast<std::uint8_t>(1u << bit % 8);
+    pair.net.put(broken);
+    pair.step();
+    ASSERT_EQ(pair.slave_got.size(), 1u) << "bit " << bit;
+    ASSERT_NE(pair.slave.leader(), nullptr) << "bit " << bit;
+  }
+  pair.net.put(whole);
+  pair.step();
+  EXPECT_EQ(pair.slave_got.size(), 2u);
+  ASSERT_TRUE(pair.slave.send(kState));
+  pair.step();
+  EXPECT_EQ(pair.master_got.size(), 1u);
+}
+
+TEST(SecureLink, WhoHasNoSessionIsNeverAnsweredWithMoreThanItSent) {
+  SecurePair pair;
+  ASSERT_TRUE(pair.connect());
+  std::vector<Bytes> from_master;
+  for (const auto& d : pair.net.sent) {
+    if (d.from == pair.master_socket.own()) from_master.push_back(d.bytes);
+  }
+  Random random(std::random_device{}());
+  const Address stranger = test::address_of(66, 6666);
+  for (int i = 0; i < 20000; ++i) {
+    Bytes bytes = from_master[static_cast<std::size_t>(i) % from_master.size()];
+    for (int change = i % 4; change > 0; --change) {
+      const auto at =
+          static_cast<std::size_t>(random.uniform() * static_cast<double>(bytes.size()));
+      bytes[std::min(at, bytes.size() - 1)] ^= static_cast<std::uint8_t>(256.0 * random.uniform());
+    }
+    if (i % 5 == 0) bytes.resize(static_cast<std::size_t>(random.uniform() * 80.0));
+    pair.net.sent.clear();
+    pair.net.put({stranger, pair.slave_socket.own(), bytes});
+    pair.step();
+    std::size_t answered = 0;
+    for (const auto& d : pair.net.sent) answered += d.to == stranger ? d.bytes.size() : 0;
+    ASSERT_LE(answered, bytes.size());
+  }
+  EXPECT_EQ(pair.slave_got.size(), 0u);
+}
+
+TEST(SecureLink, TheSessionSurvivesAChangeOfTheMastersAddress) {
+  SecurePair pair;
+  ASSERT_TRUE(pair.connect());
+  ASSERT_TRUE(pair.say(kCommand));
+  pair.master_socket.move_to(test::address_of(9, 1234));
+  ASSERT_TRUE(pair.say(kCommand));
+  EXPECT_EQ(pair.slave_got.size(), 2u);
+  ASSERT_TRUE(pair.slave.send(kState));
+  pair.step();
+  EXPECT_EQ(pair.master_got.size(), 1u);
+  EXPECT_EQ(pair.slave.counts().sessions, 1u);
+}
+
+TEST(SecureLink, ARecordingFromAnotherAddressDoesNotMoveTheSession) {
+  SecurePair pair;
+  ASSERT_TRUE(pair.connect());
+  ASSERT_TRUE(pair.say(kCommand));
+  auto recorded = pair.net.sent.back();
+  recorded.from = test::address_of(66, 6666);
+  pair.net.put(recorded);
+  pair.step();
+  EXPECT_EQ(pair.slave.leader()->address(), pair.master_socket.own());
+}
+
+TEST(SecureLink, ASlaveThatWasStartedAnewIsFoundAgain) {
+  SecurePair pair;
+  ASSERT_TRUE(pair.connect());
+  ASSERT_TRUE(pair.say(kCommand));
+  SecureServer second(*pair.slave_context, pair.slave_socket);
+  std::vector<Bytes> got;
+  int strangers = 0, steps = 0;
+  for (; steps < 3000 && got.empty(); ++steps) {
+    (void)pair.master.send(kCommand);
+    pair.now += kMillisecond;
+    pair.master.tick(pair.now);
+    second.tick(pair.now);
+    SecurePair::drain(second, got, strangers);
+    SecurePair::drain(pair.master, pair.master_got, pair.master_strangers);
+  }
+  EXPECT_FALSE(got.empty());
+  EXPECT_LT(steps, 1100);  // a second of silence, then a handshake
+}
+
+TEST(SecureLink, AMasterThatWasStartedAnewAtTheSamePortGetsASessionAndLeads) {
+  SecurePair pair;
+  ASSERT_TRUE(pair.connect());
+  ASSERT_TRUE(pair.say(kCommand));
+  SecureClient second(*pair.master_context, pair.master_socket);
+  second.set_addresses({pair.slave_socket.own()});
+  std::vector<Bytes> got;
+  int strangers = 0, steps = 0;
+  for (; steps < 100 && second.session() == nullptr; ++steps) {
+    pair.now += kMillisecond;
+    second.tick(pair.now);
+    pair.slave.tick(pair.now);
+    SecurePair::drain(pair.slave, pair.slave_got, pair.slave_strangers);
+    SecurePair::drain(second, got, strangers);
+  }
+  EXPECT_LT(steps, 20);
+  ASSERT_TRUE(second.send(kState));
+  SecurePair::drain(pair.slave, pair.slave_got, pair.slave_strangers);
+  EXPECT_THAT(pair.slave_got, ElementsAre(kCommand, kState));
+}
+
+TEST(SecureLink, HandshakesOfStrangersLeaveTheSessionAlone) {
+  SecurePair pair;
+  ASSERT_TRUE(pair.connect());
+  ASSERT_TRUE(pair.say(kCommand));
+  const OwnKey key = *OwnKey::generate();
+  const auto context = SecurePair::context(
+      key, {{"cell", Role::kSlave, pair.slave_key.public_key()}}, DtlsContext::Side::kClient);
+  std::vector<std::unique_ptr<test::MadeUpSocket>> sockets;
+  std::vector<std::unique_ptr<SecureClient>> strangers;
+  for (std::uint16_t i = 0; i < 40; ++i) {
+    sockets.push_back(std::make_unique<test::MadeUpSocket>(
+        pair.net, test::address_of(100, static_cast<std::uint16_t>(2000 + i))));
+    strangers.push_back(std::make_unique<SecureClient>(*context, *sockets.back()));
+    strangers.back()->set_addresses({pair.slave_socket.own()});
+  }
+  int said = 0;
+  for (int ms = 0; ms < 2000; ++ms) {
+    for (auto& stranger : strangers) {
+      stranger->tick(pair.now);
+      std::vector<Bytes> got;
+      int dropped = 0;
+      SecurePair::drain(*stranger, got, dropped);
+    }
+    said += pair.say(kCommand);
+    (void)pair.slave.send(kState);
+  }
+  EXPECT_EQ(said, 2000);
+  EXPECT_EQ(pair.slave_got.size(), 2001u);
+  EXPECT_EQ(pair.slave.counts().sessions, 1u);
+  EXPECT_GT(pair.slave.counts().untrusted, 10u);
+  for (auto& stranger : strangers) EXPECT_EQ(stranger->session(), nullptr);
+}
+
+TEST(SecureLink, AValidDatagramAllocatesNothing) {
+  SecurePair pair;
+  ASSERT_TRUE(pair.connect());
+  ASSERT_TRUE(pair.say(kCommand));
+  ASSERT_TRUE(pair.slave.send(kState));
+  pair.step();
+  std::vector<test::MadeUpNet::Datagram> waiting;
+  pair.net.passes = [](auto&) { return false; };
+  for (int i = 0; i < 100; ++i) {
+    ASSERT_TRUE(pair.master.send(kCommand));
+    waiting.push_back(pair.net.sent.back());
+  }
+  pair.master_socket.quiet = pair.slave_socket.quiet = true;
+  std::array<std::uint8_t, 549> buffer{};
+  int taken = 0, sent = 0;
+  {
+    const test::NoAllocation guard("a datagram opened and sealed");
+    for (const auto& datagram : waiting) {
+      pair.slave_socket.prepared = &datagram;
+      const auto arrival = pair.slave.receive(buffer);
+      taken += arrival && arrival->from_peer;
+      pair.slave.adopt_sender();
+      sent += pair.slave.send(kState);
+      sent += pair.master.send(kCommand);
+      pair.slave.tick(pair.now);
+      pair.master.tick(pair.now);
+    }
+  }
+  EXPECT_EQ(taken, 100);
+  EXPECT_EQ(sent, 200);
+}
+
+}  // namespace
+}  // namespace handrail
