@@ -185,7 +185,6 @@ void DtlsChannel::end(int result) noexcept {
   const bool handshaking = state_ == State::kHandshake;
   state_ = State::kClosed;
   if (in_order) return;
-    ERR_print_errors_fp(stderr), fprintf(stderr, "side %d err %d\n", (int)context_.side(), error);
   const int reason = ERR_GET_REASON(ERR_peek_error());
   if (handshaking && attached_.peer.shown && !attached_.peer.trusted) {
     problem_ = Problem::kUntrusted;

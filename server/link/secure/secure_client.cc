@@ -22,10 +22,15 @@ void SecureClient::tick(Nanos now) noexcept {
   if (attempt_ == nullptr && wanted() && !addresses_.empty() && now >= not_before_) {
     tried_ = addresses_[next_address_++ % addresses_.size()];
     attempt_ = std::make_unique<DtlsChannel>(context_, socket_, tried_);
+    began_ = now;
     ++counts_.attempts;
   }
   if (attempt_ == nullptr) return;
   attempt_->tick();
+  if (attempt_->state() == State::kHandshake && now - began_ > kLongestAttempt) {
+    problem_ = DtlsChannel::Problem::kNoAnswer;
+    attempt_.reset();
+  }
   settle();
 }
 

@@ -22,6 +22,9 @@ class SecureClient final : public Transport {
   // What is sent and not answered for so long calls for another session: then the other side has
   // closed ours (proto/WIRE.md, ages).
   static constexpr Nanos kUnanswered = kSecond;
+  // An attempt that takes longer is over: DTLS gives up after 0.6 s of its own clock, which is the
+  // calendar and may leap.
+  static constexpr Nanos kLongestAttempt = kSecond;
   // After a refusal, which only a person can change.
   static constexpr Nanos kRefusedPause = kSecond;
 
@@ -67,6 +70,7 @@ class SecureClient final : public Transport {
   std::array<std::uint8_t, 2048> wire_{};
   Nanos now_ = 0;
   Nanos since_ = 0;
+  Nanos began_ = 0;          // the attempt
   Nanos asking_ = kForever;  // since when what was sent has not been answered
   Nanos not_before_ = -kForever;
   DtlsChannel::Problem problem_ = DtlsChannel::Problem::kNone;

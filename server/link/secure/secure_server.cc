@@ -20,6 +20,7 @@ void SecureServer::tick(Nanos now) noexcept {
   for (Slot& slot : slots_) {
     if (slot.channel == nullptr) continue;
     slot.channel->tick();
+    if (!slot.open() && now - slot.since > kLongestHandshake) slot.channel->close();
     settle(slot);
   }
 }
@@ -39,21 +40,24 @@ std::optional<Transport::Arrival> SecureServer::receive(std::span<std::uint8_t> 
   last_ = nullptr;
   const auto bytes = std::span<const std::uint8_t>(wire_).first(arrival->size);
   if (!is_records(bytes)) return stranger();
-  Slot* at = slot_at(arrival->from);
-  if (const auto random = client_random(bytes);
-      random && (at == nullptr || at->random != *random)) {
-    return greet(bytes, arrival->from);
+  if (const auto random = client_random(bytes)) {
+    Slot* of_it =
+        newest_at(arrival->from, [&](const Slot& slot) { return slot.random == *random; });
+    return of_it == nullptr ? greet(bytes, arrival->from)
+                            : give(*of_it, bytes, arrival->from, buffer);
   }
-  if (at != nullptr) {
-    const Arrival out = give(*at, bytes, arrival->from, buffer);
-    if (out.from_peer || !is_data(bytes)) return out;
+  if (!is_data(bytes)) {
+    Slot* of_it = newest_at(arrival->from, [](const Slot&) { return true; });
+    return of_it == nullptr ? stranger() : give(*of_it, bytes, arrival->from, buffer);
   }
-  if (!is_data(bytes)) return stranger();
-  // Of a session whose other end has moved.
+  Slot* here = newest_at(arrival->from, [](const Slot& slot) { return slot.open(); });
+  if (here != nullptr) {
+    if (const Arrival out = give(*here, bytes, arrival->from, buffer); out.from_peer) return out;
+  }
+  // Of a session that another at this address is to replace, or whose other end has moved.
   for (Slot& slot : slots_) {
-    if (&slot == at || !slot.open()) continue;
-    const Arrival out = give(slot, bytes, arrival->from, buffer);
-    if (out.from_peer) return out;
+    if (&slot == here || !slot.open()) continue;
+    if (const Arrival out = give(slot, bytes, arrival->from, buffer); out.from_peer) return out;
   }
   return stranger();
 }
@@ -81,14 +85,12 @@ Transport::Arrival SecureServer::greet(std::span<const std::uint8_t> bytes,
     listener_ = std::make_unique<DtlsChannel>(context_, socket_, from);
   }
   if (!listener_->listen(bytes, from)) return {0, false, true};
-  Slot* slot = slot_at(from);
-  if (slot == nullptr) slot = room();
+  Slot* slot = room();
   if (slot == nullptr || !handshakes_.take()) {
     ++counts_.over_limit;
     listener_.reset();
     return {0, false, true};
   }
-  if (leader_ == slot) leader_ = nullptr;
   *slot = {std::move(listener_), *client_random(bytes), now_, now_, false};
   settle(*slot);
   return {0, false, true};
@@ -125,11 +127,14 @@ SecureServer::Slot* SecureServer::room() noexcept {
   return best;
 }
 
-SecureServer::Slot* SecureServer::slot_at(const Address& from) noexcept {
-  const auto at = std::find_if(slots_.begin(), slots_.end(), [&](const Slot& slot) {
-    return slot.channel != nullptr && slot.channel->address() == from;
-  });
-  return at == slots_.end() ? nullptr : &*at;
+template <typename Fits>
+SecureServer::Slot* SecureServer::newest_at(const Address& from, Fits fits) noexcept {
+  Slot* best = nullptr;
+  for (Slot& slot : slots_) {
+    if (slot.channel == nullptr || slot.channel->address() != from || !fits(slot)) continue;
+    if (best == nullptr || slot.since >= best->since) best = &slot;
+  }
+  return best;
 }
 
 void SecureServer::adopt_sender() noexcept {

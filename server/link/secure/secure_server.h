@@ -20,6 +20,9 @@ namespace handrail {
 // session is dropped, and answered by a cookie at most, which is smaller. One thread at a time.
 class SecureServer final : public Transport {
  public:
+  // A handshake that takes longer is over: DTLS gives up after 0.6 s of its own clock, which is the
+  // calendar and may leap.
+  static constexpr Nanos kLongestHandshake = 2 * kSecond;
   // Sessions and handshakes at a time: one that leads, and others that are told so.
   static constexpr int kSlots = 8;
   // Of each in a second, above which strangers wait: a handshake costs about a millisecond of the
@@ -78,7 +81,9 @@ class SecureServer final : public Transport {
     bool take() noexcept { return left > 0 && left-- > 0; }
   };
 
-  Slot* slot_at(const Address& from) noexcept;
+  // The one made last of those at `from` that `fits`; null: none.
+  template <typename Fits>
+  Slot* newest_at(const Address& from, Fits fits) noexcept;
   Arrival give(Slot& slot, std::span<const std::uint8_t> bytes, const Address& from,
                std::span<std::uint8_t> buffer) noexcept;
   Arrival greet(std::span<const std::uint8_t> bytes, const Address& from) noexcept;

@@ -18,6 +18,9 @@ namespace handrail::test {
 
 using Bytes = std::vector<std::uint8_t>;
 
+// The calendar, which OpenSSL's timers go by.
+extern Nanos wall_clock;
+
 inline Address address_of(std::uint8_t host, std::uint16_t port) {
   return {{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, 192, 0, 2, host}, port, 0};
 }
