@@ -25,6 +25,7 @@ struct Options {
   std::optional<std::string> out, accuracy, budget;                        // scene tools
   std::optional<std::string> poses, from, record;                          // calibrate, with out
   std::optional<std::string> word;                                         // positional argument
+  std::optional<std::string> roles, key;                                   // keys trust, after it
 };
 
 // Where answers and complaints go.
@@ -47,6 +48,7 @@ struct Takes {
   bool calibrate = false;      // --poses, --from, --record and an optional --out
   const char* word = nullptr;  // name of the positional argument
   bool word_optional = false;
+  bool entry = false;  // ROLES and KEY after the word
 };
 
 struct Command {

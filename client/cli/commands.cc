@@ -3,6 +3,7 @@
 #include "client/cli/demo_command.h"
 #include "client/cli/engage_command.h"
 #include "client/cli/hand_command.h"
+#include "client/cli/keys_command.h"
 #include "client/cli/lease_command.h"
 #include "client/cli/scene_command.h"
 #include "client/cli/status_command.h"
@@ -104,6 +105,20 @@ constexpr Command kCommands[] = {
      {.file = "NAME.scene", .wish = true, .word = "NAME|FILE"}},
     {"scene load", "Load a scene in master and slave", run_scene_load, {.word = "NAME"}},
     {"stage", "Put the walls as they are in a stage of the scene", run_stage, {.word = "NAME"}},
+    {"keys new",
+     "Make this user's key, for what it is to be trusted to do",
+     run_keys_new,
+     {.word = "ROLES"}},
+    {"keys show",
+     "The line that another computer types to trust this key",
+     run_keys_show,
+     {.json = true}},
+    {"keys trust",
+     "Let another computer's key in, as `keys show` prints it there",
+     run_keys_trust,
+     {.word = "NAME", .entry = true}},
+    {"keys list", "Whose keys are let in, and as what", run_keys_list, {.json = true}},
+    {"keys remove", "Let a key in no longer; its session ends", run_keys_remove, {.word = "NAME"}},
     {"hand to", "Move the simulated hand", run_hand_to, {.hand = true}},
     {"hand home", "Bring the simulated hand back to where it began", run_hand_home, {}},
     {"calibrate payload",
@@ -125,6 +140,7 @@ std::string group_help(const std::string& word) {
   if (word == "scene") return "Look at scenes, load one";
   if (word == "lease") return "Who drives: one operator at a time, by name (--as)";
   if (word == "calibrate") return "Find what the slave's file has to say of this arm";
+  if (word == "keys") return "Who may reach the programs of this user over the network";
   if (word == "hand") return "Move the hand of a simulated device";
   return {};
 }

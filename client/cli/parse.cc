@@ -80,6 +80,12 @@ void add_options(CLI::App& app, const Takes& takes, Options& o) {
   app.add_option_function<std::string>(
          takes.word, [&o](const std::string& text) { o.word = text; }, "")
       ->required(!takes.word_optional);
+  if (!takes.entry) return;
+  for (const auto& [name, target] : {std::pair("ROLES", &o.roles), std::pair("KEY", &o.key)}) {
+    app.add_option_function<std::string>(
+           name, [target = target](const std::string& text) { *target = text; }, "")
+        ->required();
+  }
 }
 
 std::string default_socket() {

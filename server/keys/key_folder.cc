@@ -5,15 +5,21 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <filesystem>
+#include <fstream>
+#include <iomanip>
+#include <sstream>
 #include <string_view>
 
 #include "server/base/folder_owner.h"
+#include "server/base/operator_name.h"
 #include "server/base/read_file.h"
 
 namespace handrail {
@@ -103,31 +109,46 @@ std::string default_key_folder() {
   return home() + "/.config/handrail";
 }
 
-Result<OwnKey> KeyFolder::create() const {
+Result<OwnEntry> KeyFolder::create(const std::string& name, Roles roles) const {
   if (const Status made = make_folder(path_); !made) return made;
   auto key = OwnKey::generate();
-  if (!key) return key;
+  if (!key) return key.status();
+  OwnEntry out{*key, name, roles};
   if (has_key()) {
     return failure(key_path(),
-                   "there is a key already; `handrail keys show` prints its public half");
+                   "there is a key already; `handrail keys show` prints its public half. One that "
+                   "is lost or known to others: remove this file, make another, and have it "
+                   "trusted where the old one was");
   }
-  const Status written = write_whole(key_path(), key->pem(), true);
+  const std::string header = "handrail " + name + " " + roles_text(roles) + "\n";
+  const Status written = write_whole(key_path(), header + key->pem(), true);
   if (!written) return written;
-  return key;
+  remember("made key " + key_id(key->public_key()) + " of " + name);
+  return out;
 }
 
-Result<OwnKey> KeyFolder::load() const {
+Result<OwnEntry> KeyFolder::load() const {
   if (!has_key()) {
     return Status::error("no key at " + key_path() + ": `handrail keys new` makes one");
   }
-  const Status safe = check(key_path(), 077,
-                            "read or change it, expected 0600: if nobody has, chmod 600 it; else "
-                            "remove it and make a new one");
+  const Status safe = check(
+      key_path(), 077,
+      "read or change it, expected 0600: if nobody has, chmod 600 it; else remove it and make "
+      "a new one");
   if (!safe) return safe;
   const auto text = read_file(key_path(), kMostBytes);
   if (!text) return text.status();
   auto key = OwnKey::parse(*text);
-  return key ? key : failure(key_path(), key.message());
+  if (!key) return failure(key_path(), key.message());
+  std::istringstream header(*text);
+  std::string word, name, roles;
+  header >> word >> name >> roles;
+  if (word != "handrail" || !is_operator_name(name) || parse_roles(roles).empty()) {
+    return failure(key_path(), "the first line is '" +
+                                   text->substr(0, std::min(text->find('\n'), std::size_t{60})) +
+                                   "': expected handrail NAME ROLES");
+  }
+  return OwnEntry{*key, name, parse_roles(roles)};
 }
 
 bool KeyFolder::has_key() const {
@@ -146,14 +167,24 @@ Result<TrustList> KeyFolder::trusted() const {
   return TrustList::parse(*text, trusted_path());
 }
 
-Status KeyFolder::save(const TrustList& list) const {
+Status KeyFolder::save(const TrustList& list, const std::string& what) const {
   if (const Status made = make_folder(path_); !made) return made;
-  return write_whole(
+  const Status written = write_whole(
       trusted_path(),
-      "# Whom the programs of this user let in: NAME ROLES KEY. Written by `handrail "
-      "keys`.\n" +
+      "# Whom the programs of this user let in: NAME ROLES KEY. Written by `handrail keys`.\n" +
           list.text(),
       false);
+  if (written) remember(what);
+  return written;
+}
+
+void KeyFolder::remember(const std::string& what) const {
+  std::ofstream history(history_path(), std::ios::app);
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  ::gmtime_r(&now, &parts);
+  history << std::put_time(&parts, "%Y-%m-%dT%H:%M:%SZ ") << user_text(::geteuid()) << ": " << what
+          << '\n';
 }
 
 std::string KeyFolder::stamp() const {

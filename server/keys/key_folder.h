@@ -12,30 +12,44 @@ namespace handrail {
 // $HANDRAIL_KEYS; else handrail/ in $XDG_CONFIG_HOME or in .config of the home.
 std::string default_key_folder();
 
-// A folder with `key` (private, PEM) and `trusted` (lines). Reads and writes the disk: not
+// A key of ours, and what we are to be called by those who trust it.
+struct OwnEntry {
+  OwnKey key;
+  std::string name;
+  Roles roles;
+
+  Trusted entry() const { return {name, roles, key.public_key()}; }
+};
+
+// A folder with `key` (private, PEM after a line with name and roles), `trusted` (lines) and
+// `history` (what was changed when). Reads and writes the disk: not
 // real-time safe.
 class KeyFolder {
  public:
   explicit KeyFolder(std::string path) : path_(std::move(path)) {}
 
   std::string key_path() const { return path_ + "/key"; }
+  std::string history_path() const { return path_ + "/history"; }
   std::string trusted_path() const { return path_ + "/trusted"; }
 
   // Makes a key, and the folder with mode 0700 if need be. Refuses where there is a key already.
-  Result<OwnKey> create() const;
+  Result<OwnEntry> create(const std::string& name, Roles roles) const;
   // Refused: not there, not ours, or a file that anybody else could read or write.
-  Result<OwnKey> load() const;
+  Result<OwnEntry> load() const;
   // True when there is a file that may hold a key.
   bool has_key() const;
 
   // None where there is no file. Refused: one that anybody else could write.
   Result<TrustList> trusted() const;
-  // In one piece or not at all.
-  Status save(const TrustList& list) const;
+  // In one piece or not at all. `what` goes to the history, with the time and who did it.
+  Status save(const TrustList& list, const std::string& what) const;
   // A key's or a list's change shows here, without reading them: other when one has changed.
   std::string stamp() const;
 
  private:
+  // The newest lines of the history are at its end.
+  void remember(const std::string& what) const;
+
   std::string path_;
 };
 

@@ -60,7 +60,8 @@ Table program_rows() {
            daemons + Folders{"server/haptic", "server/constraint", "server/kinematics"}},
           {"server/slave", daemons + Folders{"server/follow", "devices/melfa", "devices/net_ft"}},
           {"client/api", kBase + Folders{"proto"}},
-          {"client/cli", kModel + Folders{"proto", "server/task", "server/scene", "client/api"}},
+          {"client/cli",
+           kModel + Folders{"proto", "server/keys", "server/task", "server/scene", "client/api"}},
           {"client/console", kBase + Folders{"proto", "client/api"}}};
 }
 

@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 
 #include <filesystem>
+#include <fstream>
 
 #include "tests/support/temp_folder.h"
 
@@ -23,17 +24,39 @@ class KeyFolderTest : public ::testing::Test {
 };
 
 TEST_F(KeyFolderTest, AKeyIsMadeOnceAndOnlyItsOwnerReadsIt) {
-  const auto made = keys_.create();
+  const auto made = keys_.create("cell", Role::kSlave);
   ASSERT_TRUE(made) << made.message();
   EXPECT_EQ(mode_of(keys_.key_path()), 0600u);
   EXPECT_EQ(mode_of(folder_.path() + "/a/handrail"), 0700u);
   const auto read = keys_.load();
   ASSERT_TRUE(read) << read.message();
-  EXPECT_EQ(read->public_key(), made->public_key());
-  const auto again = keys_.create();
+  EXPECT_EQ(read->key.public_key(), made->key.public_key());
+  const auto again = keys_.create("cell", Role::kSlave);
   ASSERT_FALSE(again);
   EXPECT_NE(again.message().find("there is a key already"), std::string::npos);
-  EXPECT_EQ(keys_.load()->public_key(), made->public_key());
+  EXPECT_EQ(keys_.load()->key.public_key(), made->key.public_key());
+}
+
+TEST_F(KeyFolderTest, WhatWasChangedIsRemembered) {
+  ASSERT_TRUE(keys_.create("cell", Role::kSlave));
+  ASSERT_TRUE(keys_.save(TrustList(), "removed desk"));
+  std::ifstream file(keys_.history_path());
+  std::string first, second;
+  std::getline(file, first);
+  std::getline(file, second);
+  EXPECT_NE(first.find("made key " + key_id(keys_.load()->key.public_key()) + " of cell"),
+            std::string::npos);
+  EXPECT_NE(second.find(": removed desk"), std::string::npos) << second;
+}
+
+TEST_F(KeyFolderTest, NameAndRolesComeBack) {
+  Roles roles = Role::kMaster;
+  roles.add(Role::kOperator);
+  ASSERT_TRUE(keys_.create("desk", roles));
+  const auto read = keys_.load();
+  ASSERT_TRUE(read) << read.message();
+  EXPECT_EQ(read->name, "desk");
+  EXPECT_EQ(read->roles, roles);
 }
 
 TEST_F(KeyFolderTest, NoKeySaysHowToMakeOne) {
@@ -43,7 +66,7 @@ TEST_F(KeyFolderTest, NoKeySaysHowToMakeOne) {
 }
 
 TEST_F(KeyFolderTest, AKeyThatOthersCouldReadIsRefused) {
-  ASSERT_TRUE(keys_.create());
+  ASSERT_TRUE(keys_.create("cell", Role::kSlave));
   for (const mode_t mode : {0640u, 0604u, 0660u, 0602u, 0666u, 0610u}) {
     ASSERT_EQ(::chmod(keys_.key_path().c_str(), mode), 0);
     const auto read = keys_.load();
@@ -57,7 +80,7 @@ TEST_F(KeyFolderTest, AKeyThatOthersCouldReadIsRefused) {
 TEST_F(KeyFolderTest, AListThatOthersCouldWriteIsRefused) {
   TrustList list;
   ASSERT_TRUE(list.add({"desk", Role::kMaster, key()}));
-  ASSERT_TRUE(keys_.save(list));
+  ASSERT_TRUE(keys_.save(list, "a test"));
   EXPECT_EQ(*keys_.trusted(), list);
   ASSERT_EQ(::chmod(keys_.trusted_path().c_str(), 0644), 0);
   EXPECT_TRUE(keys_.trusted());
@@ -74,7 +97,7 @@ TEST_F(KeyFolderTest, WithoutAListNobodyIsTrusted) {
 }
 
 TEST_F(KeyFolderTest, AListThatCannotBeReadIsNotTakenForAnEmptyOne) {
-  ASSERT_TRUE(keys_.save(TrustList()));
+  ASSERT_TRUE(keys_.save(TrustList(), "a test"));
   folder_.write("a/handrail/trusted", "desk\n");
   const auto read = keys_.trusted();
   ASSERT_FALSE(read);
@@ -83,10 +106,10 @@ TEST_F(KeyFolderTest, AListThatCannotBeReadIsNotTakenForAnEmptyOne) {
 
 TEST_F(KeyFolderTest, TheStampChangesWithKeyAndList) {
   const std::string none = keys_.stamp();
-  ASSERT_TRUE(keys_.create());
+  ASSERT_TRUE(keys_.create("cell", Role::kSlave));
   const std::string key_only = keys_.stamp();
   EXPECT_NE(none, key_only);
-  ASSERT_TRUE(keys_.save(TrustList()));
+  ASSERT_TRUE(keys_.save(TrustList(), "a test"));
   const std::string both = keys_.stamp();
   EXPECT_NE(key_only, both);
   EXPECT_EQ(both, keys_.stamp());

@@ -1,0 +1,38 @@
+// From a name to addresses, without waiting.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/udp.hpp>
+
+#include "server/base/status.h"
+#include "server/link/secure/address.h"
+
+namespace handrail {
+
+// "HOST", "HOST:PORT", "[IPv6]:PORT" or an IPv6 address alone.
+struct HostPort {
+  std::string host;
+  std::uint16_t port = 0;
+};
+// The error says what was expected. `port`: where none is named.
+Result<HostPort> parse_host(const std::string& text, std::uint16_t port);
+
+class PeerResolver {
+ public:
+  explicit PeerResolver(boost::asio::io_context& io) : resolver_(io) {}
+
+  // Calls `found` once in the io_context's thread: all addresses of the host, IPv6 and IPv4 in turn
+  // as the system orders them, or why there is none. One question at a time: false while one is
+  // open.
+  bool ask(const HostPort& where, std::function<void(Result<std::vector<Address>>)> found);
+
+ private:
+  boost::asio::ip::udp::resolver resolver_;
+  bool asking_ = false;
+};
+
+}  // namespace handrail

@@ -1,0 +1,129 @@
+#include "server/link/secure/udp_socket.h"
+
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/ip/v6_only.hpp>
+
+#include <algorithm>
+#include <utility>
+
+namespace handrail {
+namespace {
+
+namespace asio = boost::asio;
+namespace ip = boost::asio::ip;
+using boost::system::error_code;
+using Endpoint = ip::udp::endpoint;
+
+Result<Endpoint> own_endpoint(const std::string& text, std::uint16_t port, bool v6) {
+  if (text == "any") {
+    return v6 ? Endpoint(ip::address_v6::any(), port) : Endpoint(ip::address_v4::any(), port);
+  }
+  error_code error;
+  const ip::address address = ip::make_address(text, error);
+  if (!error) return Endpoint(address, port);
+  return Status::error("link address '" + text +
+                       "': expected any, or an address of this computer, IPv4 such as 192.0.2.7 or "
+                       "IPv6 such as 2001:db8::7");
+}
+
+Status bind_error(const std::string& address, std::uint16_t port, const error_code& error) {
+  const std::string place = "link port " + std::to_string(port) + " on " + address;
+  if (error == asio::error::address_in_use) {
+    return Status::error(place + " is in use, likely by a program like this one that still runs: " +
+                         "end it, or set link_port to another");
+  }
+  if (error == boost::system::errc::address_not_available) {
+    return Status::error(place +
+                         ": this computer has no such address: expected any, or one that "
+                         "`ip address` shows");
+  }
+  return Status::error(place + ": " + error.message());
+}
+
+}  // namespace
+
+Address address_of(const Endpoint& endpoint) noexcept {
+  Address out;
+  out.port = endpoint.port();
+  const ip::address address = endpoint.address();
+  if (address.is_v6()) {
+    out.ip = address.to_v6().to_bytes();
+    out.scope = static_cast<std::uint32_t>(address.to_v6().scope_id());
+    return out;
+  }
+  out.ip[10] = out.ip[11] = 0xff;
+  const auto bytes = address.to_v4().to_bytes();
+  std::copy(bytes.begin(), bytes.end(), out.ip.begin() + 12);
+  return out;
+}
+
+Status UdpSocket::open(const std::string& address, std::uint16_t port) {
+  close();
+  error_code error;
+  for (const bool v6 : {true, false}) {
+    const auto own = own_endpoint(address, port, v6);
+    if (!own) return own.status();
+    v6_ = own->address().is_v6();
+    socket_.open(own->protocol(), error);
+    // A kernel without IPv6 has IPv4.
+    if (error && v6 && address == "any") continue;
+    if (!error && v6_) socket_.set_option(ip::v6_only(address != "any"), error);
+    if (!error) socket_.non_blocking(true, error);
+    if (!error) socket_.bind(*own, error);
+    break;
+  }
+  const Endpoint bound = error ? Endpoint() : socket_.local_endpoint(error);
+  if (error) {
+    close();
+    return bind_error(address, port, error);
+  }
+  port_ = bound.port();
+  return Status::ok();
+}
+
+void UdpSocket::on_readable(std::function<void()> readable) {
+  readable_ = std::move(readable);
+  wait_readable();
+}
+
+void UdpSocket::wait_readable() {
+  socket_.async_wait(asio::socket_base::wait_read, [this](const error_code& error) {
+    if (error) return;
+    readable_();
+    wait_readable();
+  });
+}
+
+void UdpSocket::close() noexcept {
+  error_code ignored;
+  socket_.close(ignored);
+  port_ = 0;
+}
+
+std::optional<DatagramSocket::Arrival> UdpSocket::receive(std::span<std::uint8_t> buffer) noexcept {
+  // An error that an earlier datagram has left, such as a port that nobody listens at, is not one
+  // of what waits behind it.
+  for (int errors = 0; errors < 8; ++errors) {
+    error_code error;
+    Endpoint from;
+    const std::size_t size =
+        socket_.receive_from(asio::buffer(buffer.data(), buffer.size()), from, 0, error);
+    if (!error) return Arrival{size, address_of(from)};
+    if (error == asio::error::would_block || error == asio::error::bad_descriptor) break;
+  }
+  return std::nullopt;
+}
+
+bool UdpSocket::send(std::span<const std::uint8_t> bytes, const Address& to) noexcept {
+  const ip::address_v6 v6(to.ip, to.scope);
+  error_code error;
+  const Endpoint endpoint =
+      v6_ ? Endpoint(v6, to.port)
+          : Endpoint(v6.is_v4_mapped() ? ip::make_address_v4(ip::v4_mapped, v6) : ip::address_v4(),
+                     to.port);
+  if (!v6_ && !v6.is_v4_mapped()) return false;
+  socket_.send_to(asio::buffer(bytes.data(), bytes.size()), endpoint, 0, error);
+  return !error;
+}
+
+}  // namespace handrail
