@@ -58,6 +58,9 @@ class LinkServer {
   }
   // Where the link is; empty until open().
   std::string place() const { return transport_ ? transport_->place() : std::string(); }
+  LinkIdentity identity(Nanos now) const {
+    return transport_ ? transport_->identity(now) : LinkIdentity();
+  }
   boost::asio::io_context& io() { return io_; }
   const Remote& newest() const { return peer_.newest(); }
   const LinkSnapshot& snapshot() const { return peer_.snapshot(); }
@@ -90,6 +93,7 @@ class LinkServer {
       if (!error) hooks_.on_signal();
     });
     take_endings();
+    transport_->on_say(hooks_.say);
     transport_->on_readable([this] { in_memory([this] { receive(monotonic_now()); }); });
     wait_for_ring();
     wait_for_tick(monotonic_now());

@@ -44,6 +44,16 @@ class Transport {
   virtual std::string_view peer_name() const noexcept = 0;
 };
 
+// Who is at the other end, as far as keys say.
+struct LinkIdentity {
+  bool encrypted = false;
+  std::string name;     // of the peer, in our list of the trusted; empty: no session
+  std::string key_id;   // of its key
+  std::string address;  // where it is
+  Nanos age = 0;        // of the session
+  std::string problem;  // why there is no session, and what to do; empty: nothing is known
+};
+
 // One that a daemon serves in its IO thread.
 class ServedTransport : public Transport {
  public:
@@ -55,6 +65,11 @@ class ServedTransport : public Transport {
   virtual void close() noexcept = 0;
   // To be called a thousand times a second. Real-time safe.
   virtual void tick(Nanos /*now*/) noexcept {}
+  // A line for the log; `bad`: somebody should look.
+  using Say = std::function<void(bool bad, const std::string& line)>;
+  virtual void on_say(Say /*say*/) {}
+  // Not real-time safe.
+  virtual LinkIdentity identity(Nanos /*now*/) const { return {}; }
   // Where it is, for who started the daemon; empty while closed.
   virtual std::string place() const = 0;
 };

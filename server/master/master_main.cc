@@ -22,6 +22,7 @@
 #include "server/base/units.h"
 #include "server/daemon/daemon_main.h"
 #include "server/daemon/errand.h"
+#include "server/link/secure/secure_transport.h"
 #include "server/link/unix_transport.h"
 #include "server/master/haptic_loop.h"
 #include "server/master/haptic_settings.h"
@@ -38,9 +39,11 @@ namespace handrail {
 namespace {
 
 constexpr int kHapticPriority = 85;
+constexpr std::uint16_t kLinkPort = 47002;  // SlaveConfig.link_port
 // The thread has its grants by then: locking memory takes some 15 ms.
 constexpr Nanos kSetUp = 50 * kMillisecond;
 
+const char kLinkHelp[] = "the slave, HOST or HOST:PORT, over the encrypted link";
 const char kWhat[] =
     "The operator's side: haptic device, virtual tools and forces at 1 kHz; sends the command to\n"
     "the slave and takes orders on a Unix socket. SIGTERM disengages, then exits.";
@@ -153,9 +156,11 @@ OrderDeskOptions desk_of(const pb::MasterConfig& config, const HapticCapabilitie
 // The link that is asked for; the error says why it cannot be had.
 Result<TransportMaker> link_of(const pb::MasterConfig& config) {
   if (config.has_slave()) {
-    return Status::error("slave " + config.slave() +
-                         ": asks for the encrypted link, which needs a key; leave it out for the "
-                         "plain link with a slave on this computer");
+    const auto slave = parse_host(config.slave(), kLinkPort);
+    if (!slave) return Status::error("slave " + slave.message());
+    const auto options = secure_options(KeyFolder(default_key_folder()));
+    if (!options) return options.status();
+    return calling_link(*options, *slave);
   }
   return TransportMaker([path = config.link_socket()](boost::asio::io_context& io) {
     return std::make_unique<UnixTransport>(io, UnixTransport::End::kMaster, path);
@@ -219,5 +224,5 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
 
 int main(int argc, char** argv) {
   using namespace handrail;
-  return daemon_main(argc, argv, "handrail-master", kWhat, load_master_config, run);
+  return daemon_main(argc, argv, "handrail-master", kWhat, kLinkHelp, load_master_config, run);
 }

@@ -167,13 +167,18 @@ void set_addresses(pb::RigConfig& c) {
   if (!c.has_address()) c.set_address(own_address());
 }
 
+void set_link(pb::MasterConfig& c, const std::string& link) { c.set_slave(link); }
+void set_link(pb::SlaveConfig& c, const std::string& link) { c.set_link_address(link); }
+void set_link(pb::RigConfig&, const std::string&) {}
+
 template <typename Config>
-Result<Config> load(const std::string& path) {
+Result<Config> load(const std::string& path, const std::string& link = {}) {
   Config config;
   TextSource source;
   if (!path.empty()) {
     if (Status status = source.load(path, config); !status) return status;
   }
+  if (!link.empty()) set_link(config, link);
   set_addresses(config);
   if (path.empty()) return config;
   if (const Problem problem = check(config)) return source.error_at(*problem);
@@ -190,8 +195,8 @@ std::string socket_path_problem(const std::string& path, std::size_t beside) {
          (beside == 0 ? "" : "room here for ") + "at most " + std::to_string(longest);
 }
 
-Result<pb::MasterConfig> load_master_config(const std::string& path) {
-  Result<pb::MasterConfig> config = load<pb::MasterConfig>(path);
+Result<pb::MasterConfig> load_master_config(const std::string& path, const std::string& link) {
+  Result<pb::MasterConfig> config = load<pb::MasterConfig>(path, link);
   if (!config) return config;
   resolve_scene_path(path, *config);
   resolve_link_socket(path, *config);
@@ -202,8 +207,8 @@ Result<pb::MasterConfig> load_master_config(const std::string& path) {
   return config;
 }
 
-Result<pb::SlaveConfig> load_slave_config(const std::string& path) {
-  Result<pb::SlaveConfig> config = load<pb::SlaveConfig>(path);
+Result<pb::SlaveConfig> load_slave_config(const std::string& path, const std::string& link) {
+  Result<pb::SlaveConfig> config = load<pb::SlaveConfig>(path, link);
   if (!config) return config;
   resolve_scene_path(path, *config);
   resolve_link_socket(path, *config);

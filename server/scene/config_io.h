@@ -13,8 +13,10 @@
 
 namespace handrail {
 
-Result<pb::MasterConfig> load_master_config(const std::string& path);
-Result<pb::SlaveConfig> load_slave_config(const std::string& path);
+// `link`: a slave's host, or the address to listen at, in place of what the file says; empty: as it
+// says.
+Result<pb::MasterConfig> load_master_config(const std::string& path, const std::string& link = {});
+Result<pb::SlaveConfig> load_slave_config(const std::string& path, const std::string& link = {});
 Result<pb::RigConfig> load_rig_config(const std::string& path);
 
 // Why `path` cannot name a Unix socket, and another whose path has `beside` bytes more; empty when

@@ -19,6 +19,7 @@
 #include "server/base/signals.h"
 #include "server/daemon/daemon_main.h"
 #include "server/daemon/errand.h"
+#include "server/link/secure/secure_transport.h"
 #include "server/link/unix_transport.h"
 #include "server/scene/config_io.h"
 #include "server/scene/payload_io.h"
@@ -37,6 +38,7 @@ namespace {
 constexpr int kRobotPriority = 80;
 constexpr double kMostSensorLag = 0.1;  // that the bumper can reckon with [s]
 
+const char kLinkHelp[] = "wait for the encrypted link at this address, or any";
 const char kWhat[] =
     "The robot's side: follows the master's commands on the arm, within its limits, and reports\n"
     "joints and contact forces back. SIGTERM stops the arm on its path, then exits.";
@@ -153,10 +155,10 @@ void say_counters(const MelfaRobot& robot, const NetFtSensor* sensor) {
 // The link that is asked for; the error says why it cannot be had.
 Result<TransportMaker> link_of(const pb::SlaveConfig& config) {
   if (config.has_link_address() || config.has_link_port()) {
-    return Status::error(
-        "link_address, link_port: ask for the encrypted link, which needs a key; leave both out "
-        "for "
-        "the plain link with a master on this computer");
+    const auto options = secure_options(KeyFolder(default_key_folder()));
+    if (!options) return options.status();
+    return listening_link(*options, config.has_link_address() ? config.link_address() : "any",
+                          port_of(config.link_port()));
   }
   return TransportMaker([path = config.link_socket()](boost::asio::io_context& io) {
     return std::make_unique<UnixTransport>(io, UnixTransport::End::kSlave, path);
@@ -212,5 +214,5 @@ int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
 
 int main(int argc, char** argv) {
   using namespace handrail;
-  return daemon_main(argc, argv, "handrail-slave", kWhat, load_slave_config, run);
+  return daemon_main(argc, argv, "handrail-slave", kWhat, kLinkHelp, load_slave_config, run);
 }

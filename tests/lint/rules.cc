@@ -47,15 +47,15 @@ Table part_rows() {
           {"server/painting", kModel},
           {"server/scene", kModel + Folders{"server/kinematics", "server/painting", "proto"}},
           {"server/link", kModel + Folders{"proto"}},
-          {"server/link/secure", kModel + Folders{"server/link", "server/keys"}},
+          {"server/link/secure", kModel + Folders{"server/daemon", "server/link", "server/keys"}},
           {"server/record", kModel + Folders{"proto"}}};
 }
 
 // The daemons, and who drives them.
 Table program_rows() {
-  const Folders daemons =
-      kModel + Folders{"server/daemon",  "server/link", "server/record", "server/scene",
-                       "server/session", "proto",       "devices"};
+  const Folders daemons = kModel + Folders{"server/daemon",      "server/keys",   "server/link",
+                                           "server/link/secure", "server/record", "server/scene",
+                                           "server/session",     "proto",         "devices"};
   return {{"server/master",
            daemons + Folders{"server/haptic", "server/constraint", "server/kinematics"}},
           {"server/slave", daemons + Folders{"server/follow", "devices/melfa", "devices/net_ft"}},

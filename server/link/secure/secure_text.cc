@@ -1,0 +1,72 @@
+#include "server/link/secure/secure_text.h"
+
+namespace handrail {
+namespace {
+
+std::string line_to_type(const std::string& name, Role role, const PublicKey& key) {
+  return "handrail keys trust " + name + " " + role_text(role) + " " + key_text(key);
+}
+
+// "cell 3f2a-91bc-07de-55a1, north ...": those with the role.
+std::string those_trusted(const TrustList& trusted, Role role) {
+  std::string out;
+  for (const Trusted& entry : trusted.entries()) {
+    if (!entry.roles.has(role)) continue;
+    if (!out.empty()) out.append(", ");
+    out.append(entry.name).append(" ").append(key_id(entry.key));
+  }
+  return out.empty() ? "none" : out;
+}
+
+std::string untrusted_text(const PeerKey& shown, const std::string& at, const TrustList& trusted,
+                           LinkRoles roles) {
+  const std::string other = role_text(roles.other);
+  if (!shown.shown) return "what is at " + at + " shows no key that Handrail knows";
+  if (const Trusted* known = trusted.find(shown.key)) {
+    return known->name + " at " + at + " is trusted here as " + roles_text(known->roles) +
+           ", not as " + other +
+           ": if that is meant, type here: " + line_to_type(known->name, roles.other, shown.key);
+  }
+  return "what is at " + at + " shows key " + key_id(shown.key) +
+         ", which is not trusted here (as " + other + ": " + those_trusted(trusted, roles.other) +
+         "): a stranger; or if it is a key of yours, `handrail keys remove` the old name first if "
+         "it has one, and type "
+         "here: " +
+         line_to_type("NAME", roles.other, shown.key);
+}
+
+}  // namespace
+
+std::string session_text(const TrustList& trusted, const PublicKey& key, const Address& at) {
+  const Trusted* who = trusted.find(key);
+  std::string out = who == nullptr ? std::string("a stranger") : who->name;
+  return out.append(", key ").append(key_id(key)).append(", at ").append(address_text(at));
+}
+
+std::string problem_text(DtlsChannel::Problem problem, const PeerKey& shown, const Address& at,
+                         const TrustList& trusted, const Trusted& own, LinkRoles roles) {
+  using Problem = DtlsChannel::Problem;
+  const std::string place = address_text(at);
+  const std::string other = role_text(roles.other);
+  switch (problem) {
+    case Problem::kUntrusted: return untrusted_text(shown, place, trusted, roles);
+    case Problem::kWeAre:
+      return "the " + other + " at " + place + " does not trust our key " + key_id(own.key) +
+             " as " + role_text(roles.own) +
+             ": on that computer, type: " + line_to_type(own.name, roles.own, own.key);
+    case Problem::kNoAnswer:
+      return "no " + other + " answers at " + place +
+             ": is it started there, with link_address in "
+             "its configuration, and does UDP port " +
+             std::to_string(at.port) + " pass every firewall on the way?";
+    case Problem::kNoAgreement:
+      return "what is at " + place +
+             " does not agree on DTLS 1.2 with keys of P-256: expected a "
+             "Handrail " +
+             other + " of this version";
+    case Problem::kNone: break;
+  }
+  return {};
+}
+
+}  // namespace handrail

@@ -1,0 +1,225 @@
+#include "server/link/secure/secure_transport.h"
+
+#include <memory>
+#include <utility>
+
+#include "server/link/secure/secure_client.h"
+#include "server/link/secure/secure_server.h"
+#include "server/link/secure/secure_text.h"
+#include "server/link/secure/trust_watch.h"
+#include "server/link/secure/udp_socket.h"
+
+namespace handrail {
+namespace {
+
+using Problem = DtlsChannel::Problem;
+
+// A name's addresses may change; a resolver has a time-out of some seconds of its own.
+constexpr Nanos kLookUpAgain = 5 * kSecond;
+// Between two lines about strangers: anybody who reaches the port can cause one.
+constexpr Nanos kStrangerPause = 10 * kSecond;
+
+LinkIdentity no_session(const std::string& problem) {
+  LinkIdentity out;
+  out.encrypted = true;
+  out.problem = problem;
+  return out;
+}
+
+// What both ends have. `End`: SecureServer or SecureClient.
+template <typename End>
+class SecureTransport : public ServedTransport {
+ public:
+  SecureTransport(boost::asio::io_context& io, SecureLinkOptions options,
+                  std::shared_ptr<DtlsContext> context)
+      : options_(std::move(options)), context_(std::move(context)), socket_(io) {}
+
+  void on_readable(std::function<void()> readable) override {
+    socket_.on_readable(std::move(readable));
+  }
+  void close() noexcept override { socket_.close(); }
+  void on_say(Say say) override { say_ = std::move(say); }
+  std::string place() const override {
+    return socket_.port() == 0 ? std::string() : "port " + std::to_string(socket_.port());
+  }
+  std::optional<Arrival> receive(std::span<std::uint8_t> buffer) noexcept override {
+    return end_.receive(buffer);
+  }
+  void adopt_sender() noexcept override { end_.adopt_sender(); }
+  bool send(std::span<const std::uint8_t> bytes) noexcept override { return end_.send(bytes); }
+  bool answer(std::span<const std::uint8_t> bytes) noexcept override { return end_.answer(bytes); }
+  std::string_view peer_name() const noexcept override { return end_.peer_name(); }
+
+ protected:
+  void say(bool bad, const std::string& line) {
+    if (say_) say_(bad, line);
+  }
+  void take_trust(Nanos now) {
+    if (!options_.trust_news) return;
+    const auto news = options_.trust_news(now);
+    if (!news) return;
+    if (!*news) {
+      // What cannot be read lets nobody in, and nobody out whom it may still name.
+      say(true, "keys: " + news->message() + "; those trusted before stay so");
+      return;
+    }
+    options_.trusted = **news;
+    end_.set_trusted(**news);
+    say(false, "keys: the list of the trusted has changed: " +
+                   std::to_string(options_.trusted.entries().size()) + " there");
+  }
+  // A session has begun, with another key or at another address, or ended.
+  void say_session(const std::string& what, const DtlsChannel* channel) {
+    const bool same = channel == nullptr ? !speaking_
+                                         : speaking_ && said_at_ == channel->address() &&
+                                               said_key_ == channel->peer().key;
+    if (same) return;
+    speaking_ = channel != nullptr;
+    if (!speaking_) return say(false, "encrypted session ended");
+    said_at_ = channel->address();
+    said_key_ = channel->peer().key;
+    say(false, what + session_text(options_.trusted, said_key_, said_at_));
+  }
+  std::string problem_of(Problem problem, const PeerKey& shown, const Address& at,
+                         LinkRoles roles) const {
+    return problem_text(problem, shown, at, options_.trusted, options_.own.entry(), roles);
+  }
+
+  SecureLinkOptions options_;
+  std::shared_ptr<DtlsContext> context_;
+  UdpSocket socket_;
+  End end_{*context_, socket_};
+  Say say_;
+  bool speaking_ = false;  // what was said last: with whom
+  Address said_at_;
+  PublicKey said_key_;
+};
+
+class ListeningTransport final : public SecureTransport<SecureServer> {
+ public:
+  ListeningTransport(boost::asio::io_context& io, SecureLinkOptions options,
+                     std::shared_ptr<DtlsContext> context, std::string address, std::uint16_t port)
+      : SecureTransport(io, std::move(options), std::move(context)),
+        address_(std::move(address)),
+        port_(port) {}
+
+  Status open() override { return socket_.open(address_, port_); }
+  void tick(Nanos now) noexcept override {
+    end_.tick(now);
+    take_trust(now);
+    say_session("encrypted session with ", end_.leader());
+    const SecureServer::Refused& refused = end_.refused();
+    if (refused.at == said_ || now < next_line_ || refused.problem == Problem::kNoAnswer) return;
+    said_ = refused.at;
+    next_line_ = now + kStrangerPause;
+    say(true, "refused: " + problem_of(refused.problem, refused.peer, refused.from,
+                                       {Role::kSlave, Role::kMaster}));
+  }
+  LinkIdentity identity(Nanos now) const override {
+    const DtlsChannel* leader = end_.leader();
+    if (leader == nullptr) return no_session({});
+    return {true,
+            std::string(end_.peer_name()),
+            key_id(leader->peer().key),
+            address_text(leader->address()),
+            now - end_.leader_since(),
+            {}};
+  }
+
+ private:
+  std::string address_;
+  std::uint16_t port_;
+  Nanos said_ = -kForever, next_line_ = -kForever;
+};
+
+class CallingTransport final : public SecureTransport<SecureClient> {
+ public:
+  CallingTransport(boost::asio::io_context& io, SecureLinkOptions options,
+                   std::shared_ptr<DtlsContext> context, HostPort slave)
+      : SecureTransport(io, std::move(options), std::move(context)),
+        slave_(std::move(slave)),
+        resolver_(io) {}
+
+  Status open() override { return socket_.open("any", 0); }
+  void tick(Nanos now) noexcept override {
+    if (end_.session() == nullptr && now >= look_up_at_) {
+      look_up_at_ = now + kLookUpAgain;
+      resolver_.ask(slave_, [this](const Result<std::vector<Address>>& found) {
+        lookup_ = found ? std::string() : "slave " + found.message();
+        if (found) end_.set_addresses(*found);
+      });
+    }
+    end_.tick(now);
+    take_trust(now);
+    say_session("encrypted session with ", end_.session());
+    const std::string problem = problem_now();
+    if (problem == problem_) return;
+    problem_ = problem;
+    if (!problem_.empty()) say(true, problem_);
+  }
+  LinkIdentity identity(Nanos now) const override {
+    const DtlsChannel* session = end_.session();
+    if (session == nullptr) return no_session(problem_);
+    return {true,
+            std::string(end_.peer_name()),
+            key_id(session->peer().key),
+            address_text(session->address()),
+            now - end_.session_since(),
+            {}};
+  }
+
+ private:
+  std::string problem_now() const {
+    if (end_.session() != nullptr) return {};
+    if (!lookup_.empty()) return lookup_;
+    return problem_of(end_.problem(), end_.refused(), end_.tried(), {Role::kMaster, Role::kSlave});
+  }
+
+  HostPort slave_;
+  PeerResolver resolver_;
+  Nanos look_up_at_ = -kForever;
+  std::string lookup_;   // why the name gives no address
+  std::string problem_;  // said last
+};
+
+Result<std::shared_ptr<DtlsContext>> context_of(const SecureLinkOptions& options,
+                                                DtlsContext::Side side, Role wanted) {
+  auto made = DtlsContext::make(options.own.key, options.trusted, side, wanted);
+  if (!made) return made.status();
+  return std::shared_ptr<DtlsContext>(std::move(*made));
+}
+
+}  // namespace
+
+Result<SecureLinkOptions> secure_options(const KeyFolder& folder) {
+  const std::string stamp = folder.stamp();
+  auto own = folder.load();
+  if (!own) return Status::error("the encrypted link needs a key: " + own.message());
+  auto trusted = folder.trusted();
+  if (!trusted) return trusted.status();
+  return SecureLinkOptions{*own, *trusted,
+                           [watch = std::make_shared<TrustWatch>(folder, stamp)](Nanos now) {
+                             return watch->poll(now);
+                           }};
+}
+
+Result<TransportMaker> listening_link(SecureLinkOptions options, std::string address,
+                                      std::uint16_t port) {
+  const auto context = context_of(options, DtlsContext::Side::kServer, Role::kMaster);
+  if (!context) return context.status();
+  return TransportMaker([options = std::move(options), context = *context,
+                         address = std::move(address), port](boost::asio::io_context& io) {
+    return std::make_unique<ListeningTransport>(io, options, context, address, port);
+  });
+}
+
+Result<TransportMaker> calling_link(SecureLinkOptions options, HostPort slave) {
+  const auto context = context_of(options, DtlsContext::Side::kClient, Role::kSlave);
+  if (!context) return context.status();
+  return TransportMaker([options = std::move(options), context = *context,
+                         slave = std::move(slave)](boost::asio::io_context& io) {
+    return std::make_unique<CallingTransport>(io, options, context, slave);
+  });
+}
+
+}  // namespace handrail
