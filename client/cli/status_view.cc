@@ -126,6 +126,14 @@ void add_session(const pb::Status& s, Screen& screen) {
                                     s.hand_moving() ? "hand moving" : ""})});
 }
 
+// With whom, where keys say it.
+std::string peer_text(const pb::PeerStatus& peer) {
+  if (!peer.problem().empty()) return line("peer", {peer.problem()});
+  if (peer.name().empty()) return line("peer", {"encrypted link, no session"});
+  return line("peer", {peer.name(), labelled("key", peer.key()), labelled("at", peer.address()),
+                       labelled("for", number(peer.age_s(), 0) + " s"), "encrypted"});
+}
+
 std::string link_text(const pb::Status& s) {
   return line("link", {labelled("age", milliseconds(s.packet_age_ms())),
                        labelled("loss", number(100.0 * s.loss_share(), 1) + " %"),
@@ -199,6 +207,7 @@ std::string status_text(const pb::Status& s, long most_rows) {
   Screen screen;
   add_session(s, screen);
   screen.push_back({link_text(s), 4, 2});
+  if (s.peer().encrypted()) screen.push_back({peer_text(s.peer()), 2});
   screen.push_back({loop_text(s), 0, 2});
   screen.push_back({line("", {labelled("real time:", s.realtime())}), 5});
   if (s.log_lost() > 0 || s.slave_log_lost()) screen.push_back({line("", {log_text(s)}), 5});

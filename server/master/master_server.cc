@@ -14,7 +14,10 @@ namespace {
 class MasterServer final : public IoServer {
  public:
   MasterServer(MasterMailboxes& mailboxes, OrderDesk& order_desk, MasterServerOptions opts)
-      : boxes_(mailboxes), desk_(order_desk), options_(std::move(opts)) {}
+      : boxes_(mailboxes), desk_(order_desk), options_(std::move(opts)) {
+    desk_.set_link([this](Nanos now) { return link_.identity(now); });
+  }
+  ~MasterServer() override { desk_.set_link({}); }
 
   Status open() override {
     const Status opened = link_.open(options_.link);

@@ -50,6 +50,9 @@ class OrderDesk : public OperatorHandler {
   OrderDesk(MasterMailboxes& boxes, Scene scene, OrderDeskOptions options);
 
   // What the haptic thread got, once it is known.
+  void set_link(std::function<LinkIdentity(Nanos)> link) {
+    options_.identity.link = std::move(link);
+  }
   void set_realtime(std::string report) { options_.identity.realtime = std::move(report); }
 
   void handle(const pb::Request& request, std::function<void(pb::Reply)> reply,

@@ -125,6 +125,21 @@ std::vector<std::string> hash_mismatches(const MasterState& master, const SlaveS
   return out;
 }
 
+namespace {
+
+void set_peer(const LinkIdentity& link, pb::PeerStatus& out) {
+  out.set_encrypted(link.encrypted);
+  if (!link.name.empty()) {
+    out.set_name(link.name);
+    out.set_key(link.key_id);
+    out.set_address(link.address);
+    out.set_age_s(to_seconds(link.age));
+  }
+  if (!link.problem.empty()) out.set_problem(link.problem);
+}
+
+}  // namespace
+
 pb::Status status_report(const MasterIdentity& identity, const HapticReport& report,
                          const SlaveState& slave, const LinkSnapshot& link, Nanos now) {
   pb::Status s;
@@ -137,6 +152,7 @@ pb::Status status_report(const MasterIdentity& identity, const HapticReport& rep
   s.set_device(identity.device);
   s.set_device_simulated(identity.device_simulated);
   s.set_realtime(identity.realtime);
+  if (identity.link) set_peer(identity.link(now), *s.mutable_peer());
   s.set_log_lost(identity.log_lost ? identity.log_lost() : 0);
   set_loop(report, s);
   set_link(link, known, now, s);

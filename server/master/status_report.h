@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "proto/operator.pb.h"
+#include "server/link/transport.h"
 #include "server/master/mailboxes.h"
 
 namespace handrail {
@@ -17,6 +18,8 @@ struct MasterIdentity {
   std::string realtime;  // what the haptic thread got
   // Lines of the log that were lost so far; empty: nobody counts.
   std::function<std::uint64_t()> log_lost = {};
+  // Who is at the other end of the link; empty: nobody knows.
+  std::function<LinkIdentity(Nanos now)> link = {};
 };
 
 // Everything `handrail status` shows, at `now`. Without news from the slave its fields are "none".

@@ -51,6 +51,10 @@ std::string OrderDesk::unheard() const {
                       latched ? Stand::kLatched : Stand::kOff);
   }
   if (report_->walls.present) return describe(Reason::kNoArmInScene);
+  if (options_.identity.link) {
+    const LinkIdentity link = options_.identity.link(now_);
+    if (!link.problem.empty()) return link.problem;
+  }
   if (link_.peer_epoch == 0) {
     return "no slave has answered at " + options_.slave_at + ": start handrail-slave there";
   }
