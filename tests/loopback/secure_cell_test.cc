@@ -44,8 +44,12 @@ class SecureCell : public WholeCell {
     link_port = slave->number_after("READY link=port ");
   }
   void launch_secure_master() {
-    master = launch_with(master_keys, "handrail-master", "operator_socket: '" + socket() + "'",
-                         "localhost:" + std::to_string(link_port));
+    // A hand without tremor and drift, so that it comes to rest.
+    master =
+        launch_with(master_keys, "handrail-master",
+                    "operator_socket: '" + socket() +
+                        "' device { hand { tremor_rms_mm: 0 drift_rms_mm: 0 drift_rms_deg: 0 } }",
+                    "localhost:" + std::to_string(link_port));
     (void)master->after("READY link=port ");
   }
   bool connected() {
