@@ -22,7 +22,8 @@ std::optional<pb::Reply> OrderDesk::check_engaged(const Pending& waiting) {
   const bool its = out.reason == Reason::kNone || out.reason == Reason::kHoming;
   const Reason why = its && slave_.reason != Reason::kNone ? slave_.reason : out.reason;
   order(plain(OrderKind::kDisengage), [](pb::Reply) {});
-  return refused(reason_text(why, out.peer_fault));
+  const std::string link = link_problem();
+  return refused(reason_text(why, out.peer_fault) + (link.empty() ? "" : ": " + link));
 }
 
 void OrderDesk::engage(bool hold, ReplyTo reply, StillWaits waits) {

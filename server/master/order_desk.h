@@ -130,6 +130,8 @@ class OrderDesk : public OperatorHandler {
   void give_up_engaging();
   // That no slave hears this master, and why.
   std::string unheard() const;
+  // Why no session over the encrypted link can be had; empty: one is, or nothing is known.
+  std::string link_problem() const;
   bool stop_on_its_way() const;
   void send_reset();
   bool scene_may_change() const;

@@ -43,6 +43,10 @@ void OrderDesk::stop(ReplyTo reply) {
   }
 }
 
+std::string OrderDesk::link_problem() const {
+  return options_.identity.link ? options_.identity.link(now_).problem : std::string();
+}
+
 std::string OrderDesk::unheard() const {
   if (link_.refused(now_)) {
     const bool latched = report_->out.link.state == SessionState::kFault;
@@ -51,10 +55,7 @@ std::string OrderDesk::unheard() const {
                       latched ? Stand::kLatched : Stand::kOff);
   }
   if (report_->walls.present) return describe(Reason::kNoArmInScene);
-  if (options_.identity.link) {
-    const LinkIdentity link = options_.identity.link(now_);
-    if (!link.problem.empty()) return link.problem;
-  }
+  if (const std::string problem = link_problem(); !problem.empty()) return problem;
   if (link_.peer_epoch == 0) {
     return "no slave has answered at " + options_.slave_at + ": start handrail-slave there";
   }

@@ -41,7 +41,7 @@ class SecureCell : public WholeCell {
                             " robot { port: " + std::to_string(robot_port) +
                             " } force_sensor { port: " + std::to_string(sensor_port) + " }",
                         "127.0.0.1");
-    link_port = slave->number_after("READY link=port ");
+    link_port = slave->number_after("READY link=127.0.0.1:");
   }
   void launch_secure_master() {
     // A hand without tremor and drift, so that it comes to rest.
@@ -50,7 +50,7 @@ class SecureCell : public WholeCell {
                     "operator_socket: '" + socket() +
                         "' device { hand { tremor_rms_mm: 0 drift_rms_mm: 0 drift_rms_deg: 0 } }",
                     "localhost:" + std::to_string(link_port));
-    (void)master->after("READY link=port ");
+    (void)master->after("READY link=any:");
   }
   bool connected() {
     return eventually([](const pb::Status& s) { return s.has_tip() && !s.peer().name().empty(); });

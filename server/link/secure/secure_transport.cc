@@ -39,9 +39,6 @@ class SecureTransport : public ServedTransport {
   }
   void close() noexcept override { socket_.close(); }
   void on_say(Say say) override { say_ = std::move(say); }
-  std::string place() const override {
-    return socket_.port() == 0 ? std::string() : "port " + std::to_string(socket_.port());
-  }
   std::optional<Arrival> receive(std::span<std::uint8_t> buffer) noexcept override {
     return end_.receive(buffer);
   }
@@ -51,6 +48,13 @@ class SecureTransport : public ServedTransport {
   std::string_view peer_name() const noexcept override { return end_.peer_name(); }
 
  protected:
+  // "any:47002", "[2001:db8::7]:47002"; empty while closed.
+  std::string place_at(const std::string& address) const {
+    if (socket_.port() == 0) return {};
+    const bool v6 = address.find(':') != std::string::npos;
+    std::string out = v6 ? "[" : "";
+    return out.append(address).append(v6 ? "]:" : ":").append(std::to_string(socket_.port()));
+  }
   void say(bool bad, const std::string& line) {
     if (say_) say_(bad, line);
   }
@@ -104,6 +108,7 @@ class ListeningTransport final : public SecureTransport<SecureServer> {
         port_(port) {}
 
   Status open() override { return socket_.open(address_, port_); }
+  std::string place() const override { return place_at(address_); }
   void tick(Nanos now) noexcept override {
     end_.tick(now);
     take_trust(now);
@@ -141,6 +146,7 @@ class CallingTransport final : public SecureTransport<SecureClient> {
         resolver_(io) {}
 
   Status open() override { return socket_.open("any", 0); }
+  std::string place() const override { return place_at("any"); }
   void tick(Nanos now) noexcept override {
     if (end_.session() == nullptr && now >= look_up_at_) {
       look_up_at_ = now + kLookUpAgain;

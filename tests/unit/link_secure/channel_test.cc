@@ -20,5 +20,15 @@ TEST(DtlsChannel, IsClosedInOrderWhenItGoes) {
   EXPECT_EQ(pair.slave.counts().failed, 0u);
 }
 
+// proto/WIRE.md says these sizes.
+TEST(DtlsChannel, ACookieIsSmallerThanAnyHelloThatAsksForIt) {
+  SecurePair pair;
+  ASSERT_TRUE(pair.connect());
+  ASSERT_GE(pair.net.sent.size(), 2u);
+  EXPECT_EQ(pair.net.sent[1].bytes.size(), 44u);
+  EXPECT_GT(pair.net.sent[0].bytes.size(), 44u);
+  for (const auto& datagram : pair.net.sent) EXPECT_LE(datagram.bytes.size(), 1232u);
+}
+
 }  // namespace
 }  // namespace handrail
