@@ -67,18 +67,20 @@ Table program_rows() {
 
 Table lab_rows() {
   const Folders sides = {"server/master", "server/slave"};
+  const Folders network = kModel + Folders{"server/lab/network"};
   // What a command of the lab is made of.
   const Folders lab =
-      kModel + Folders{"devices",           "proto",          "server/scene", "server/lab/console",
-                       "server/lab/figure", "server/lab/cell"};
+      network + Folders{"devices",           "proto",          "server/scene", "server/lab/console",
+                        "server/lab/figure", "server/lab/cell"};
   return {{"server/lab",
            kBase + Folders{"server/lab/accuracy", "server/lab/contact", "server/lab/faults",
                            "server/lab/hand", "server/lab/scenes", "server/lab/study/linear",
                            "server/lab/study/screw", "server/lab/walls"}},
           {"server/lab/console", kBase},
           {"server/lab/figure", kBase},
+          {"server/lab/network", kBase},
           {"server/lab/cell",
-           kModel + kRigs + Folders{"server/haptic", "server/follow", "server/link"}},
+           network + kRigs + Folders{"server/haptic", "server/follow", "server/link"}},
           {"server/lab/study", lab + kHands + sides + Folders{"devices/rig", "server/haptic"}},
           {"server/lab/study/linear", lab + Folders{"server/lab/study", "server/task"}},
           {"server/lab/study/screw", lab + kRigs + Folders{"server/lab/study", "server/task"}},
@@ -93,8 +95,7 @@ Table lab_rows() {
                                    Folders{"server/lab/study", "server/master", "server/haptic",
                                            "server/constraint", "server/constraint/drawn"}},
           {"server/lab/contact", lab + Folders{"server/lab/study", "server/follow"}},
-          {"server/lab/faults/audit",
-           kModel + Folders{"server/lab/cell", "server/motion", "server/kinematics"}},
+          {"server/lab/faults/audit", network + Folders{"server/motion", "server/kinematics"}},
           {"server/lab/faults", lab + kHands + sides +
                                     Folders{"server/lab/faults/audit", "server/lab/study",
                                             "server/motion", "server/kinematics"}}};

@@ -3,8 +3,9 @@
 
 #include <cstdint>
 
+#include "devices/melfa/mxt_packet.h"
 #include "server/base/random.h"
-#include "server/lab/cell/virtual_link.h"
+#include "server/lab/network/link_way.h"
 
 namespace handrail {
 
@@ -17,7 +18,9 @@ struct RobotLine {
   LinkWay to_slave;
 
  private:
-  explicit RobotLine(Random random) : to_robot(random.bits()), to_slave(random.bits()) {}
+  explicit RobotLine(Random random)
+      : to_robot(random.bits(), {.longest = kMxtLong}),
+        to_slave(random.bits(), {.longest = kMxtLong}) {}
 };
 
 }  // namespace handrail

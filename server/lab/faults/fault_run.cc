@@ -265,7 +265,7 @@ void FaultRun::feed_auditor() {
 void FaultRun::follow_loop() {
   VirtualLink& link = cell_->net()->link();
   for (const Delivery& there : link.to_slave().deliveries()) {
-    if (there.authentic) {
+    if (there.authentic()) {
       slave_knows_ = std::max(slave_knows_, master_sent_[there.number % kLoop]);
     }
   }
@@ -273,7 +273,7 @@ void FaultRun::follow_loop() {
     slave_answers_[++slave_sent_ % kLoop] = slave_knows_;
   }
   for (const Delivery& back : link.to_master().deliveries()) {
-    if (back.authentic) answered_ = std::max(answered_, slave_answers_[back.number % kLoop]);
+    if (back.authentic()) answered_ = std::max(answered_, slave_answers_[back.number % kLoop]);
   }
 }
 

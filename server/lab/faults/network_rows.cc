@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "server/lab/faults/fault_rows.h"
+#include "server/lab/network/link_faults.h"
 
 namespace handrail::rows {
 namespace {
@@ -279,15 +280,8 @@ FaultOutcome n11(const RowRun& row) {
 // Half an hour of everything at once.
 FaultOutcome n13(const RowRun& row) {
   FaultRun run(row.seed);
-  LinkFaults faults;
-  const bool first = row.index % 2 == 0;
-  faults.delay = (first ? 250 : 100) * kMillisecond;
-  faults.jitter = (first ? 250 : 50) * kMillisecond;
-  faults.loss = first ? 0.05 : 0.25;
-  faults.duplicate = first ? 0.1 : 0.25;
-  faults.reorder = 1.0;
   if (!run.engage()) return not_engaged();
-  run.set_network(faults);
+  run.set_network(find_network(row.index % 2 == 0 ? "netcode" : "harsh")->way);
   run.drive(row.span(1800 * kSecond));
   FaultOutcome out = run.outcome();
   judge_order(run, out);

@@ -47,7 +47,7 @@ class Stream {
     for (int i = 0; i < 7; ++i) {
       now += kMillisecond;
       auditor.sent(++number, incarnation, state);
-      if (link) auditor.delivered({number, true, now});
+      if (link) auditor.delivered({number, Origin::kGenuine, now});
     }
     now += kCycle - 7 * kMillisecond;
     q[0] += step_of_j1;

@@ -155,9 +155,9 @@ TEST(AuditorTest, StaleForgedAndForeignDatagramsDoNotLead) {
   s.link = false;
   const std::uint64_t old = s.number - 3;
   for (int i = 0; i < 20; ++i) {
-    s.auditor.delivered({old, true, s.now});        // replayed
-    s.auditor.delivered({s.number, false, s.now});  // corrupted
-    s.auditor.delivered({1'000'000, true, s.now});  // never sent
+    s.auditor.delivered({old, Origin::kReplay, s.now});
+    s.auditor.delivered({s.number, Origin::kCorrupt, s.now});
+    s.auditor.delivered({1'000'000, Origin::kGenuine, s.now});  // never sent
     s.coast(1);
   }
   EXPECT_GT(s.report().of(Breach::kLateStop), 0u);

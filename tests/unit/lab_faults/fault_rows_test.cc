@@ -200,14 +200,14 @@ TEST(FaultRowsTest, RepeatedStatesDoNotLeadTheArm) {
 }
 
 TEST(FaultRowsTest, AnotherMastersDatagramsAreNotTheAuthenticOnes) {
-  LinkWay way(1);
+  LinkWay way(1, {.longest = 8});
   const std::array<std::uint8_t, 3> bytes{1, 2, 3};
   way.inject(bytes, 0);
   way.advance(0);
   std::array<std::uint8_t, 8> out{};
   EXPECT_EQ(way.receive(out, 0), 3u);
   ASSERT_EQ(way.deliveries().size(), 1u);
-  EXPECT_FALSE(way.deliveries()[0].authentic);
+  EXPECT_FALSE(way.deliveries()[0].authentic());
   EXPECT_EQ(way.counters().sent, 0u);
 }
 

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 
-#include "server/lab/cell/virtual_link.h"
 #include "server/lab/faults/audit/audit_report.h"
 #include "server/lab/faults/audit/heard_master.h"
 #include "server/lab/faults/audit/joint_audit.h"
@@ -12,6 +11,7 @@
 #include "server/lab/faults/audit/stop_audit.h"
 #include "server/lab/faults/audit/tip_way.h"
 #include "server/lab/faults/audit/tool_audit.h"
+#include "server/lab/network/link_way.h"
 #include "server/model/link_state.h"
 
 namespace handrail {

@@ -28,7 +28,7 @@ void HeardMaster::sent(std::uint64_t number, std::uint32_t incarnation, const Ma
 // Newest wins; another incarnation counts only once the present one has been silent for long.
 bool HeardMaster::delivered(const Delivery& delivery, AuditReport& report) noexcept {
   const SentState& entry = sent_[delivery.number % kRemembered];
-  if (!delivery.authentic || entry.number != delivery.number) return false;
+  if (!delivery.authentic() || entry.number != delivery.number) return false;
   if (any_ && entry.number <= newest_.number) return false;
   if (any_ && entry.incarnation != newest_.incarnation) {
     if (delivery.at - heard_at_ <= kLatch) return false;

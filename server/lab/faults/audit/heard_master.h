@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "server/base/time.h"
-#include "server/lab/cell/virtual_link.h"
 #include "server/lab/faults/audit/audit_report.h"
+#include "server/lab/network/link_way.h"
 #include "server/model/link_state.h"
 
 namespace handrail {
