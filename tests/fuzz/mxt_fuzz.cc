@@ -43,7 +43,7 @@ class MxtSession {
   }
 
  private:
-  static constexpr int kMostActs = 200;
+  static constexpr int kMostActs = 150;
 
   void act(int what) {
     switch (what) {

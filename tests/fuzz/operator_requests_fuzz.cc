@@ -4,15 +4,14 @@
 #include <spdlog/spdlog.h>
 
 #include <array>
-#include <deque>
 #include <memory>
+#include <utility>
 
 #include "server/base/length_prefix.h"
 #include "server/base/plain_text.h"
 #include "server/master/haptic_settings.h"
 #include "server/master/order_desk.h"
 #include "server/master/request_stream.h"
-#include "server/scene/json_io.h"
 #include "server/scene/scene_library.h"
 #include "tests/fuzz/fuzz_target.h"
 
@@ -45,11 +44,13 @@ class Desk {
 
   void run() {
     for (int acts = 0; !in_.empty() && acts < kMostActs; ++acts) act(in_.take<std::uint8_t>() % 8);
-    // Whoever asks is answered: a minute is longer than any patience but the lease's.
+    // Whoever asks is answered: a minute is longer than any patience.
     answers_ = Reason::kNone;
-    for (int i = 0; i < 70 && someone_waits(); ++i) {
-      for (int k = 0; k < 70; ++k) loop();
-      tick(kSecond);
+    disk_waits_ = false;
+    for (int i = 0; i < 110 && someone_waits(); ++i) {
+      loop();
+      loop();
+      tick(i < 50 ? kMillisecond : kSecond);
     }
     require(!someone_waits(), "every request is answered");
   }
@@ -118,7 +119,6 @@ class Desk {
     require(is_plain_text(reply.reason()), "an answer is plain text: " + reply.reason());
     pb::Reply again;
     require(again.ParseFromString(reply.SerializeAsString()), "an answer can be read");
-    if (reply.has_status()) require(json_text(reply, false).size() > 2, "a status can be shown");
   }
 
   std::optional<Result<Scene>> load(const std::string& name) {
@@ -133,10 +133,10 @@ class Desk {
     report_.out.link.scene = settings.scene;
   }
   void loop() {
-    LoopScene next;
-    if (boxes_.scene.take(next)) {
-      take_over(next.haptic);
+    if (boxes_.scene.take(next_)) {
+      take_over(next_.haptic);
       ++report_.scene_epoch;
+      moved_ = true;
     }
     OrderTicket ticket;
     if (boxes_.orders.pop(ticket)) (void)boxes_.answers.push({ticket.id, answers_, 0.3, 0.1});
@@ -144,6 +144,7 @@ class Desk {
   // Where loop and slave stand, and how the link is.
   void stand() {
     const auto how = in_.take<std::uint32_t>();
+    moved_ = true;
     const auto state = [&](int shift) {
       return SessionState{
           static_cast<std::uint8_t>((how >> shift & 15) % static_cast<int>(SessionState::kCount))};
@@ -163,8 +164,7 @@ class Desk {
   void tick(Nanos step) {
     now_ += step;
     if (connected_) link_.received_at = now_;
-    ++report_.ticks;
-    boxes_.report.publish(report_);
+    if (std::exchange(moved_, false)) boxes_.report.publish(report_);
     news_.take(boxes_);
     desk_->tick(now_, news_, slave_, link_);
     for (const auto& client : clients_) take_request(*client);
@@ -174,8 +174,10 @@ class Desk {
   MasterMailboxes boxes_;
   LoopNews news_;
   HapticReport report_;
+  LoopScene next_;
   SlaveState slave_;
   LinkSnapshot link_;
+  bool moved_ = true;  // the loop's report is another one
   bool connected_ = true, disk_waits_ = false;
   Reason answers_ = Reason::kNone;
   Nanos now_ = 1000 * kSecond;

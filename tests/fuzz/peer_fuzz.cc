@@ -32,7 +32,7 @@ class Ends {
   }
 
  private:
-  static constexpr std::size_t kMostActs = 200, kMostSent = 32;
+  static constexpr std::size_t kMostActs = 100, kMostSent = 32;
 
   void act(int what) {
     switch (what) {
