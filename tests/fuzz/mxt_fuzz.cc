@@ -115,10 +115,10 @@ class MxtSession {
       require(reply_.q_measured == before.q_measured && reply_.q_commanded == before.q_commanded,
               "what is dropped says nothing of the arm");
     }
-  }
-  void check(RobotEvent event) {
     require(reply_.q_measured.allFinite() && reply_.q_commanded.allFinite(),
             "an arm stands somewhere");
+  }
+  void check(RobotEvent event) {
     require(reply_.cycles >= 1, "an event is of a cycle");
     require(event != RobotEvent::kLost || !client_.open(), "a lost session is closed");
   }

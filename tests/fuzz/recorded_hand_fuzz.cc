@@ -12,7 +12,10 @@ HANDRAIL_FUZZ(recorded_hand) {
   if (!motion) return fuzz::require_error_at("hand.csv:", motion.message());
   fuzz::require(motion->rows() >= 2 && motion->duration() > 0.0, "a motion takes time");
   const Vec3 box = motion->half_extent().array() + 1e-9;
+  double before = -1.0;
   for (const RecordedSample& sample : motion->samples()) {
+    fuzz::require(sample.t - before > 4e-7, "its samples are a microsecond apart");
+    before = sample.t;
     const VectorMotion here = motion->motion_at(sample.t);
     const VectorMotion later = motion->motion_at(sample.t + 1e-3);
     fuzz::require(here.p.allFinite() && here.v.allFinite() && later.v.allFinite(),
