@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <string_view>
 
+#include "server/base/plain_text.h"
 #include "server/base/read_file.h"
 #include "server/scene/text_io.h"
 
@@ -23,13 +24,6 @@ std::string header(std::size_t count) {
   std::string out = kColumns[0];
   for (std::size_t i = 1; i < count; ++i) out.append(",").append(kColumns[i]);
   return out;
-}
-
-std::string quoted(std::string_view text) {
-  constexpr std::size_t kShown = 60;
-  std::string out = "'";
-  for (const char c : text.substr(0, kShown)) out += c >= ' ' && c <= '~' ? c : '?';
-  return out + (text.size() > kShown ? "...'" : "'");
 }
 
 struct Cell {
@@ -83,7 +77,7 @@ class Reader {
     const std::vector<Cell> cells = split(line);
     for (std::size_t i = 0; i < cells.size() && i < kLong; ++i) {
       if (cells[i].text == kColumns[i]) continue;
-      return error(cells[i].column, "the header says " + quoted(cells[i].text) + ", expected " +
+      return error(cells[i].column, "the header says '" + shown(cells[i].text) + "', expected " +
                                         kColumns[i] + " of " + header(kLong));
     }
     if (cells.size() != kShort && cells.size() != kLong) {
@@ -106,9 +100,9 @@ class Reader {
       const auto [stop, problem] = std::from_chars(text.data(), end, v[i]);
       const double least = i >= kShort ? 0.0 : -kLargest;
       if (problem == std::errc() && stop == end && v[i] >= least && v[i] <= kLargest) continue;
-      return error(cells[i].column, std::string(kColumns[i]) + " is " + quoted(text) +
-                                        ", expected a number from " + (i >= kShort ? "0" : "-1e6") +
-                                        " to 1e6");
+      return error(cells[i].column, std::string(kColumns[i]) + " is '" + shown(text) +
+                                        "', expected a number from " +
+                                        (i >= kShort ? "0" : "-1e6") + " to 1e6");
     }
     PayloadSample s;
     s.q_ST = Quat(v[0], v[1], v[2], v[3]);

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/base/plain_text.h"
 #include "server/base/units.h"
 
 namespace handrail {
@@ -35,13 +36,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
-// Text of a file as it may appear in a message: short, printable.
-std::string quoted(std::string_view text) {
-  constexpr std::size_t kShown = 40;
-  std::string out = "\"";
-  for (const char c : text.substr(0, kShown)) out += (c >= ' ' && c <= '~') ? c : '?';
-  return out + (text.size() > kShown ? "...\"" : "\"");
-}
+std::string quoted(std::string_view text) { return '"' + shown(text, 40) + '"'; }
 
 // Splits at commas into at most `cells.size()` cells; returns how many there are in all.
 std::size_t split(std::string_view line, std::array<std::string_view, kMaxColumns>& cells) {
@@ -105,7 +100,7 @@ class Reader {
 
   // The next line without its end, or false at the end of the file and on failure.
   bool next(std::string_view& line) {
-    in_.getline(buffer_.data(), buffer_.size());
+    in_.getline(buffer_.data(), kLongestLine + 1);
     const auto count = in_.gcount();
     if (in_.bad()) {
       failure_ = Status::error(name_ + ": cannot be read, expected a CSV file");

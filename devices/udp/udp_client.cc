@@ -32,9 +32,21 @@ Status UdpClient::open(const std::string& address, std::uint16_t port, int recei
   if (!error) udp.set_option(asio::socket_base::receive_buffer_size(receive_buffer), error);
   if (!error) udp.non_blocking(true, error);
   if (!error) udp.connect(peer, error);
-  if (!error) return Status::ok();
+  if (!error) {
+    drop_waiting();
+    return Status::ok();
+  }
   close();
   return Status::error(address + ":" + std::to_string(port) + ": " + error.message());
+}
+
+// The system gives the socket its port first and its peer after that: anybody may have come
+// between.
+void UdpClient::drop_waiting() noexcept {
+  constexpr int kMost = 1000;  // more than a receive buffer holds
+  std::uint8_t byte = 0;
+  for (int i = 0; i < kMost && receive({&byte, 1}); ++i) {
+  }
 }
 
 bool UdpClient::send(std::span<const std::uint8_t> bytes) noexcept {

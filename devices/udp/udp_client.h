@@ -13,7 +13,7 @@
 
 namespace handrail {
 
-// Datagrams from anyone but the peer never arrive. One thread.
+// Datagrams from anyone but the peer, another address or another port, never arrive. One thread.
 class UdpClient {
  public:
   UdpClient();
@@ -34,6 +34,8 @@ class UdpClient {
   void close() noexcept;
 
  private:
+  void drop_waiting() noexcept;
+
   struct Socket;
   std::unique_ptr<Socket> socket_;
 };

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "server/base/plain_text.h"
+
 namespace handrail {
 
 bool is_operator_name(std::string_view who) noexcept {
@@ -14,8 +16,8 @@ bool is_operator_name(std::string_view who) noexcept {
 std::string operator_name_problem(std::string_view who) {
   if (is_operator_name(who)) return {};
   std::string text = "'";
-  text.append(who.substr(0, 40));
-  return text.append("' is no name: expected 1 to 32 letters, digits, '.', '_', '-'");
+  return text.append(shown(who, 40))
+      .append("' is no name: expected 1 to 32 letters, digits, '.', '_', '-'");
 }
 
 }  // namespace handrail

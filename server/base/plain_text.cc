@@ -29,6 +29,14 @@ std::size_t sequence_length(std::string_view s, std::size_t i) {
   return bad ? 0 : n;
 }
 
+// Length of the character at `i`; 0 when it is no UTF-8, or a control character.
+std::size_t plain_length(std::string_view s, std::size_t i) {
+  const auto c = static_cast<std::uint8_t>(s[i]);
+  if (c < 0x20 || c == 0x7F) return 0;
+  const std::size_t n = sequence_length(s, i);
+  return c == 0xC2 && n == 2 && static_cast<std::uint8_t>(s[i + 1]) < 0xA0 ? 0 : n;
+}
+
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
@@ -105,13 +113,29 @@ class PlaceScanner {
 
 bool is_plain_text(std::string_view text) {
   for (std::size_t i = 0; i < text.size();) {
-    const auto c = static_cast<std::uint8_t>(text[i]);
-    if ((c < 0x20 && c != '\n' && c != '\t') || c == 0x7F) return false;
-    const std::size_t n = sequence_length(text, i);
+    const std::size_t n = text[i] == '\n' || text[i] == '\t' ? 1 : plain_length(text, i);
     if (n == 0) return false;
     i += n;
   }
   return true;
+}
+
+std::string shown(std::string_view text, std::size_t most) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t n = plain_length(text, i);
+    out += n == 0 ? std::string_view("?") : text.substr(i, n);
+    i += std::max<std::size_t>(n, 1);
+  }
+  if (out.size() <= most) return out;
+  // Between two characters.
+  const auto inside = [&out](std::size_t i) {
+    return i < out.size() && (static_cast<std::uint8_t>(out[i]) & 0xC0) == 0x80;
+  };
+  std::size_t head = most / 2, tail = out.size() - most / 2;
+  while (inside(head)) --head;
+  while (inside(tail)) ++tail;
+  return out.substr(0, head) + "..." + out.substr(tail);
 }
 
 std::string nearest_name(std::string_view word, const std::vector<std::string>& candidates) {

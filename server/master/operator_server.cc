@@ -16,6 +16,7 @@
 
 #include "server/base/clock.h"
 #include "server/base/length_prefix.h"
+#include "server/master/request_stream.h"
 
 namespace handrail {
 
@@ -36,26 +37,6 @@ pb::Reply refusal(const std::string& reason) {
   reply.set_done(false);
   reply.set_reason(reason);
   return reply;
-}
-
-// An order switched off, as in `engage: false`, is none.
-bool has_order(const pb::Request& r) {
-  switch (r.order_case()) {
-    case pb::Request::kStatus: return r.status();
-    case pb::Request::kEngage: return r.engage();
-    case pb::Request::kDisengage: return r.disengage();
-    case pb::Request::kStop: return r.stop();
-    case pb::Request::kReset: return r.reset();
-    case pb::Request::kHoldAlive: return r.hold_alive();
-    case pb::Request::ORDER_NOT_SET: return false;
-    default: return true;
-  }
-}
-
-// Changes something, and is not anybody's to give.
-bool is_order(const pb::Request& r) {
-  return !r.has_status() && !r.has_stop() &&
-         !(r.has_lease() && r.lease().act() == pb::LeaseOrder::SHOW);
 }
 
 }  // namespace
@@ -82,14 +63,14 @@ class OperatorServer::Client : public std::enable_shared_from_this<Client> {
                         self->timer_.cancel();
                         if (error || last) return self->close();
                         self->heard_ = monotonic_now();
-                        self->in_memory([&] { self->take_frame(); });
+                        self->in_memory([&] { self->take_request(); });
                       });
   }
   void close() {
     Error ignored;
     timer_.cancel();
     socket_.close(ignored);
-    std::string().swap(in_);
+    in_.clear();
   }
   // Says why and closes, whether anybody reads it or not, or memory is left to say it.
   void dismiss(std::string_view why) {
@@ -151,27 +132,28 @@ class OperatorServer::Client : public std::enable_shared_from_this<Client> {
     const std::size_t count = socket_.read_some(asio::buffer(part), error);
     if (error == asio::error::would_block) return await_bytes();
     if (error) return close();
-    in_.append(part.data(), count);
-    take_frame();
+    in_.append({part.data(), count});
+    take_request();
   }
-  // The first frame of what has come, if it is whole.
-  void take_frame() {
-    const std::size_t size = in_.size() < kFrameHeader ? 0 : frame_size(in_.data());
-    if (size > kMaxFrame) {
-      const std::string text = std::to_string(size);
-      return answer(refusal("a request of " + text + " bytes, expected at most 65536"), true);
-    }
-    if (in_.size() < kFrameHeader + size) {
-      if (!in_.empty() && !std::exchange(rest_is_timed_, true)) limit_time();
+  // The first request of what has come, if it is whole.
+  void take_request() {
+    if (!is_open()) return;
+    std::optional<Result<pb::Request>> request = in_.next();
+    if (!request) {
+      if (in_.size() != 0 && !std::exchange(rest_is_timed_, true)) limit_time();
       return await_bytes();
     }
     rest_is_timed_ = false;
     timer_.cancel();
-    const std::string body = in_.substr(kFrameHeader, size);
-    in_.erase(0, kFrameHeader + size);
-    parse(body);
+    heard_ = monotonic_now();
+    if (!request->is_ok()) return answer(refusal(request->message()), true);
+    request_ = std::move(**request);
+    if (is_order(request_)) {
+      gives_orders_ = true;
+      as_ = request_.has_as() ? std::optional(request_.as()) : std::nullopt;
+    }
+    server_.take(shared_from_this());
   }
-  void parse(const std::string& body);
 
   Socket socket_;
   asio::steady_timer timer_;
@@ -180,7 +162,7 @@ class OperatorServer::Client : public std::enable_shared_from_this<Client> {
   bool gives_orders_ = false;      // has done, at least once
   std::optional<std::string> as_;  // in whose name, in the newest
   bool stop_waits_ = false;        // for its answer
-  std::string in_;                 // what has come and was not taken: a frame and 4 KiB at most
+  RequestStream in_;               // what has come and was not taken: a frame and 4 KiB at most
   bool rest_is_timed_ = false;
   pb::Request request_;
   std::string out_;
@@ -220,18 +202,6 @@ class OperatorServer::Client::Ticket {
   std::weak_ptr<Client> client_;
   std::atomic<bool> used_{false};
 };
-
-void OperatorServer::Client::parse(const std::string& body) {
-  if (!is_open()) return;
-  heard_ = monotonic_now();
-  if (!request_.ParseFromString(body)) return answer(refusal("the request is garbled"), true);
-  if (!has_order(request_)) return answer(refusal("the request holds no order"), true);
-  if (is_order(request_)) {
-    gives_orders_ = true;
-    as_ = request_.has_as() ? std::optional(request_.as()) : std::nullopt;
-  }
-  server_.take(shared_from_this());
-}
 
 void OperatorServer::Client::have_handled() {
   stop_waits_ = stops();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/base/plain_text.h"
 #include "server/master/order_desk.h"
 #include "server/master/replies.h"
 
@@ -11,7 +12,7 @@ namespace handrail {
 
 void OrderDesk::load(const std::string& name, const std::string& who, ReplyTo reply) {
   if (!scene_may_change()) return reply(refused(describe(Reason::kBusy)));
-  if (reading_) return reply(refused("scene '" + reading_->scene + "' is still being read"));
+  if (reading_) return reply(refused("scene '" + shown(reading_->scene) + "' is still being read"));
   if (waits(Until::kScene, Place::kTaken)) {
     return reply(refused("another scene is being loaded"));
   }
@@ -37,7 +38,8 @@ void OrderDesk::take_scene() {
     };
     if (std::any_of(pending_.begin(), pending_.end(), late)) {
       refuse_all(Until::kScene, Place::kHere,
-                 "scene '" + reading_->scene + "' is not loaded: the disk has not given it for " +
+                 "scene '" + shown(reading_->scene) +
+                     "' is not loaded: the disk has not given it for " +
                      fmt::format("{:g} s", to_seconds(kReadPatience)));
     }
     return;
@@ -48,7 +50,8 @@ void OrderDesk::take_scene() {
   const ReplyTo& reply = order->reply;
   if (!*scene) return reply(refused(scene->message()));
   if (!leases_.may_drive(read.who)) {
-    return reply(refused("somebody else drives by now: scene '" + read.scene + "' is not loaded"));
+    return reply(
+        refused("somebody else drives by now: scene '" + shown(read.scene) + "' is not loaded"));
   }
   if (!scene_may_change()) return reply(refused(describe(Reason::kBusy)));
   const LoopScene next = options_.loop_scene(**scene);  // the last that can fail
@@ -74,9 +77,8 @@ void OrderDesk::stage(const std::string& name, ReplyTo reply) {
     known += (known.empty() ? "'" : ", '") + other + "'";
   }
   const std::string scene = "scene '" + scene_.name + "' has no ";
-  reply(refused(known.empty()
-                    ? scene + "stages"
-                    : scene + "stage '" + name.substr(0, 60) + "', expected one of " + known));
+  reply(refused(known.empty() ? scene + "stages"
+                              : scene + "stage '" + shown(name) + "', expected one of " + known));
 }
 
 // The loop counts stages; their names are the scene's.

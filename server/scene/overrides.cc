@@ -108,7 +108,8 @@ bool is_at(const std::string& path, const std::string& key) {
 }
 
 Status error_about(const Override& override, const std::string& why) {
-  return Status::error("--set " + override.key + "=" + override.value + ": " + why);
+  return Status::error("--set " + shown(override.key + "=" + override.value) + ": " +
+                       shown(why, 1000));
 }
 
 }  // namespace
@@ -118,7 +119,7 @@ Result<std::vector<Override>> parse_overrides(const std::vector<std::string>& wo
   for (const std::string& word : words) {
     const std::size_t equals = word.find('=');
     if (equals == 0 || equals == std::string::npos) {
-      return Status::error("--set " + word +
+      return Status::error("--set " + shown(word) +
                            ": expected KEY=VALUE, such as guidance.stiffness_n_mm=0.4");
     }
     out.push_back({word.substr(0, equals), word.substr(equals + 1)});

@@ -31,7 +31,7 @@ SceneLibrary::SceneLibrary(const std::vector<std::string>& first_folders)
 
 Result<std::string> SceneLibrary::find(const std::string& name) const {
   if (!is_scene_name(name)) {
-    return Status::error("scene '" + name.substr(0, 60) +
+    return Status::error("scene '" + shown(name) +
                          "': expected 1 to 47 letters, digits, '-' and '_'");
   }
   std::string searched;

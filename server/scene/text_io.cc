@@ -22,6 +22,9 @@ using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 using google::protobuf::TextFormat;
 
+// Of what is said of an error, which may quote the file [bytes].
+constexpr std::size_t kLongest = 1000;
+
 // Keeps the first error only: the ones after it are mostly its consequences.
 class FirstError : public google::protobuf::io::ErrorCollector {
  public:
@@ -100,7 +103,7 @@ Status TextSource::parse(const std::string& place, std::string_view text, Messag
   if (!parser.ParseFromString(text_, &out)) {
     std::size_t offset = offset_of(error.at_line, error.at_column);
     const std::string why = explain(error.text, offset);
-    return Status::error(position(offset) + why);
+    return Status::error(position(offset) + shown(why, kLongest));
   }
   if (const auto problem = check_fields(out)) return error_at(*problem);
   return Status::ok();
@@ -129,7 +132,8 @@ Status TextSource::error_at(const FieldProblem& problem) const {
     tree = type == nullptr ? nullptr : tree->GetTreeForNested(f, index);
     i = end + 1;
   }
-  return Status::error(position(offset_of(best.line, best.column)) + to_sentence(problem));
+  return Status::error(position(offset_of(best.line, best.column)) +
+                       shown(to_sentence(problem), kLongest));
 }
 
 // Byte offset of a tokenizer position: lines from 0, columns from 0 with tabs as 8 columns.

@@ -114,10 +114,22 @@ TEST_F(InstallTest, ACompilerThatIsTooOldIsNamedWithItsVersion) {
   EXPECT_THAT(said, HasSubstr("g++ is version 11.4.0, expected 12 or later"));
 }
 
+TEST_F(InstallTest, AClangWithoutItsFuzzerIsNotEnough) {
+  script("clang++", "[[ $* != *-fsanitize=fuzzer* ]]");
+  script("llvm-symbolizer", "");
+  EXPECT_EQ(run({"--fuzz"}), 2);
+  EXPECT_THAT(said, HasSubstr("are missing (Debian's names):\n"
+                              "  libclang-rt-dev      fuzzers: libFuzzer, sanitizers\n"));
+  EXPECT_THAT(said, Not(HasSubstr("llvm  ")));
+  script("clang++", "exit 0");
+  EXPECT_EQ(run({"--fuzz"}), 0);
+  EXPECT_EQ(said, "packages: all that is needed is there\n");
+}
+
 TEST_F(InstallTest, AnUnknownWordIsNamed) {
   EXPECT_EQ(run({"--test"}), 2);
-  EXPECT_THAT(said, HasSubstr("unknown argument '--test'; expected --tests, --checks or "
-                              "nothing"));
+  EXPECT_THAT(said, HasSubstr("unknown argument '--test'; expected --tests, --checks, "
+                              "--fuzz or nothing"));
 }
 
 }  // namespace

@@ -266,6 +266,9 @@ TEST_F(WrongInput, Scripts) {
   expect_all({
       {root + "/client/demo", {"--fast"}, 2, {"client/demo", "'--fast'", "expected none"}},
       {root + "/client/install", {"--test"}, 2, {"client/install", "'--test'", "--tests"}},
+      {root + "/tests/fuzz/run", {}, 2, {"tests/fuzz/run", "SECONDS", "--runs"}},
+      {root + "/tests/fuzz/run", {"--runs", "0"}, 2, {"tests/fuzz/run", "--runs '0'", "inputs"}},
+      {root + "/tests/fuzz/run", {"10", "scenes"}, 2, {"tests/fuzz/run", "'scenes'", "scene"}},
       {root + "/tests/run", {"--sanitiser"}, 2, {"tests/run", "'--sanitiser'", "--sanitizers"}},
   });
 }

@@ -14,10 +14,24 @@ TEST(PlainText, AcceptsUtf8OfEveryLength) {
 }
 
 TEST(PlainText, RefusesMalformedOverlongAndSurrogateSequences) {
-  for (const char* bad : {"\xff", "\xc3", "\xc0\x80", "\xe0\x80\x80", "\xed\xa0\x80",
-                          "\xf0\x80\x80\x80", "\xf4\x90\x80\x80", "\x80", "\x1b[2J", "\x7f"}) {
+  for (const char* bad :
+       {"\xff", "\xc3", "\xc0\x80", "\xe0\x80\x80", "\xed\xa0\x80", "\xf0\x80\x80\x80",
+        "\xf4\x90\x80\x80", "\x80", "\x1b[2J", "\x7f", "\xc2\x9b"}) {
     EXPECT_FALSE(is_plain_text(bad)) << static_cast<int>(static_cast<unsigned char>(bad[0]));
   }
+}
+
+TEST(Shown, IsOneLineOfPlainTextWhateverTheBytes) {
+  EXPECT_EQ(shown("d\u00e9j\u00e0 vu"), "d\u00e9j\u00e0 vu");
+  EXPECT_EQ(shown("a\nb\tc\x1b[2J\x7f"), "a?b?c?[2J?");
+  EXPECT_EQ(shown("\xff|\xc3|\xc2\x9b|\xf0\x9f\x98"), "?|?|??|???");
+}
+
+TEST(Shown, LeavesOutTheMiddleOfALongTextBetweenTwoCharacters) {
+  EXPECT_EQ(shown("0123456789", 10), "0123456789");
+  EXPECT_EQ(shown("0123456789A", 10), "01234...6789A");
+  EXPECT_EQ(shown("\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9", 10), "\u00e9\u00e9...\u00e9\u00e9");
+  EXPECT_LT(shown(std::string(1 << 20, 'x')).size(), 70u);
 }
 
 TEST(NearestName, FindsWrongUnitsAndSlips) {

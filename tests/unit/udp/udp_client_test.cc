@@ -17,8 +17,8 @@ using Bytes = std::vector<std::uint8_t>;
 
 // The other end, on a free loopback port or on one given.
 struct Peer {
-  explicit Peer(std::uint16_t port = 0)
-      : socket(io, udp::endpoint(boost::asio::ip::address_v4::loopback(), port)) {}
+  explicit Peer(std::uint16_t port = 0, const char* address = "127.0.0.1")
+      : socket(io, udp::endpoint(boost::asio::ip::make_address(address), port)) {}
 
   std::uint16_t port() const { return socket.local_endpoint().port(); }
   Bytes receive() {
@@ -71,13 +71,15 @@ TEST(UdpClient, CutsADatagramToTheRoomThereIs) {
 
 TEST(UdpClient, HearsNobodyButItsPeer) {
   Peer peer;
-  Peer stranger;
+  Peer other_port, other_address(peer.port(), "127.0.0.2");
   UdpClient client;
   ASSERT_TRUE(client.open("127.0.0.1", peer.port(), 4096));
   client.send(Bytes{1});
   peer.receive();
-  stranger.from = peer.from;
-  stranger.reply({66});
+  for (Peer* stranger : {&other_port, &other_address}) {
+    stranger->from = peer.from;
+    stranger->reply({66});
+  }
   peer.reply({7});
   client.wait(20 * kSecond);
   EXPECT_EQ(take(client), Bytes{7});

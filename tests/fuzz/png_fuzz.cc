@@ -1,0 +1,56 @@
+// PNG files of painted walls: as they are, and with their chunks' checksums made right.
+#include <zlib.h>
+
+#include <string>
+
+#include "tests/fuzz/fuzz_target.h"
+#include "tests/support/png_sample.h"
+#include "tests/support/png_whole.h"
+
+namespace handrail {
+namespace {
+
+constexpr std::size_t kSignature = 8;
+// Larger images, up to 8000 x 8000, take as much longer and try nothing else [pixels].
+constexpr std::uint64_t kMostPixels = 1 << 16;
+
+std::uint32_t number_at(const std::string& png, std::size_t at) {
+  std::uint32_t out = 0;
+  for (std::size_t i = at; i < at + 4; ++i) out = out << 8 | static_cast<std::uint8_t>(png[i]);
+  return out;
+}
+
+// A size that is allowed, and would take long.
+bool is_large(const std::string& png) {
+  if (png.size() < kSignature + 16) return false;
+  const std::uint64_t width = number_at(png, kSignature + 8), height = number_at(png, 20);
+  return width <= static_cast<std::uint64_t>(kMostImageSide) &&
+         height <= static_cast<std::uint64_t>(kMostImageSide) && width * height > kMostPixels;
+}
+
+std::string with_right_checksums(std::string png) {
+  for (std::size_t at = kSignature; at + 12 <= png.size();) {
+    const std::size_t length = number_at(png, at);
+    if (length > png.size() - at - 12) break;
+    const uLong crc = ::crc32(0, reinterpret_cast<const Bytef*>(png.data() + at + 4),
+                              static_cast<uInt>(length + 4));
+    png.replace(at + 8 + length, 4, test::big_endian(static_cast<std::uint32_t>(crc)));
+    at += length + 12;
+  }
+  return png;
+}
+
+}  // namespace
+
+HANDRAIL_FUZZ(png) {
+  const std::string file(fuzz::text_of(bytes));
+  if (is_large(file)) return;
+  bool read = false;
+  std::string fault = test::fault_with_png(file, read);
+  fuzz::require(fault.empty(), fault);
+  if (read) return;
+  fault = test::fault_with_png(with_right_checksums(file), read);
+  fuzz::require(fault.empty(), fault);
+}
+
+}  // namespace handrail
