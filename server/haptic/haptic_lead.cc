@@ -40,7 +40,7 @@ Reason obstacle_of_link(const HapticInput& in, const LadderStep& ladder, const H
     return reason_of(ladder.rung);
   }
   if (!in.link.confirmed) return Reason::kNotConfirmed;
-  return ladder.held_good ? Reason::kNone : Reason::kLinkQuality;
+  return ladder.good ? Reason::kNone : Reason::kLinkQuality;
 }
 
 MasterSessionInput session_input(const HapticSettings& settings, const HapticInput& in,

@@ -185,8 +185,10 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
   if (!hand_ok) out.reasons.add(Reason::kDeviceInvalid);
   const Vec3 motion = hear_hand(in.hand, hand_ok, dt, s.hand);
   const Nanos slave_age = age_after(in.unseen, in.slave_age);
-  const LadderStep ladder =
-      ladder_step(settings.ladder, in.slave_known, slave_age, in.link, dt, s.ladder);
+  const LadderStep ladder = ladder_step(settings.ladder, in.slave_known, slave_age, in.link,
+                                        std::max(dt, to_seconds(in.unseen)), s.ladder);
+  out.link_shares = ladder.shares;
+  out.link_window = settings.ladder.good_for;
   const SessionState before = s.lead.session;
   decide(settings, in, ladder, dt, s, out);
   const Wanted wanted = lead_tip(settings, in, hand_ok, ladder.force_share, dt, s, out);

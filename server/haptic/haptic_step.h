@@ -79,6 +79,8 @@ struct HapticOutput {
   // The slave's own fault behind a kPeerFault: of the slave as it is, and while this session is in
   // fault as it was when that began, whatever becomes of the slave meanwhile.
   Reason peer_fault = Reason::kNone;
+  LinkShares link_shares;        // what an engage is refused for with kLinkQuality, over the last
+  Nanos link_window = 0;         // so long [ns]
   ReasonSet reasons;             // every intervention of this tick
   ForceShares shares;            // device force, where it came from
   ForceLedger force;             // the same, stage by stage

@@ -28,8 +28,8 @@ LinkQuality LinkSnapshot::quality(Nanos now) const noexcept {
 }
 
 LinkView LinkSnapshot::view(Nanos now) const noexcept {
-  return {loop_age(now), quality(now), grade_of(peer_received_of_100), confirmed(now),
-          refused(now)};
+  return {loop_age(now),        peer_age,       received_of_100,
+          peer_received_of_100, confirmed(now), refused(now)};
 }
 
 Reject PeerCore::accept_session(const DatagramHeader& header, Nanos now) const noexcept {
@@ -89,9 +89,11 @@ Reject PeerCore::accept(const DatagramHeader& header, Nanos now) noexcept {
 
 // An echo of another incarnation of ours, or one that cannot be true, says nothing about the way.
 void PeerCore::take_echo(const DatagramHeader& header, Nanos now) noexcept {
+  snapshot_.peer_age = kForever;
   if (header.echo_session != session_ || header.echo_sequence > sequence_) return;
   if (header.echo_held > now - header.echo_sent) return;  // also when sent in the future
   if (header.echo_sent < snapshot_.echoed_sent) return;
+  snapshot_.peer_age = header.echo_held;
   snapshot_.echoed_sent = header.echo_sent;
   snapshot_.round_trip = now - header.echo_sent - header.echo_held;
 }

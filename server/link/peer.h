@@ -39,10 +39,12 @@ struct LinkSnapshot {
   Nanos received_at = -kForever;  // when the newest fresh datagram was accepted
   Nanos echoed_sent = -kForever;  // when the newest of our datagrams the peer confirmed was sent
   Nanos round_trip = -1;          // newest measured, without the time the peer held it; -1 = none
-  int received_of_100 = 0;        // of the last 100 sequences
-  int peer_received_of_100 = 0;   // the same there, as its newest datagram says
-  std::uint64_t sequence = 0;     // of the newest accepted; 0 = none
-  double loss_share = 0.0;        // of the last 100, 0 to 1
+  // How long the peer had had nothing fresh from us when it sent its newest; kForever: nothing yet.
+  Nanos peer_age = kForever;
+  int received_of_100 = 0;       // of the last 100 that are not possibly still under way
+  int peer_received_of_100 = 0;  // the same there, as its newest datagram says
+  std::uint64_t sequence = 0;    // of the newest accepted; 0 = none
+  double loss_share = 0.0;       // of the same 100, 0 to 1
   std::uint64_t sent = 0;
   std::uint64_t unsendable = 0;  // own states check() refused: a fault of this program
   std::uint64_t withheld = 0;    // datagrams not sent: nothing true to say, or nobody to lead

@@ -259,6 +259,9 @@ void OrderDesk::settle(const OrderAnswer& answer, Pending order) {
     if (text.empty())
       text = reason_text(answer.result, report_ ? report_->out.peer_fault : Reason::kNone);
     if (answer.result == Reason::kOtherMaster && link_.refused(now_)) text = unheard();
+    if (bad_link && report_ && answer.result == Reason::kLinkQuality) {
+      text = link_quality_text(report_->out, link_, now_);
+    }
     if (order.until == Until::kEngaged && report_ && link_.peer_epoch != 0) {
       for (const std::string& difference : hash_mismatches(report_->out.link, slave_)) {
         text += "; " + difference;

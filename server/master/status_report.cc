@@ -2,6 +2,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
+
 #include "server/base/units.h"
 #include "server/master/set_vector.h"
 #include "server/master/why_report.h"
@@ -55,9 +57,8 @@ void set_loop(const HapticReport& report, pb::Status& s) {
 void set_link(const LinkSnapshot& link, bool known, Nanos now, pb::Status& s) {
   s.set_packet_age_ms(milliseconds(link.age(now)));
   s.set_loop_age_ms(milliseconds(link.loop_age(now)));
-  const LinkView view = link.view(now);
-  s.set_link_quality(known ? name_of(view.grade) : "none");
-  s.set_peer_quality(known ? name_of(view.peer_grade) : "none");
+  s.set_link_quality(known ? name_of(link.quality(now)) : "none");
+  s.set_peer_quality(known ? name_of(grade_of(link.peer_received_of_100)) : "none");
   s.set_loss_share(link.loss_share);
   s.set_round_trip_ms(milliseconds(link.round_trip));
   s.set_datagrams_accepted(link.accepted);
@@ -103,6 +104,37 @@ std::string reason_text(Reason reason, Reason peer_fault) {
 std::string other_master_text(const LinkSnapshot& link, Nanos now) {
   return fmt::format("{} ({})", describe(Reason::kOtherMaster),
                      leader_text(link.refusal, now - link.refused_at));
+}
+
+std::string link_quality_text(const HapticOutput& out, const LinkSnapshot& link, Nanos now) {
+  const double window = to_seconds(out.link_window);
+  std::string found;
+  const auto say = [&found](const std::string& text) {
+    found += (found.empty() ? ": " : "; ") + text;
+  };
+  const auto judge = [&](double share, double most, const char* what) {
+    if (out.link_window == 0 || !too_much(share, most)) return;
+    say(fmt::format("{:.1f} % {}, at most {:.0f} % in {:g} s is asked", 100.0 * share, what,
+                    100.0 * most, window));
+  };
+  const LinkShares& shares = out.link_shares;
+  if (shares.heard < 1.0 && out.link_window > 0) {
+    say(fmt::format("heard both ways for {:.2f} s without a gap of over 200 ms, {:g} s is asked",
+                    window * shares.heard, window));
+  }
+  judge(shares.held, kMostHeld, "of the time nothing new here for over 20 ms");
+  judge(shares.peer_held, kMostHeld, "of the time nothing new at the slave for over 20 ms");
+  judge(shares.lost, kMostLost, "lost on the way here");
+  judge(shares.peer_lost, kMostLost, "lost on the way to the slave");
+  if (found.empty() && link.age(now) > kPoorAge && link.peer_epoch != 0) {
+    say(fmt::format("nothing new here for {} ms, at most {} is asked", link.age(now) / kMillisecond,
+                    kPoorAge / kMillisecond));
+  }
+  const int came = std::min(link.received_of_100, link.peer_received_of_100);
+  if (found.empty() && grade_of(came) == LinkGrade::kPoor) {
+    say(fmt::format("{} of 100 came, at least 40 are asked", came));
+  }
+  return describe(Reason::kLinkQuality) + found;
 }
 
 std::vector<std::string> hash_mismatches(const MasterState& master, const SlaveState& slave) {

@@ -33,6 +33,10 @@ std::string reason_text(Reason reason, Reason peer_fault);
 // that is refused at `now`.
 std::string other_master_text(const LinkSnapshot& link, Nanos now);
 
+// kLinkQuality with what was measured and what is asked: "the link is not good enough: 60.3 % lost
+// on the way to the slave, at most 25 % in 1 s is asked". Of a bad moment alone: as it is `now`.
+std::string link_quality_text(const HapticOutput& out, const LinkSnapshot& link, Nanos now);
+
 // Each section both sides must agree on and do not: "mapping: master 3f2a..., slave 91bc...".
 std::vector<std::string> hash_mismatches(const MasterState& master, const SlaveState& slave);
 

@@ -107,8 +107,11 @@ Reason holding(const HapticReport& report, const SlaveState& slave, const LinkSn
                        : in_fault                       ? slave.fault
                                                         : Reason::kNone;
   if (fault != Reason::kNone) return fault;
+  // A bad moment of a bad link is no news of its own.
+  const bool moment = out.obstacle == Reason::kLinkQuality &&
+                      (slave.reason == Reason::kLinkStale || slave.reason == Reason::kLinkHold);
   const bool says_why = slave.reason != Reason::kNone && slave.reason != Reason::kNotEngaged;
-  if (idle && says_why) return slave.reason;
+  if (idle && says_why && !moment) return slave.reason;
   if (out.link.state == SessionState::kOff && out.obstacle != Reason::kNone) return out.obstacle;
   if (out.reason == Reason::kHoming && slave.reason != Reason::kNone) return slave.reason;
   if (out.reason != Reason::kNone) return out.reason;
@@ -170,14 +173,18 @@ void set_sentence(pb::Ledger* out, const HapticReport& report, const SlaveState&
     return;
   }
   if (const Reason why = holding(report, slave, link, now); why != Reason::kNone) {
-    std::string text = std::string("the arm holds: ") +
-                       (why == Reason::kOtherMaster ? other_master_text(link, now) : describe(why));
+    const auto said = [&](Reason reason) -> std::string {
+      if (reason == Reason::kOtherMaster) return other_master_text(link, now);
+      if (reason == Reason::kLinkQuality) return link_quality_text(report.out, link, now);
+      return describe(reason);
+    };
+    std::string text = "the arm holds: " + said(why);
     const Reason still = stand == Stand::kLatched ? still_wrong(report, slave, link, now) : why;
     // What a reset releases is no second trouble.
     const std::string first = way_out_of(still, ledger.joint, slave.q_measured, stand);
     const bool two = still != Reason::kNone && still != why && why != Reason::kOtherMaster &&
                      first != "reset, then engage";
-    if (two) text += std::string("; and ") + describe(still);
+    if (two) text += "; and " + said(still);
     out->set_sentence(text);
     return set_way_out(two ? still : why);
   }

@@ -39,8 +39,8 @@ struct SectionHashes {
   std::uint64_t robot = 0;
 };
 
-// How much of what the other side sends arrives, of the last 100 datagrams: under 40, under 75,
-// under 99, and the rest.
+// How much of what the other side sends arrives, of the last 100 datagrams that are not possibly
+// still under way: under 40, under 75, under 99, and the rest.
 enum class LinkGrade : std::uint8_t { kPoor, kFair, kGood, kExcellent };
 const char* name_of(LinkGrade grade) noexcept;
 // The grade of `received_of_100`. Real-time safe.
@@ -53,10 +53,11 @@ constexpr LinkGrade grade_of(int received_of_100) noexcept {
 // What a side knows of its link besides the age of the newest datagram.
 struct LinkView {
   Nanos loop_age = 0;  // of the newest own datagram the other side is known to have
-  LinkGrade grade = LinkGrade::kExcellent;       // of what arrives here
-  LinkGrade peer_grade = LinkGrade::kExcellent;  // of what arrives there, as it says
-  bool confirmed = true;      // the other side has answered this session of ours, and lately
-  bool other_master = false;  // the slave says that it is led by another master
+  Nanos peer_age = 0;  // how long ago anything fresh had come there, when it said so last
+  int received_of_100 = 100;
+  int peer_received_of_100 = 100;  // the same there, as it says
+  bool confirmed = true;           // the other side has answered this session of ours, and lately
+  bool other_master = false;       // the slave says that it is led by another master
 };
 
 // Scene name, UTF-8.

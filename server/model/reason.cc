@@ -64,7 +64,7 @@ constexpr auto kSentences = std::to_array<Sentence>({
     {Reason::kNoSuchStage, "the scene's walls have no such stage"},
     {Reason::kHoming, "getting ready: robot not placed or device not calibrated"},
     {Reason::kPresence, "the enabling device is not held"},
-    {Reason::kLinkQuality, "the link was not good for a whole second"},
+    {Reason::kLinkQuality, "the link is not good enough"},
     {Reason::kLoopAge, "commands take long there and back"},
     {Reason::kNotConfirmed, "the other side has not answered this session yet"},
     {Reason::kToolTube, "kept on the active tool"},

@@ -62,7 +62,7 @@ enum class Reason : std::uint8_t {
   // Session, presence and monitors
   kHoming,        // robot not placed or device not calibrated yet
   kPresence,      // nobody holds the enabling device
-  kLinkQuality,   // the link was not good for a whole second
+  kLinkQuality,   // the link is POOR, or was not good enough to engage over
   kLoopAge,       // a command's way there and back takes longer than the scene allows
   kNotConfirmed,  // the other side has not answered this session yet
   kToolTube,      // the slave moved the command onto the active tool

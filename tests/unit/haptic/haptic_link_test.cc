@@ -8,29 +8,35 @@ namespace {
 
 using test::HapticRig;
 
-TEST(HapticLink, EngagesOnlyFromALinkHeldGoodForASecond) {
+TEST(HapticLink, EngagesOnlyOverALinkThatWasGoodEnoughForASecond) {
   HapticRig rig;
   rig.settings.ladder.good_for = kSecond;
   rig.ticks(900);
   EXPECT_EQ(rig.order(OrderKind::kEngage), Reason::kLinkQuality);
-  rig.ticks(101);
-  rig.in.link.peer_grade = LinkGrade::kFair;
+  EXPECT_NEAR(rig.out.link_shares.heard, 0.9, 2e-3);
+  EXPECT_EQ(rig.out.link_window, kSecond);
+  rig.in.link.peer_received_of_100 = 74;
+  rig.ticks(1100);
   EXPECT_EQ(rig.order(OrderKind::kEngage), Reason::kLinkQuality);
-  rig.in.link.peer_grade = LinkGrade::kGood;
+  EXPECT_NEAR(rig.out.link_shares.peer_lost, 0.26, 1e-9);
+  rig.in.link.peer_received_of_100 = 75;
+  rig.ticks(1100);
+  // One bad moment does not begin the second anew, but nothing is engaged in it.
+  rig.in.slave_age = 21 * kMillisecond;
   EXPECT_EQ(rig.order(OrderKind::kEngage), Reason::kLinkQuality);
-  rig.ticks(1000);
+  rig.in.slave_age = 0;
   EXPECT_EQ(rig.order(OrderKind::kEngage), Reason::kNone);
-  // Driving goes on when it is fair, and holds while it is poor.
   rig.ticks(5);
   ASSERT_EQ(rig.session(), SessionState::kEngaged);
-  rig.in.link.grade = LinkGrade::kFair;
+  // Driving goes on when it is fair, and holds while it is poor.
+  rig.in.link.received_of_100 = 40;
   rig.ticks(5);
   EXPECT_EQ(rig.session(), SessionState::kEngaged);
-  rig.in.link.grade = LinkGrade::kPoor;
+  rig.in.link.received_of_100 = 39;
   rig.ticks(5);
   EXPECT_EQ(rig.session(), SessionState::kHold);
   EXPECT_TRUE(rig.out.reasons.has(Reason::kLinkQuality));
-  rig.in.link.grade = LinkGrade::kFair;
+  rig.in.link.received_of_100 = 40;
   rig.ticks(5);
   EXPECT_EQ(rig.session(), SessionState::kEngaged);
 }

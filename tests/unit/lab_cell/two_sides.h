@@ -82,8 +82,10 @@ class TwoSides {
   static constexpr const char* kArm = "linear-movement";  // scenes that are shipped
   static constexpr const char* kWalls = "painted-aisle";
 
-  explicit TwoSides(Presence presence = Presence::kNone, const char* scene = kArm)
-      : presence_(presence), scene_(scene) {
+  // `seed`: of the network.
+  explicit TwoSides(Presence presence = Presence::kNone, const char* scene = kArm,
+                    std::uint64_t seed = 1)
+      : presence_(presence), scene_(scene), net_(CellNetOptions{seed}) {
     clock() = 1000 * kSecond;
     device.sample.valid = true;
     start_master();
@@ -151,10 +153,10 @@ class TwoSides {
   }
   void end_slave() { slave_.reset(); }
   bool slave_runs() const { return slave_ != nullptr; }
-  void cut_network(bool cut) {
-    net_.link().to_slave().faults.loss = net_.link().to_master().faults.loss = cut ? 1.0 : 0.0;
-  }
-  void cut_way_to_slave(bool cut) { net_.link().to_slave().faults.loss = cut ? 1.0 : 0.0; }
+  LinkFaults& to_slave() { return net_.link().to_slave().faults; }
+  LinkFaults& to_master() { return net_.link().to_master().faults; }
+  void cut_network(bool cut) { to_slave().loss = to_master().loss = cut ? 1.0 : 0.0; }
+  void cut_way_to_slave(bool cut) { to_slave().loss = cut ? 1.0 : 0.0; }
   bool by_button() const { return presence_ == Presence::kButton; }
   // The slave holds another scene, and has no file of the master's.
   void give_slave_the_scene(bool has) {
@@ -167,10 +169,11 @@ class TwoSides {
   std::string who = "anna";
   ScriptedArm arm;
   ScriptedDevice device;
-  bool sensor = true;          // sound
-  bool master_stalls = false;  // its haptic loop stands still
-  bool other_master = false;   // leads the slave, which says so
-  bool holds = false;          // `handrail engage --hold` runs
+  bool sensor = true;             // sound
+  bool master_stalls = false;     // its haptic loop stands still
+  bool other_master = false;      // leads the slave, which says so
+  bool holds = false;             // `handrail engage --hold` runs
+  std::function<void()> weather;  // changes the network, once a round; empty: it stays
 
  private:
   static Nanos& clock() noexcept {
@@ -194,6 +197,7 @@ class TwoSides {
 
   void round() {
     clock() += kMillisecond;
+    if (weather) weather();
     net_.deliver(now());
     if (slave_ && now() >= robot_due_) turn_robot();
     if (slave_) slave_io();
@@ -258,7 +262,7 @@ class TwoSides {
   const std::string scene_;
   SceneLibrary library_;
   WallRuns runs_;
-  CellNet net_{CellNetOptions()};
+  CellNet net_;
   Codec codec_;
   std::unique_ptr<MasterMailboxes> boxes_;
   LoopNews news_;

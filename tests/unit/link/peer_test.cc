@@ -215,6 +215,24 @@ TEST_F(PeerTest, EachSideHearsHowMuchOfItsOwnArrivesThere) {
   EXPECT_EQ(slave.snapshot().received_of_100, 75);
 }
 
+TEST_F(PeerTest, TheOtherSideSaysForHowLongItHasHadNothingFresh) {
+  const Nanos ms = kMillisecond;
+  EXPECT_EQ(master.snapshot().view(kStart).peer_age, kForever);
+  const Packet unanswered = from_slave(kStart);
+  ASSERT_EQ(master.on_datagram(unanswered.span(), kStart + ms), Reject::kNone);
+  EXPECT_EQ(master.snapshot().view(kStart + ms).peer_age, kForever);
+  ASSERT_EQ(slave.on_datagram(from_master(kStart + ms).span(), kStart + 3 * ms), Reject::kNone);
+  ASSERT_EQ(master.on_datagram(from_slave(kStart + 10 * ms).span(), kStart + 12 * ms),
+            Reject::kNone);
+  EXPECT_EQ(master.snapshot().view(kStart + 99 * ms).peer_age, 7 * ms);
+  // Started anew it has heard nothing yet.
+  SlavePeer another{0xcccc};
+  Packet p;
+  p.size = another.poll(kStart + kSecond, slave_state, p.bytes);
+  ASSERT_EQ(master.on_datagram(p.span(), kStart + kSecond), Reject::kNone);
+  EXPECT_EQ(master.snapshot().view(kStart + kSecond).peer_age, kForever);
+}
+
 TEST_F(PeerTest, SilenceBeyondTwentyMillisecondsIsPoor) {
   Nanos now = kStart;
   for (int i = 0; i < 100; ++i, now += kMillisecond) {

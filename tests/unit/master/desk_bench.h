@@ -35,6 +35,7 @@ class DeskBench : public ::testing::Test {
     take_over(haptic_settings(scenes["first"], HapticCapabilities()));
     slave_follows();
     link.peer_epoch = 1;
+    link.received_of_100 = link.peer_received_of_100 = 100;
   }
 
   // The loop has these settings now.

@@ -83,12 +83,17 @@ TEST_F(OrderDeskTest, AnEngageWaitsThreeSecondsForAGoodLink) {
     loop();
   }
   EXPECT_EQ(text(answer), "done: ");
+  report.out.link_window = kSecond;
+  report.out.link_shares.heard = 1.0;
+  report.out.link_shares.lost = 0.603;
   const Answer late = ask("engage: true");
   for (int i = 0; i < 320; ++i) {
     loop(Reason::kLinkQuality);
     tick(10 * kMillisecond);
   }
-  EXPECT_EQ(text(late), std::string("refused: ") + describe(Reason::kLinkQuality));
+  EXPECT_EQ(text(late), std::string("refused: ") + link_quality_text(report.out, link, now))
+      << "what was measured, and what is asked";
+  EXPECT_THAT(text(late), HasSubstr("60.3 % lost on the way here, at most 25 %"));
 }
 
 TEST_F(OrderDeskTest, NoOrderThatWaitsForTheLinkOutlivesAnother) {

@@ -246,5 +246,42 @@ TEST_F(StatusReportTest, EveryNumberIsFiniteWithAndWithoutASlave) {
   EXPECT_EQ(status().round_trip_ms(), -1.0);
 }
 
+TEST(LinkQualityText, NamesWhatWasMeasuredAndWhatIsAsked) {
+  HapticOutput out;
+  out.link_window = kSecond;
+  out.link_shares.heard = 1.0;
+  LinkSnapshot link;
+  link.peer_epoch = 1;
+  link.received_at = 0;
+  link.received_of_100 = link.peer_received_of_100 = 90;
+  const auto text = [&](Nanos now = 0) { return link_quality_text(out, link, now); };
+  const std::string plain = describe(Reason::kLinkQuality);
+  EXPECT_EQ(text(), plain) << "it has become good meanwhile";
+  out.link_shares.held = 0.09;
+  out.link_shares.lost = 0.25;
+  EXPECT_EQ(text(), plain);
+  out.link_shares.held = 0.124;
+  EXPECT_EQ(text(), plain +
+                        ": 12.4 % of the time nothing new here for over 20 ms, at most 9 % in "
+                        "1 s is asked");
+  out.link_shares.held = 0.0;
+  out.link_shares.peer_held = 0.31;
+  out.link_shares.peer_lost = 0.603;
+  EXPECT_EQ(text(), plain +
+                        ": 31.0 % of the time nothing new at the slave for over 20 ms, at most "
+                        "9 % in 1 s is asked; 60.3 % lost on the way to the slave, at most 25 "
+                        "% in 1 s is asked");
+  out.link_shares = {};
+  out.link_shares.heard = 0.417;
+  EXPECT_EQ(text(), plain +
+                        ": heard both ways for 0.42 s without a gap of over 200 ms, 1 s is "
+                        "asked");
+  // Of a bad moment alone.
+  out.link_shares.heard = 1.0;
+  EXPECT_EQ(text(23 * kMillisecond), plain + ": nothing new here for 23 ms, at most 20 is asked");
+  link.peer_received_of_100 = 39;
+  EXPECT_EQ(text(), plain + ": 39 of 100 came, at least 40 are asked");
+}
+
 }  // namespace
 }  // namespace handrail

@@ -322,5 +322,22 @@ TEST_F(WhyReportTest, AnArmThatFollowsHasNoWayOutToSay) {
   EXPECT_EQ(why().way_out(), "");
 }
 
+TEST_F(WhyReportTest, OfABadLinkTheFiguresComeBeforeItsBadMoments) {
+  report.out.link.state = slave.state = SessionState::kOff;
+  report.out.obstacle = Reason::kLinkQuality;
+  report.out.link_window = kSecond;
+  report.out.link_shares.heard = 1.0;
+  report.out.link_shares.lost = 0.603;
+  for (const Reason moment : {Reason::kNone, Reason::kLinkStale, Reason::kLinkHold}) {
+    slave.reason = moment;
+    EXPECT_EQ(why().sentence(),
+              "the arm holds: the link is not good enough: 60.3 % lost on the "
+              "way here, at most 25 % in 1 s is asked");
+    EXPECT_EQ(why().way_out(), "wait for the link, then engage");
+  }
+  slave.reason = Reason::kRobotNotConnected;
+  EXPECT_NE(why().sentence().find(describe(Reason::kRobotNotConnected)), std::string::npos);
+}
+
 }  // namespace
 }  // namespace handrail

@@ -10,38 +10,90 @@ namespace {
 
 constexpr double kTick = 1e-3;
 
-LinkView with(LinkGrade grade, LinkGrade peer_grade) { return {0, grade, peer_grade, true}; }
+LinkView with(int received, int peer_received) { return {0, 0, received, peer_received}; }
 
-TEST(Ladder, IsGoodOnlyAfterAWholeSecondBothWays) {
+// What the link did for so many milliseconds of ten, in turn, until a second is full twice over.
+LadderStep after(const LinkView& one, Nanos age, int of_ten, const LinkView& other) {
   LadderSettings settings;
   settings.good_for = kSecond;
   LadderState state;
-  const LinkView good = with(LinkGrade::kGood, LinkGrade::kExcellent);
+  LadderStep step;
+  for (int i = 0; i < 2000; ++i) {
+    const bool first = i % 10 < of_ten;
+    step = ladder_step(settings, true, first ? age : 0, first ? one : other, kTick, state);
+  }
+  return step;
+}
+
+TEST(Ladder, IsGoodOnlyAfterAWholeSecond) {
+  LadderSettings settings;
+  settings.good_for = kSecond;
+  LadderState state;
   for (int i = 1; i < 1000; ++i) {
-    ASSERT_FALSE(ladder_step(settings, true, 0, good, kTick, state).held_good) << i;
+    const LadderStep step = ladder_step(settings, true, 0, LinkView(), kTick, state);
+    ASSERT_FALSE(step.good) << i;
+    ASSERT_NEAR(step.shares.heard, 1e-3 * i, 1e-9);
   }
-  (void)ladder_step(settings, true, 0, good, kTick, state);
-  EXPECT_TRUE(ladder_step(settings, true, 0, good, kTick, state).held_good);
-  // One fair tick of either direction, or one too old, starts the second afresh.
-  for (const LinkView& worse : {with(LinkGrade::kFair, LinkGrade::kExcellent),
-                                with(LinkGrade::kExcellent, LinkGrade::kFair)}) {
-    LadderState broken = state;
-    EXPECT_FALSE(ladder_step(settings, true, 0, worse, kTick, broken).held_good);
-    EXPECT_FALSE(ladder_step(settings, true, 0, good, kTick, broken).held_good);
-  }
-  EXPECT_FALSE(ladder_step(settings, true, 20 * kMillisecond + 1, good, kTick, state).held_good);
+  EXPECT_TRUE(ladder_step(settings, true, 0, LinkView(), kTick, state).good);
+  // A gap that loses the link begins it anew, here or there; one that is held through does not.
+  LinkView unheard;
+  unheard.peer_age = 200 * kMillisecond + 1;
+  LadderState there = state, held = state;
+  EXPECT_FALSE(ladder_step(settings, true, 0, unheard, kTick, there).good);
+  EXPECT_FALSE(ladder_step(settings, true, 0, LinkView(), kTick, there).good);
+  EXPECT_TRUE(ladder_step(settings, true, 200 * kMillisecond, LinkView(), kTick, held).good);
+  EXPECT_FALSE(ladder_step(settings, true, 200 * kMillisecond + 1, LinkView(), kTick, state).good);
+  EXPECT_FALSE(ladder_step(settings, true, 0, LinkView(), 0.9, state).good);
+  EXPECT_TRUE(ladder_step(settings, true, 0, LinkView(), 0.1, state).good) << "time, not ticks";
+}
+
+TEST(Ladder, AsksForAShareOfTimeWithNewsAndOfDatagramsThatCame) {
+  constexpr Nanos kOld = 20 * kMillisecond + 1;
+  LinkView old_there;
+  old_there.peer_age = kOld;
+  // One millisecond of ten is 10 % and too much; of a whole second 8 % is not.
+  const LadderStep here = after(LinkView(), kOld, 1, LinkView());
+  EXPECT_FALSE(here.good);
+  EXPECT_NEAR(here.shares.held, 0.1, 1e-3);
+  EXPECT_EQ(here.shares.peer_held, 0.0);
+  const LadderStep there = after(old_there, 0, 1, LinkView());
+  EXPECT_FALSE(there.good);
+  EXPECT_NEAR(there.shares.peer_held, 0.1, 1e-3);
+  EXPECT_TRUE(after(LinkView(), kOld - 1, 10, LinkView()).good);
+  EXPECT_TRUE(after(with(75, 100), 0, 10, {}).good);
+  EXPECT_FALSE(after(with(74, 100), 0, 10, {}).good);
+  EXPECT_FALSE(after(with(100, 74), 0, 10, {}).good);
+  EXPECT_NEAR(after(with(100, 74), 0, 10, {}).shares.peer_lost, 0.26, 1e-9);
+  // The mean of the second counts, not its worst moment.
+  EXPECT_TRUE(after(with(60, 100), 0, 5, with(90, 100)).good);
+  EXPECT_FALSE(after(with(60, 100), 0, 7, with(90, 100)).good);
+}
+
+TEST(Ladder, OneGapIsForgottenAfterASecond) {
+  LadderSettings settings;
+  settings.good_for = kSecond;
+  LadderState state;
+  const auto run = [&](int ms, Nanos age) {
+    LadderStep step;
+    for (int i = 0; i < ms; ++i) step = ladder_step(settings, true, age, LinkView(), kTick, state);
+    return step.good;
+  };
+  ASSERT_TRUE(run(1000, 0));
+  EXPECT_TRUE(run(89, 21 * kMillisecond));
+  EXPECT_FALSE(run(3, 21 * kMillisecond));
+  EXPECT_FALSE(run(900, 0));
+  EXPECT_TRUE(run(110, 0));
 }
 
 TEST(Ladder, APoorDirectionHoldsAndNeverMakesALostLinkBetter) {
-  for (const LinkView& poor : {with(LinkGrade::kPoor, LinkGrade::kExcellent),
-                               with(LinkGrade::kExcellent, LinkGrade::kPoor)}) {
+  for (const LinkView& poor : {with(39, 100), with(100, 39)}) {
     EXPECT_EQ(rung_of(true, 0, poor), LinkRung::kHold);
     EXPECT_EQ(rung_of(true, 20 * kMillisecond, poor), LinkRung::kHold);
     EXPECT_EQ(rung_of(true, 300 * kMillisecond, poor), LinkRung::kLost);
     EXPECT_EQ(rung_of(true, 2 * kSecond, poor), LinkRung::kClosed);
     EXPECT_EQ(rung_of(false, 0, poor), LinkRung::kNone);
   }
-  EXPECT_EQ(rung_of(true, 0, with(LinkGrade::kFair, LinkGrade::kFair)), LinkRung::kFresh);
+  EXPECT_EQ(rung_of(true, 0, with(40, 40)), LinkRung::kFresh);
 }
 
 TEST(Ladder, AnOldLoopIsSaidAndFadesTheForceButNeverChangesTheRung) {
