@@ -8,6 +8,9 @@
 #include <boost/asio/ip/udp.hpp>
 
 #include "server/link/peer.h"
+#include "server/link/secure/secure_client.h"
+#include "server/link/secure/secure_server.h"
+#include "server/link/secure/udp_socket.h"
 #include "server/link/unix_transport.h"
 #include "tests/bench/percentile.h"
 #include "tests/support/temp_folder.h"
@@ -87,6 +90,53 @@ struct UdpThereAndBack {
   }
 };
 
+// Both ends of an encrypted session over UDP.
+struct SecureThereAndBack {
+  boost::asio::io_context io;
+  OwnKey slave_key = *OwnKey::generate(), master_key = *OwnKey::generate();
+  UdpSocket slave_socket{io}, master_socket{io};
+  std::unique_ptr<DtlsContext> slave_context =
+      context(slave_key, {"desk", Role::kMaster, master_key.public_key()},
+              DtlsContext::Side::kServer, Role::kMaster);
+  std::unique_ptr<DtlsContext> master_context =
+      context(master_key, {"cell", Role::kSlave, slave_key.public_key()},
+              DtlsContext::Side::kClient, Role::kSlave);
+  SecureServer slave{*slave_context, slave_socket};
+  SecureClient master{*master_context, master_socket};
+  Datagram bytes{};
+
+  SecureThereAndBack() {
+    if (!slave_socket.open("127.0.0.1", 0) || !master_socket.open("127.0.0.1", 0)) std::abort();
+    const boost::asio::ip::udp::endpoint at(boost::asio::ip::address_v4::loopback(),
+                                            slave_socket.port());
+    master.set_addresses({address_of(at)});
+    for (Nanos now = 0; master.session() == nullptr; now += kMillisecond) {
+      if (now > kSecond) std::abort();
+      master.tick(now);
+      slave.tick(now);
+      for (int i = 0; i < 8; ++i) {
+        (void)slave.receive(bytes);
+        (void)master.receive(bytes);
+      }
+    }
+  }
+  static std::unique_ptr<DtlsContext> context(const OwnKey& key, const Trusted& other,
+                                              DtlsContext::Side side, Role wanted) {
+    TrustList trusted;
+    if (!trusted.add(other)) std::abort();
+    return std::move(*DtlsContext::make(key, trusted, side, wanted));
+  }
+  std::size_t operator()() {
+    (void)master.send(bytes);
+    (void)slave.receive(bytes);
+    slave.adopt_sender();
+    (void)slave.send(bytes);
+    const auto back = master.receive(bytes);
+    if (!back || !back->from_peer) std::abort();
+    return back->size;
+  }
+};
+
 // By reference: sockets do not move.
 template <typename Way>
 void there_and_back(benchmark::State& state, const char* name) {
@@ -99,6 +149,9 @@ void BM_LinkUnixSocket(benchmark::State& state) {
 void BM_LinkUdp(benchmark::State& state) {
   there_and_back<UdpThereAndBack>(state, "the same over UDP");
 }
+void BM_LinkSecure(benchmark::State& state) {
+  there_and_back<SecureThereAndBack>(state, "the same over UDP, encrypted");
+}
 void BM_LinkCodec(benchmark::State& state) {
   run(state, "link datagram, encode + decode", 1, 0.0, MasterThereAndBack{});
 }
@@ -109,6 +162,7 @@ BENCHMARK(BM_LinkCodec);
 BENCHMARK(BM_LinkBothEnds);
 BENCHMARK(BM_LinkUnixSocket);
 BENCHMARK(BM_LinkUdp);
+BENCHMARK(BM_LinkSecure);
 
 }  // namespace
 }  // namespace handrail::bench
