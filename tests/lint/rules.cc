@@ -68,10 +68,10 @@ Table lab_rows() {
   const Folders lab =
       kModel + Folders{"devices",           "proto",          "server/scene", "server/lab/console",
                        "server/lab/figure", "server/lab/cell"};
-  return {{"server/lab",
-           kBase + Folders{"server/lab/accuracy", "server/lab/contact", "server/lab/faults",
-                           "server/lab/hand", "server/lab/scenes", "server/lab/study/linear",
-                           "server/lab/study/screw", "server/lab/walls"}},
+  return {{"server/lab", kBase + Folders{"server/lab/accuracy", "server/lab/contact",
+                                         "server/lab/faults", "server/lab/hand", "server/lab/links",
+                                         "server/lab/scenes", "server/lab/study/linear",
+                                         "server/lab/study/screw", "server/lab/walls"}},
           {"server/lab/console", kBase},
           {"server/lab/figure", kBase},
           {"server/lab/cell",
@@ -90,6 +90,7 @@ Table lab_rows() {
                                    Folders{"server/lab/study", "server/master", "server/haptic",
                                            "server/constraint", "server/constraint/drawn"}},
           {"server/lab/contact", lab + Folders{"server/lab/study", "server/follow"}},
+          {"server/lab/links", lab + Folders{"server/lab/faults", "server/lab/study"}},
           {"server/lab/faults/audit",
            kModel + Folders{"server/lab/cell", "server/motion", "server/kinematics"}},
           {"server/lab/faults", lab + kHands + sides +
