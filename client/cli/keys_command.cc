@@ -14,7 +14,7 @@ namespace {
 
 KeyFolder folder() { return KeyFolder(default_key_folder()); }
 
-ExitCode refuse(const Console& console, const std::string& text) {
+ExitCode say_no(const Console& console, const std::string& text) {
   console.err << "handrail: " << text << '\n';
   return kExitRefused;
 }
@@ -55,14 +55,14 @@ ExitCode run_keys_new(const Options& o, const Console& console) {
   const Roles roles = parse_roles(*o.word);
   if (roles.empty()) return complain(console, "keys new: '" + *o.word + "': " + kRolesText);
   const auto made = folder().create(o.as.empty() ? computer_name() : o.as, roles);
-  if (!made) return refuse(console, made.message());
+  if (!made) return say_no(console, made.message());
   show(console, made->entry());
   return kExitDone;
 }
 
 ExitCode run_keys_show(const Options& o, const Console& console) {
   const auto own = folder().load();
-  if (!own) return refuse(console, own.message());
+  if (!own) return say_no(console, own.message());
   if (o.json) {
     console.out << json_of(own->entry()) << '\n';
   } else {
@@ -80,16 +80,16 @@ ExitCode run_keys_trust(const Options& o, const Console& console) {
   const auto key = parse_key(*o.key);
   if (!key) return complain(console, "keys trust: " + key.message());
   auto list = folder().trusted();
-  if (!list) return refuse(console, list.message());
+  if (!list) return say_no(console, list.message());
   const Trusted entry{*o.word, roles, *key};
   const auto own = folder().load();
   if (own && own->key.public_key() == *key) {
-    return refuse(console, "that is this computer's own key: type the line on the other one");
+    return say_no(console, "that is this computer's own key: type the line on the other one");
   }
-  if (const Status added = list->add(entry); !added) return refuse(console, added.message());
+  if (const Status added = list->add(entry); !added) return say_no(console, added.message());
   const std::string what = entry.name + " as " + roles_text(roles) + ", key " + key_id(*key);
   if (const Status saved = folder().save(*list, "trusted " + what); !saved) {
-    return refuse(console, saved.message());
+    return say_no(console, saved.message());
   }
   console.out << "trusted: " << what << '\n';
   return kExitDone;
@@ -97,7 +97,7 @@ ExitCode run_keys_trust(const Options& o, const Console& console) {
 
 ExitCode run_keys_list(const Options& o, const Console& console) {
   const auto list = folder().trusted();
-  if (!list) return refuse(console, list.message());
+  if (!list) return say_no(console, list.message());
   if (o.json) {
     console.out << "[";
     const char* before = "";
@@ -121,16 +121,16 @@ ExitCode run_keys_list(const Options& o, const Console& console) {
 
 ExitCode run_keys_remove(const Options& o, const Console& console) {
   auto list = folder().trusted();
-  if (!list) return refuse(console, list.message());
+  if (!list) return say_no(console, list.message());
   const Trusted* entry = list->find(*o.word);
   if (entry == nullptr) {
-    return refuse(console, "there is no '" + *o.word + "' in " + folder().trusted_path() +
+    return say_no(console, "there is no '" + *o.word + "' in " + folder().trusted_path() +
                                "; `handrail keys list` shows who is");
   }
   const std::string what = entry->name + ", key " + key_id(entry->key);
   list->remove(*o.word);
   if (const Status saved = folder().save(*list, "removed " + what); !saved) {
-    return refuse(console, saved.message());
+    return say_no(console, saved.message());
   }
   console.out << "removed: " << what << "; a session of it ends within a second\n";
   return kExitDone;

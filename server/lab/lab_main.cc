@@ -19,6 +19,7 @@
 #include "server/lab/contact/bumper_command.h"
 #include "server/lab/faults/fault_command.h"
 #include "server/lab/hand/hand_command.h"
+#include "server/lab/links/link_command.h"
 #include "server/lab/scenes/price_command.h"
 #include "server/lab/study/linear/linear_command.h"
 #include "server/lab/study/screw/screw_command.h"
@@ -79,11 +80,7 @@ void add_threads(CLI::App& sub, int& threads,
 
 // The words of studies and fits.
 struct StudyWords {
-  StudyCommand linear{"linear-movement"};
-  // Of the linear movement: words that stand for a setting, beside --set itself.
-  std::string smoother;
-  std::string rate;
-  std::string tool_method;
+  LinearCommand linear;
   ScrewCommand screw;
   FitCommand linear_fit{"linear-movement"};
   FitCommand screw_fit{"screw-fastening"};
@@ -121,10 +118,10 @@ void add_linear(CLI::App& app, StudyWords& words) {
   CLI::App* sub = app.add_subcommand(
       "linear-movement", "simulated operators from A to B to C, without tools (NV) and with (V)");
   add_study(*sub, words.linear, "task");
-  sub->add_option("--smoother", words.smoother, "published, low-lag, or a number of samples")
+  sub->add_option("--smoother", words.linear.smoother, "published, low-lag, or a number of samples")
       ->group(kVary);
-  sub->add_option("--rate", words.rate, "of the haptic loop [Hz]")->group(kVary);
-  sub->add_option("--tool-method", words.tool_method, "exact or published (Algorithm 2)")
+  sub->add_option("--rate", words.linear.rate, "of the haptic loop [Hz]")->group(kVary);
+  sub->add_option("--tool-method", words.linear.tool_method, "exact or published (Algorithm 2)")
       ->check(CLI::IsMember({"exact", "published"}))
       ->group(kVary);
 }
@@ -158,22 +155,6 @@ void add_fit(CLI::App& fits, FitCommand& fit, const char* name, const std::strin
                 "write nothing; exit 1 if the file is not what the fit gives");
 }
 
-// The linear study as its words have it.
-StudyCommand linear_of(const StudyWords& words) {
-  std::vector<std::string> settings;
-  if (words.smoother == "published") settings.push_back("smoother.form=PUBLISHED");
-  if (words.smoother == "low-lag") settings.push_back("smoother.form=LOW_LAG");
-  if (!words.smoother.empty() && settings.empty()) {
-    settings = {"smoother.form=LENGTH", "smoother.samples=" + words.smoother};
-  }
-  if (!words.rate.empty()) settings.push_back("haptic.rate_hz=" + words.rate);
-  if (words.tool_method == "exact") settings.push_back("guidance.method=EXACT");
-  if (words.tool_method == "published") settings.push_back("guidance.method=PUBLISHED");
-  StudyCommand out = words.linear;
-  out.settings.insert(out.settings.begin(), settings.begin(), settings.end());
-  return out;
-}
-
 void add_studies(CLI::App& app, StudyWords& words) {
   add_linear(app, words);
   add_screw(app, words);
@@ -188,7 +169,7 @@ void add_studies(CLI::App& app, StudyWords& words) {
 
 // The exit code of the study or the fit that was asked for; nothing if none was.
 std::optional<int> run_studies(const CLI::App& app, const StudyWords& words) {
-  if (app.got_subcommand("linear-movement")) return run_linear_command(linear_of(words), cancelled);
+  if (app.got_subcommand("linear-movement")) return run_linear_command(words.linear, cancelled);
   if (app.got_subcommand("screw-fastening")) return run_screw_command(words.screw, cancelled);
   if (!app.got_subcommand("fit")) return std::nullopt;
   return app.get_subcommand("fit")->got_subcommand("linear-movement")
@@ -308,6 +289,23 @@ void add_bumper(CLI::App& app, BumperCommand& bumper) {
   sub->add_option("--figures", bumper.figures, "folder for the figure (SVG)");
 }
 
+void add_links(CLI::App& app, LinkCommand& links) {
+  CLI::App* sub = app.add_subcommand(
+      "links", "over which links one can engage and drive: delay, jitter and loss each way");
+  const auto list = [sub](const char* name, std::vector<double>& to, double most, const char* of) {
+    sub->add_option(name, to, of)->delimiter(',')->check(kFinite)->check(CLI::Range(0.0, most));
+  };
+  list("--delay", links.delays_ms, 1000.0, "one way [ms], such as 0,50,200,500");
+  list("--jitter", links.jitters_ms, 1000.0, "uniform within +- [ms], at most the delay");
+  list("--loss", links.losses, 100.0, "each datagram by itself [%], such as 0,10,20,40");
+  sub->add_flag("--in-order", links.in_order, "a queue keeps the order; else they overtake");
+  sub->add_option("--seeds", links.seeds, "networks and hands of each link")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  add_threads(*sub, links.threads);
+  sub->add_flag("--json", links.json, "print every figure as JSON");
+}
+
 // Names the first of `words` that is no command of `app`, or of the command before it, and the
 // nearest that is one, or all; also all where one is missing. Empty when nothing is wrong.
 std::string unknown_command(const CLI::App& app, std::span<char* const> words) {
@@ -350,6 +348,8 @@ int run(int argc, char** argv) {
   add_faults(app, faults);
   BumperCommand bumper;
   add_bumper(app, bumper);
+  LinkCommand links;
+  add_links(app, links);
   PriceCommand prices;
   add_price_check(app, prices);
   const std::span<char* const> words(argv + 1, static_cast<std::size_t>(std::max(argc - 1, 0)));
@@ -379,6 +379,7 @@ int run(int argc, char** argv) {
   if (app.got_subcommand("gearshift")) return run_gearshift_command(gearshift, cancelled);
   if (app.got_subcommand("price-check")) return run_price_command(prices, cancelled);
   if (app.got_subcommand("bumper")) return run_bumper_command(bumper, cancelled);
+  if (app.got_subcommand("links")) return run_link_command(links, cancelled);
   if (const auto code = run_studies(app, studies)) return *code;
   return run_fault_command(faults, cancelled);
 }

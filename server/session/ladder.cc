@@ -9,7 +9,6 @@ namespace {
 
 constexpr double kFade = 0.1;  // of loop age beyond its limit [s]
 
-bool flowing(LinkRung rung) { return rung == LinkRung::kFresh || rung == LinkRung::kSlow; }
 bool heard(LinkRung rung) { return flowing(rung) || rung == LinkRung::kHold; }
 bool poor(int received_of_100) { return grade_of(received_of_100) == LinkGrade::kPoor; }
 double lost(int received_of_100) { return 1.0 - received_of_100 / 100.0; }

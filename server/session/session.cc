@@ -18,7 +18,6 @@ constexpr SessionState kHoming = SessionState::kHoming;
 // Of age_after() [ns].
 constexpr Nanos kUnseenAge = 20 * kMillisecond;
 
-bool flowing(LinkRung link) { return link == LinkRung::kFresh || link == LinkRung::kSlow; }
 bool lost(LinkRung link) {
   return link == LinkRung::kNone || link == LinkRung::kLost || link == LinkRung::kClosed;
 }

@@ -7,6 +7,10 @@ namespace handrail {
 
 // How old the newest datagram is, in the words of the degradation ladder.
 enum class LinkRung : std::uint8_t { kNone, kFresh, kSlow, kHold, kLost, kClosed };
+// The arm moves, be it slowed.
+constexpr bool flowing(LinkRung rung) noexcept {
+  return rung == LinkRung::kFresh || rung == LinkRung::kSlow;
+}
 
 // How old what the other side has said is, at least: `age` [ns], but after a time `unseen` [ns]
 // between two steps of a loop of over 20 ms, as long as an equally old datagram would be taken for

@@ -117,6 +117,8 @@ TEST_F(FullDisk, UnderEveryCommandOfTheLab) {
       "gearshift --json",
       "price-check gearshift",
       "bumper --arm rigid --form default --json",
+      "links --delay 0 --jitter 0 --loss 40",
+      "links --delay 0 --jitter 0 --loss 40 --json",
       "faults --row X9b --quick",
       "faults --row X9b --quick --json"};
   std::set<std::string> listed;

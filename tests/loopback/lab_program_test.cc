@@ -139,5 +139,15 @@ TEST_F(LabProgram, AHandOutOfAnyDevicesReachIsRefused) {
   EXPECT_THAT(lab.output, HasSubstr("expected at most 5000 mm"));
 }
 
+TEST_F(LabProgram, LinksThatCannotBeAreNamedWithWhatWasExpected) {
+  const Run early = run({"links", "--delay", "0,10", "--jitter", "20,30"});
+  EXPECT_EQ(early.code, 2);
+  EXPECT_THAT(early.output,
+              HasSubstr("--jitter 20 is more than the longest --delay, 10; expected at most that"));
+  const Run lost = run({"links", "--loss", "101"});
+  EXPECT_EQ(lost.code, 2);
+  EXPECT_THAT(lost.output, HasSubstr("--loss: Value 101 not in range"));
+}
+
 }  // namespace
 }  // namespace handrail

@@ -238,7 +238,9 @@ class TwoSides {
   void refuse() {
     std::array<std::uint8_t, kMaxDatagram> out{};
     const std::size_t size =
-        codec_.encode(Refusal{net_.master().session(), false, 47009, kSecond}, out);
+        codec_.encode(Refusal{net_.master().session(), false,
+                              fixed_text<LeaderName>("process 4711 on this computer"), kSecond},
+                      out);
     net_.link().to_master().inject(std::span(out).first(size), now());
   }
   void master_io() {

@@ -13,9 +13,26 @@ Status suits_linear(const StudySetup& setup) {
   return Status::error(scene.file + ": the scene has no task block");
 }
 
+// The study as its words have it.
+StudyCommand study_of(const LinearCommand& words) {
+  std::vector<std::string> settings;
+  if (words.smoother == "published") settings.push_back("smoother.form=PUBLISHED");
+  if (words.smoother == "low-lag") settings.push_back("smoother.form=LOW_LAG");
+  if (!words.smoother.empty() && settings.empty()) {
+    settings = {"smoother.form=LENGTH", "smoother.samples=" + words.smoother};
+  }
+  if (!words.rate.empty()) settings.push_back("haptic.rate_hz=" + words.rate);
+  if (words.tool_method == "exact") settings.push_back("guidance.method=EXACT");
+  if (words.tool_method == "published") settings.push_back("guidance.method=PUBLISHED");
+  StudyCommand out = words;
+  out.settings.insert(out.settings.begin(), settings.begin(), settings.end());
+  return out;
+}
+
 }  // namespace
 
-int run_linear_command(const StudyCommand& command, const std::atomic<bool>& cancelled) {
+int run_linear_command(const LinearCommand& words, const std::atomic<bool>& cancelled) {
+  const StudyCommand command = study_of(words);
   StudyJob<LinearStudy> job;
   job.suits = suits_linear;
   job.run = [](const StudySetup& setup, const StudyPlan& plan) {
