@@ -134,7 +134,7 @@ class Ends {
               "a refused datagram moves no state and no age");
     }
     std::array<std::uint8_t, kMaxDatagram> out;
-    const std::size_t size = peer.refuse(cause, 47001, now_, out);
+    const std::size_t size = peer.refuse(cause, "process 4711 on this computer", now_, out);
     require(size == 0 || size < bytes.size(), "a refusal is shorter than what it answers");
     if (size != 0) remember({false, true, {out.begin(), out.begin() + size}});
     return cause;

@@ -10,15 +10,19 @@ namespace handrail {
 namespace {
 
 // The error of a file with this text, without the file's folder.
-template <typename Config>
-std::string error_of(Result<Config> (*load)(const std::string&), const std::string& text) {
+template <typename Load>
+std::string error_of(Load load, const std::string& text) {
   const TempFolder folder;
   const std::string file = folder.write("c.conf", text);
   const std::string error = load(file).message();
   return error.starts_with(folder.path()) ? error.substr(folder.path().size() + 1) : error;
 }
-std::string master_error(const std::string& text) { return error_of(load_master_config, text); }
-std::string slave_error(const std::string& text) { return error_of(load_slave_config, text); }
+std::string master_error(const std::string& text) {
+  return error_of([](const std::string& file) { return load_master_config(file); }, text);
+}
+std::string slave_error(const std::string& text) {
+  return error_of([](const std::string& file) { return load_slave_config(file); }, text);
+}
 std::string rig_error(const std::string& text) { return error_of(load_rig_config, text); }
 
 TEST(Config, DefaultsNeedNoFileAndAreValid) {
