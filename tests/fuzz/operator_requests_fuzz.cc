@@ -44,7 +44,8 @@ class Desk {
 
   void run() {
     for (int acts = 0; !in_.empty() && acts < kMostActs; ++acts) act(in_.take<std::uint8_t>() % 8);
-    // Whoever asks is answered: a minute is longer than any patience.
+    // Whoever asks is answered: a minute is longer than any patience. What else was sent waits.
+    ending_ = true;
     answers_ = Reason::kNone;
     disk_waits_ = false;
     for (int i = 0; i < 110 && someone_waits(); ++i) {
@@ -84,8 +85,10 @@ class Desk {
     }
   }
   DeskClient& any_client() { return *clients_[in_.take<std::uint8_t>() % clients_.size()]; }
+  // Who has hung up need not be answered.
   bool someone_waits() const {
-    return std::any_of(clients_.begin(), clients_.end(), [](const auto& c) { return c->waits; });
+    return std::any_of(clients_.begin(), clients_.end(),
+                       [](const auto& c) { return c->open && c->waits; });
   }
 
   // As the server does: one request at a time.
@@ -95,7 +98,7 @@ class Desk {
     take_request(client);
   }
   void take_request(DeskClient& client) {
-    while (client.open && !client.waits) {
+    while (client.open && !client.waits && !ending_) {
       const auto request = client.in.next();
       if (!request) return;
       if (!request->is_ok()) {
@@ -178,7 +181,7 @@ class Desk {
   SlaveState slave_;
   LinkSnapshot link_;
   bool moved_ = true;  // the loop's report is another one
-  bool connected_ = true, disk_waits_ = false;
+  bool connected_ = true, disk_waits_ = false, ending_ = false;
   Reason answers_ = Reason::kNone;
   Nanos now_ = 1000 * kSecond;
   SceneLibrary library_;
