@@ -11,19 +11,19 @@ namespace {
 
 // The error of a file with this text, without the file's folder.
 template <typename Load>
-std::string error_of(Load load, const std::string& text) {
+std::string config_error(Load load, const std::string& text) {
   const TempFolder folder;
   const std::string file = folder.write("c.conf", text);
   const std::string error = load(file).message();
   return error.starts_with(folder.path()) ? error.substr(folder.path().size() + 1) : error;
 }
 std::string master_error(const std::string& text) {
-  return error_of([](const std::string& file) { return load_master_config(file); }, text);
+  return config_error([](const std::string& file) { return load_master_config(file); }, text);
 }
 std::string slave_error(const std::string& text) {
-  return error_of([](const std::string& file) { return load_slave_config(file); }, text);
+  return config_error([](const std::string& file) { return load_slave_config(file); }, text);
 }
-std::string rig_error(const std::string& text) { return error_of(load_rig_config, text); }
+std::string rig_error(const std::string& text) { return config_error(load_rig_config, text); }
 
 TEST(Config, DefaultsNeedNoFileAndAreValid) {
   ASSERT_TRUE(load_master_config("").is_ok());
