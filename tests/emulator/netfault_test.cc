@@ -9,28 +9,30 @@
 namespace handrail::emulator {
 namespace {
 
-// How many processes have `word` on their command line.
-int running_with(const std::string& word) {
-  int found = 0;
+// The processes that have `word` on their command line.
+std::vector<pid_t> running_with(const std::string& word) {
+  std::vector<pid_t> found;
   DIR* const all = ::opendir("/proc");
   while (const dirent* entry = all == nullptr ? nullptr : ::readdir(all)) {
     if (std::isdigit(static_cast<unsigned char>(entry->d_name[0])) == 0) continue;
     std::ifstream file(std::string("/proc/") + entry->d_name + "/cmdline", std::ios::binary);
     const std::string line((std::istreambuf_iterator<char>(file)),
                            std::istreambuf_iterator<char>());
-    found += line.find(word) != std::string::npos;
+    if (line.find(word) != std::string::npos) found.push_back(std::atoi(entry->d_name));
   }
   if (all != nullptr) ::closedir(all);
   return found;
 }
 
-bool comes_to(int wanted, const std::string& word) {
+// Waits until there are so many of them.
+::testing::AssertionResult comes_to(std::size_t wanted, const std::string& word) {
   const Nanos give_up = monotonic_now() + Program::kPatience;
-  while (running_with(word) != wanted) {
-    if (monotonic_now() > give_up) return false;
+  std::size_t found = 0;
+  while ((found = running_with(word).size()) != wanted) {
+    if (monotonic_now() > give_up) return ::testing::AssertionFailure() << found << " processes";
     sleep_until(monotonic_now() + 5 * kMillisecond);
   }
-  return true;
+  return ::testing::AssertionSuccess();
 }
 
 TEST_F(NetfaultTest, WithoutFaultsARoundTripTakesAFractionOfAMillisecond) {
@@ -116,17 +118,22 @@ TEST_F(NetfaultTest, ASharedFolderIsSeenByBoth) {
   }
 }
 
-// Also those that left their session and their parents.
+// Also those that left their session and their parents, and whatever state all of them are in.
 TEST_F(NetfaultTest, NothingIsLeftWhenTheEmulatorIsKilled) {
-  const std::string mark = "98765." + std::to_string(::getpid());
-  const std::string command = "sleep " + mark + " & setsid sleep " + mark + " & wait";
-  Program netfault(
-      folder_, "handrail-netfault",
-      {"--until", "both", "--", "near:", "sh", "-c", command, "--", "far:", "sh", "-c", command});
-  // The emulator, both first processes, both shells, and what these started.
-  ASSERT_TRUE(comes_to(9, mark)) << running_with(mark) << netfault.output();
-  netfault.kill();
-  EXPECT_TRUE(comes_to(0, mark)) << running_with(mark);
+  for (const bool stopped : {false, true}) {
+    const std::string mark = (stopped ? "98766." : "98765.") + std::to_string(::getpid());
+    const std::string command = "sleep " + mark + " & setsid sleep " + mark + " & wait";
+    Program netfault(
+        folder_, "handrail-netfault",
+        {"--until", "both", "--", "near:", "sh", "-c", command, "--", "far:", "sh", "-c", command});
+    // The emulator, both first processes, both shells, and what these started.
+    ASSERT_TRUE(comes_to(9, mark)) << netfault.output();
+    for (const pid_t pid : running_with(mark)) {
+      if (stopped && pid != netfault.pid()) ::kill(pid, SIGSTOP);
+    }
+    netfault.kill();
+    EXPECT_TRUE(comes_to(0, mark));
+  }
 }
 
 TEST_F(NetfaultTest, NothingIsLeftWhenItIsAskedToEndAndSomeDoNotWant) {
@@ -134,10 +141,10 @@ TEST_F(NetfaultTest, NothingIsLeftWhenItIsAskedToEndAndSomeDoNotWant) {
   Program netfault(folder_, "handrail-netfault",
                    {"--json", "--until", "both", "--", "near:", "sh", "-c",
                     "trap '' TERM; sleep " + mark + " & wait; wait", "--", "far:", "sleep", mark});
-  ASSERT_TRUE(comes_to(6, mark)) << running_with(mark) << netfault.output();
+  ASSERT_TRUE(comes_to(6, mark)) << netfault.output();
   netfault.send(SIGTERM);
   EXPECT_EQ(netfault.finish(), 130) << netfault.output();
-  EXPECT_EQ(running_with(mark), 0);
+  EXPECT_TRUE(comes_to(0, mark));
   EXPECT_NE(netfault.output().find("\"ending\":\"signal 9\""), std::string::npos);
   EXPECT_NE(netfault.output().find("\"ending\":\"signal 15\""), std::string::npos);
 }

@@ -19,7 +19,7 @@ struct Got {
   Bytes packet;
 };
 
-// Near sends to far every millisecond, and the other way around.
+// Near sends to far every millisecond, and far to where it heard from last.
 class Bench {
  public:
   explicit Bench(std::uint64_t seed, const NetworkPlan& plan = {}) : network(seed) {
@@ -31,14 +31,17 @@ class Bench {
     while (const auto arrived = network.take(until, out)) {
       const Bytes packet(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(arrived->size));
       (arrived->at == Side::kFar ? far : near).push_back({*arrived, number_of(packet), packet});
+      const auto layout = layout_of(packet);
+      if (arrived->at == Side::kFar && layout) heard_ = source_of(packet, *layout);
     }
   }
   void exchange(std::uint32_t count, bool is_6 = false) {
+    if (heard_.port == 0) heard_ = near_end(is_6);
     for (std::uint32_t i = 0; i < count; ++i) {
       const Nanos now = sent_++ * kMillisecond;
       take(now);
       network.send(Side::kNear, numbered(i, near_end(is_6), far_end(is_6)), now);
-      network.send(Side::kFar, numbered(i, far_end(is_6), near_end(is_6)), now);
+      network.send(Side::kFar, numbered(i, far_end(is_6), heard_), now);
     }
   }
   void finish() { take(kForever - 1); }
@@ -48,6 +51,7 @@ class Bench {
 
  private:
   Nanos sent_ = 0;
+  Endpoint heard_;
 };
 
 inline void expect_accounted(const Counts& counts) {

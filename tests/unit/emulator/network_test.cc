@@ -1,9 +1,11 @@
 // The emulated network, in virtual time: each fault does what its level says, real packets stay
 // sound, every packet is accounted for, and the same seed does it again.
+#include <array>
 #include <bit>
 #include <cmath>
 #include <memory>
 #include <random>
+#include <set>
 
 #include "server/base/fnv.h"
 #include "tests/support/no_allocation.h"
@@ -61,8 +63,8 @@ TEST(NetworkTest, SharesAreThoseOfThePlanAtADrawnSeed) {
   plan.to_far.duplicate = 0.25;
   plan.to_far.corrupt = 0.05;
   plan.to_far.replay = 0.5;
-  plan.to_near.burst_enter = 0.005;
-  plan.to_near.burst_leave = 0.1;
+  plan.to_near.burst_enter = 0.05;
+  plan.to_near.burst_leave = 0.25;
   Bench bench(seed, plan);
   bench.exchange(static_cast<std::uint32_t>(kCount));
   bench.finish();
@@ -71,8 +73,8 @@ TEST(NetworkTest, SharesAreThoseOfThePlanAtADrawnSeed) {
   EXPECT_NEAR(static_cast<double>(far.duplicated), 0.225 * kCount, bound(kCount, 0.225));
   EXPECT_NEAR(static_cast<double>(far.corrupted), 0.045 * kCount, bound(kCount, 0.045));
   EXPECT_NEAR(static_cast<double>(far.replayed), 0.5 * kCount, bound(kCount, 0.5));
-  // About 95 bursts of 10 +- 9.5: their number and their lengths both vary.
-  EXPECT_NEAR(static_cast<double>(near.lost), 0.0476 * kCount, 4.0 * 10.0 * std::sqrt(2.0 * 95.0));
+  // About 833 bursts of 4 +- 3.5: their number and their lengths both vary.
+  EXPECT_NEAR(static_cast<double>(near.lost), kCount / 6.0, 4.0 * 4.0 * std::sqrt(2.0 * 833.0));
   expect_accounted(far);
   expect_accounted(near);
 }
@@ -225,27 +227,47 @@ NetworkPlan everything() {
   return plan;
 }
 
-std::uint64_t fingerprint(std::uint64_t seed) {
-  Bench bench(seed, everything());
+// Of what arrived at near, and at far, where the edge draws nothing.
+std::array<std::uint64_t, 2> fingerprints(std::uint64_t seed) {
+  NetworkPlan plan = everything();
+  plan.edge.nat = false;
+  plan.roams.clear();
+  Bench bench(seed, plan);
   bench.exchange(2000);
   bench.finish();
-  Fnv fnv;
-  for (const auto* got : {&bench.far, &bench.near}) {
-    for (const Got& one : *got) {
-      fnv.u64(one.arrived.number).u64(static_cast<std::uint64_t>(one.arrived.due));
-      for (const std::uint8_t byte : one.packet) fnv.u64(byte);
-    }
+  Fnv near, far;
+  for (const Got& one : bench.near) near.u64(one.written).u64(one.packet.size());
+  for (const Got& one : bench.near) near.u64(static_cast<std::uint64_t>(one.arrived.due));
+  for (const Got& one : bench.far) far.u64(static_cast<std::uint64_t>(one.arrived.due));
+  for (const Got& one : bench.far) {
+    for (std::size_t i = 28; i < one.packet.size(); ++i) far.u64(one.packet[i]);
   }
   expect_accounted(bench.network.counts(Side::kFar));
   expect_accounted(bench.network.counts(Side::kNear));
-  return fnv.value();
+  return {near.value(), far.value()};
+}
+
+// Ports that near is seen with.
+std::set<std::uint16_t> ports(std::uint64_t seed) {
+  Bench bench(seed, everything());
+  bench.exchange(2000);
+  std::set<std::uint16_t> out;
+  for (const Got& one : bench.far) {
+    const auto layout = layout_of(one.packet);
+    if (layout) out.insert(source_of(one.packet, *layout).port);
+  }
+  return out;
 }
 
 TEST(NetworkTest, TheSameSeedDoesTheSameAndAnotherSomethingElse) {
   const std::uint64_t seed = drawn_seed();
   SCOPED_TRACE(seed);
-  EXPECT_EQ(fingerprint(seed), fingerprint(seed));
-  EXPECT_NE(fingerprint(seed), fingerprint(seed + 1));
+  const auto once = fingerprints(seed), again = fingerprints(seed), another = fingerprints(~seed);
+  EXPECT_EQ(once, again);
+  EXPECT_NE(once[0], another[0]);
+  EXPECT_NE(once[1], another[1]);
+  EXPECT_EQ(ports(seed), ports(seed));
+  EXPECT_NE(ports(seed), ports(~seed));
 }
 
 // A packet that waits for memory is late.
