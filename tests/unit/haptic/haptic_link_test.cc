@@ -41,6 +41,21 @@ TEST(HapticLink, EngagesOnlyOverALinkThatWasGoodEnoughForASecond) {
   EXPECT_EQ(rig.session(), SessionState::kEngaged);
 }
 
+TEST(HapticLink, TheSecondOfAGoodLinkIsOfTimeThatPassedNotOfTicks) {
+  HapticRig rig;
+  rig.settings.ladder.good_for = kSecond;
+  rig.in.unseen = 15 * kMillisecond;
+  rig.ticks(60);
+  EXPECT_EQ(rig.order(OrderKind::kEngage), Reason::kLinkQuality);
+  EXPECT_NEAR(rig.out.link_shares.heard, 0.915, 1e-9);
+  rig.ticks(6);
+  EXPECT_EQ(rig.order(OrderKind::kEngage), Reason::kNone);
+  // What was not seen for over 20 ms counts as if nothing had come.
+  rig.in.unseen = 50 * kMillisecond;
+  rig.tick();
+  EXPECT_NEAR(rig.out.link_shares.held, 0.05, 1e-9);
+}
+
 TEST(HapticLink, AnUnconfirmedSlaveIsNotEngaged) {
   HapticRig rig;
   rig.in.link.confirmed = false;
