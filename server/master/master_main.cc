@@ -159,7 +159,10 @@ Result<TransportMaker> link_of(const pb::MasterConfig& config) {
     const auto slave = parse_host(config.slave(), kLinkPort);
     if (!slave) return Status::error("slave " + slave.message());
     const auto options = secure_options(KeyFolder(default_key_folder()));
-    if (!options) return options.status();
+    if (!options) {
+      return Status::error("slave " + config.slave() + ": " + options.message() +
+                           "; leave it out for the plain link with a slave on this computer");
+    }
     return calling_link(*options, *slave);
   }
   return TransportMaker([path = config.link_socket()](boost::asio::io_context& io) {

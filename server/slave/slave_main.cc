@@ -156,7 +156,10 @@ void say_counters(const MelfaRobot& robot, const NetFtSensor* sensor) {
 Result<TransportMaker> link_of(const pb::SlaveConfig& config) {
   if (config.has_link_address() || config.has_link_port()) {
     const auto options = secure_options(KeyFolder(default_key_folder()));
-    if (!options) return options.status();
+    if (!options) {
+      return Status::error("link_address, link_port: " + options.message() +
+                           "; leave both out for the plain link with a master on this computer");
+    }
     return listening_link(*options, config.has_link_address() ? config.link_address() : "any",
                           port_of(config.link_port()));
   }

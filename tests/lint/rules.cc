@@ -275,12 +275,12 @@ Violations networking(const File& source) {
   const std::string folder = folder_of(source.path), stem = stem_of(source.path);
   if (is_test(source.path) || folder == "devices/udp" || starts_with(folder, "client/")) return {};
   for (const char* role :
-       {"_main", "_transport", "_server", "_socket", "_sink", "_robot", "_sensor"}) {
+       {"_main", "_transport", "_server", "_socket", "_resolver", "_sink", "_robot", "_sensor"}) {
     if (ends_with(stem, role)) return {};
   }
-  return forbid(
-      source, {"boost/asio", "boost/beast", "sys/socket.h", "netinet/"},
-      "sockets stay in *_transport, *_server, *_socket, *_sink, *_robot, *_sensor and *_main");
+  return forbid(source, {"boost/asio", "boost/beast", "sys/socket.h", "netinet/"},
+                "sockets stay in *_transport, *_server, *_socket, *_resolver, *_sink, *_robot, "
+                "*_sensor and *_main");
 }
 
 Violations heavy_headers(const std::vector<File>& sources) {

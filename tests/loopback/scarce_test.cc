@@ -64,6 +64,7 @@ bool starts_whole(const TempFolder& folder, std::vector<std::string> command,
     EXPECT_THAT(program->output(),
                 AnyOf(HasSubstr("Too many open files"), HasSubstr("not enough memory"),
                       HasSubstr("temporarily unavailable"), HasSubstr("Cannot allocate memory"),
+                      HasSubstr("out of memory"),  // of the loader, too
                       HasSubstr("error while loading shared libraries")))
         << how;
   }

@@ -1,21 +1,22 @@
 #include "server/link/secure/address.h"
 
-#include <boost/asio/ip/address.hpp>
+#include <arpa/inet.h>
+
+#include <algorithm>
 
 namespace handrail {
 
 std::string address_text(const Address& address) {
-  namespace ip = boost::asio::ip;
-  const ip::address_v6 v6(address.ip, address.scope);
-  std::string out;
-  if (v6.is_v4_mapped()) {
-    out = ip::make_address_v4(ip::v4_mapped, v6).to_string();
-  } else {
-    out.append("[").append(v6.to_string()).append("]");
-  }
-  out += ':';
-  out += std::to_string(address.port);
-  return out;
+  constexpr std::array<std::uint8_t, 12> kMapped = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff};
+  const bool v4 = std::equal(kMapped.begin(), kMapped.end(), address.ip.begin());
+  std::array<char, INET6_ADDRSTRLEN> text{};
+  ::inet_ntop(v4 ? AF_INET : AF_INET6, address.ip.data() + (v4 ? kMapped.size() : 0), text.data(),
+              text.size());
+  std::string out = v4 ? "" : "[";
+  out.append(text.data());
+  if (address.scope != 0) out.append("%").append(std::to_string(address.scope));
+  if (!v4) out.append("]");
+  return out.append(":").append(std::to_string(address.port));
 }
 
 }  // namespace handrail

@@ -75,6 +75,16 @@ TEST(UdpSocket, WhatCannotBeHadNamesPlaceAndExpectation) {
   says("", 0, "expected any, or an address");
 }
 
+TEST(AddressText, IsWhatIsTypedToReachIt) {
+  EXPECT_EQ(address_text(local(1)), "127.0.0.1:1");
+  Address v6;
+  v6.ip = {0x20, 0x01, 0x0d, 0xb8, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 7};
+  v6.port = 47002;
+  EXPECT_EQ(address_text(v6), "[2001:db8::7]:47002");
+  v6.scope = 3;
+  EXPECT_EQ(address_text(v6), "[2001:db8::7%3]:47002");
+}
+
 TEST(ParseHost, TakesNamesAddressesAndPorts) {
   const auto is = [](const std::string& text, const std::string& host, int port) {
     const auto got = parse_host(text, 47002);
