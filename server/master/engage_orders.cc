@@ -22,8 +22,7 @@ std::optional<pb::Reply> OrderDesk::check_engaged(const Pending& waiting) {
   const bool its = out.reason == Reason::kNone || out.reason == Reason::kHoming;
   const Reason why = its && slave_.reason != Reason::kNone ? slave_.reason : out.reason;
   order(plain(OrderKind::kDisengage), [](pb::Reply) {});
-  const std::string link = link_problem();
-  return refused(reason_text(why, out.peer_fault) + (link.empty() ? "" : ": " + link));
+  return refused(reason_text(why, out.peer_fault) + with_colon(link_problem()));
 }
 
 void OrderDesk::engage(bool hold, ReplyTo reply, StillWaits waits) {

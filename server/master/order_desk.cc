@@ -262,6 +262,7 @@ void OrderDesk::settle(const OrderAnswer& answer, Pending order) {
     if (bad_link && report_ && answer.result == Reason::kLinkQuality) {
       text = link_quality_text(report_->out, link_, now_);
     }
+    if (order.until == Until::kEngaged) text += with_colon(link_problem());
     if (order.until == Until::kEngaged && report_ && link_.peer_epoch != 0) {
       for (const std::string& difference : hash_mismatches(report_->out.link, slave_)) {
         text += "; " + difference;

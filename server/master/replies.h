@@ -23,6 +23,11 @@ inline pb::Reply refused(std::string why) {
   return reply;
 }
 
+// What follows a sentence that is not the whole reason; nothing where there is nothing to add.
+inline std::string with_colon(const std::string& more) {
+  return more.empty() ? std::string() : ": " + more;
+}
+
 inline HapticOrder plain(OrderKind kind) {
   HapticOrder order;
   order.kind = kind;
