@@ -155,8 +155,7 @@ Result<TransportMaker> link_of(const pb::SlaveConfig& config) {
   if (config.has_link_address() || config.has_link_port()) {
     return Status::error(
         "link_address, link_port: ask for the encrypted link, which needs a key; leave both out "
-        "for "
-        "the plain link with a master on this computer");
+        "for the plain link with a master on this computer");
   }
   return TransportMaker([path = config.link_socket()](boost::asio::io_context& io) {
     return std::make_unique<UnixTransport>(io, UnixTransport::End::kSlave, path);
