@@ -96,7 +96,10 @@ class LinkServer {
     transport_->on_say(hooks_.say);
     transport_->on_readable([this] { in_memory([this] { receive(monotonic_now()); }); });
     wait_for_ring();
-    wait_for_tick(monotonic_now());
+    // Who asks first may have waited for us, and finds that we know how things stand.
+    const Nanos start = monotonic_now();
+    tick(start);
+    wait_for_tick(start);
     io_.run();
     const LinkSnapshot& link = snapshot();
     const std::string causes = causes_text(peer_.rejects());

@@ -158,7 +158,7 @@ void resolve_link_socket(const std::string& file, Config& config) {
                                                   : default_link_socket());
 }
 
-void set_addresses(pb::MasterConfig&) {}
+void set_addresses(pb::MasterConfig&) {}  // it listens at none
 void set_addresses(pb::SlaveConfig& c) {
   if (!c.robot().has_address()) c.mutable_robot()->set_address(own_address());
   if (!c.force_sensor().has_address()) c.mutable_force_sensor()->set_address(own_address());

@@ -92,6 +92,24 @@ TEST_F(StartTest, ASignalBeforeTheMasterServesEndsItInOrder) {
   }
 }
 
+// It waits on the socket while the master takes its memory and priority.
+TEST_F(StartTest, AnOrderThatWaitsForTheMasterToServeIsCarriedOut) {
+  pb::Request request;
+  request.set_scene_load("plane");
+  for (int i = 0; i < 5; ++i) {
+    master = launch("handrail-master", master_config());
+    Result<pb::Reply> reply = Status::error("not asked");
+    ASSERT_TRUE(within(kPatience, [&] {
+      reply = client.call(request, kPatience);
+      return reply.is_ok();
+    })) << reply.message();
+    EXPECT_TRUE(reply->done()) << reply->reason();
+    client.close();
+    master->send(SIGTERM);
+    ASSERT_EQ(master->finish(), 0);
+  }
+}
+
 TEST_F(StartTest, AFullStandardOutputKeepsNobodyWaiting) {
   int ends[2];
   ASSERT_EQ(::pipe2(ends, O_CLOEXEC), 0);
