@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "client/cli/command.h"
+#include "server/keys/key_folder.h"
 #include "tests/loopback/whole_cell.h"
 
 namespace handrail {
@@ -142,6 +143,17 @@ TEST_F(FullDisk, UnderTheOperatorsCommands) {
     expect_told("handrail", words + at);
     expect_told("handrail", words + " --json" + at);
   }
+  const KeyFolder keys(folder.path() + "/keys");
+  const auto own = keys.create("desk", Role::kMaster);
+  TrustList trusted;
+  ASSERT_TRUE(own && trusted.add(own->entry()) && keys.save(trusted, "a test"));
+  ::setenv("HANDRAIL_KEYS", (folder.path() + "/keys").c_str(), 1);
+  for (const std::string words : {"keys list", "keys show"}) {
+    listed.insert(words);
+    expect_told("handrail", words);
+    expect_told("handrail", words + " --json");
+  }
+  ::unsetenv("HANDRAIL_KEYS");
   for (const std::string words : {"scene show", "scene explain"}) {
     listed.insert(words);
     // The lab speaks for itself.

@@ -167,7 +167,8 @@ TEST_F(GarbageTest, OnTheLinkEachCheckCountsItAndNothingChanges) {
     }
     for (const auto& bad : refusals) say_to_master(bad.cause, bad.bytes);
     for (const auto& bad : to_slave) say_to_slave(bad.cause, bad.bytes);
-    // What the other side has just said, and what it said 200 datagrams ago.
+    // What the other side has just said, and what it said 400 datagrams ago, which
+    // is more than it remembers.
     say_to_master(Reject::kDuplicate, link->seen(false).back());
     say_to_master(Reject::kStale, link->seen(false).front());
     say_to_slave(Reject::kDuplicate, link->seen(true).back());

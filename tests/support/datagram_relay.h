@@ -132,7 +132,7 @@ class DatagramRelay {
   }
 
  private:
-  static constexpr std::size_t kSeen = 200;  // datagrams kept each way
+  static constexpr std::size_t kSeen = 400;  // datagrams kept each way
   static constexpr int kLook = 20;           // at the end of the relay [ms]
 
   void run() {
