@@ -120,8 +120,8 @@ class GarbageTest : public WholeCell {
 
   std::unique_ptr<UdpRelay> robot, sensor;
   std::unique_ptr<LinkRelay> link;
-  DatagramSocket stranger{DatagramPlace(0)};
-  DatagramSocket stranger_of_link{DatagramPlace(folder.path() + "/stranger")};
+  PlacedSocket stranger{DatagramPlace(0)};
+  PlacedSocket stranger_of_link{DatagramPlace(folder.path() + "/stranger")};
   DatagramPlace slave_at{link_socket}, master_at;
   DatagramHeader header;
   std::vector<test::BadDatagram> to_slave, to_master;

@@ -99,7 +99,7 @@ TEST_F(LinkSocketTest, AnotherUserIsNeitherHeardNorAnswered) {
   const pid_t eve = ::fork();
   if (eve == 0) {
     if (::setgid(kEve) != 0 || ::setuid(kEve) != 0) ::_exit(2);
-    DatagramSocket socket{own};
+    PlacedSocket socket{own};
     for (int i = 0; i < kTimes; ++i) {
       while (!socket.send(to_slave, as_master)) sleep_until(monotonic_now() + kMillisecond);
       while (!socket.send(to_master, as_slave)) sleep_until(monotonic_now() + kMillisecond);

@@ -53,21 +53,21 @@ struct DatagramPlace {
 };
 
 // A socket of its own at `own`, whose file it removes at the end. Never waits.
-class DatagramSocket {
+class PlacedSocket {
  public:
-  explicit DatagramSocket(const DatagramPlace& own) : place_(own) {
+  explicit PlacedSocket(const DatagramPlace& own) : place_(own) {
     fd_ = ::socket(own.at.ss_family, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     good_ = ::bind(fd_, own.address(), own.size) == 0;
     socklen_t size = sizeof place_.at;
     good_ = good_ && ::getsockname(fd_, reinterpret_cast<sockaddr*>(&place_.at), &size) == 0;
   }
-  ~DatagramSocket() {
+  ~PlacedSocket() {
     ::close(fd_);
     const auto& un = reinterpret_cast<const sockaddr_un&>(place_.at);
     if (good_ && un.sun_family == AF_UNIX) ::unlink(un.sun_path);
   }
-  DatagramSocket(const DatagramSocket&) = delete;
-  DatagramSocket& operator=(const DatagramSocket&) = delete;
+  PlacedSocket(const PlacedSocket&) = delete;
+  PlacedSocket& operator=(const PlacedSocket&) = delete;
 
   bool good() const { return good_; }
   int fd() const { return fd_; }
@@ -164,7 +164,7 @@ class DatagramRelay {
   }
 
   const Watch watch_;
-  DatagramSocket front_, back_;
+  PlacedSocket front_, back_;
   const DatagramPlace server_;
   mutable std::mutex mutex_;
   DatagramPlace client_;

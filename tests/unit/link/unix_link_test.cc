@@ -124,7 +124,7 @@ TEST_F(UnixLinkTest, AMasterThatIsKilledIsFollowedByAnotherAndItsFileHarmsNobody
 TEST_F(UnixLinkTest, TheSecondOfTwoMastersIsToldWhichProcessLeads) {
   const auto slave = start_slave();
   const auto first = start_master();
-  DatagramSocket second{DatagramPlace(folder.path() + "/second")};
+  PlacedSocket second{DatagramPlace(folder.path() + "/second")};
   MasterPeer waiting{0x2222};
   run(10, first.get(), slave.get());
   std::vector<std::uint8_t> bytes(kMaxDatagram);
@@ -179,7 +179,7 @@ TEST_F(UnixLinkTest, NoDatagramAllocates) {
   const auto master = start_master();
   const auto slave = start_slave();
   run(10, master.get(), slave.get());
-  DatagramSocket second{DatagramPlace(folder.path() + "/second")};
+  PlacedSocket second{DatagramPlace(folder.path() + "/second")};
   const auto refused = datagram(sample_header(0x2222, 1), sample_master());
   const MasterState from_master = sample_master();
   const SlaveState from_slave = sample_slave();

@@ -84,7 +84,7 @@ TEST_F(UnixTransportTest, WhatAnEndedProgramLeftIsReplaced) {
   ASSERT_TRUE(slave->open());
   slave->close();
   for (const std::string& file : {path, master_socket(path, ::getpid())}) {
-    DatagramSocket ended{DatagramPlace(file)};
+    PlacedSocket ended{DatagramPlace(file)};
     ASSERT_EQ(::link(file.c_str(), (file + ".kept").c_str()), 0);
     ASSERT_EQ(::rename((file + ".kept").c_str(), (file + ".left").c_str()), 0);
   }
@@ -160,7 +160,7 @@ TEST_F(UnixTransportTest, TheSlaveLearnsItsPeerFromAnAcceptedDatagramOnly) {
 
 TEST_F(UnixTransportTest, TheMasterHearsItsSlaveOnly) {
   open_both();
-  DatagramSocket stranger{DatagramPlace(folder.path() + "/stranger")};
+  PlacedSocket stranger{DatagramPlace(folder.path() + "/stranger")};
   ASSERT_TRUE(stranger.send(DatagramPlace(master->place()), Bytes{9}));
   const auto arrival = take(*master);
   ASSERT_TRUE(arrival);
@@ -174,7 +174,7 @@ TEST_F(UnixTransportTest, TheMasterHearsItsSlaveOnly) {
 
 TEST_F(UnixTransportTest, AnAnswerGoesToTheSenderAndLeavesThePeer) {
   open_both();
-  DatagramSocket second{DatagramPlace(folder.path() + "/second")};
+  PlacedSocket second{DatagramPlace(folder.path() + "/second")};
   DatagramPlace from;
   ASSERT_TRUE(master->send(Bytes{1}));
   ASSERT_TRUE(take(*slave));
@@ -240,7 +240,7 @@ TEST(SenderOf, IsWhatTheKernelSaysAndNobodyWhereItSaysNothing) {
 
 TEST_F(UnixTransportTest, DescriptorsThatAreHandedOverAreNotTaken) {
   open_both();
-  DatagramSocket sender{DatagramPlace(folder.path() + "/sender")};
+  PlacedSocket sender{DatagramPlace(folder.path() + "/sender")};
   const DatagramPlace to(path);
   iovec part{buffer.data(), 1};
   Control control;
@@ -293,7 +293,7 @@ class OtherUserTest : public UnixTransportTest {
   // Bound beside the files, so that it can be answered.
   int say(const std::string& to, const Bytes& bytes) const {
     return as_stranger([&] {
-      DatagramSocket socket{DatagramPlace(folder.path() + "/run/eve")};
+      PlacedSocket socket{DatagramPlace(folder.path() + "/run/eve")};
       return socket.good() && socket.send(DatagramPlace(to), bytes) ? 0 : 1;
     });
   }
@@ -338,7 +338,7 @@ TEST_F(OtherUserTest, ASoundDatagramOfHisIsCountedAsAStrangersAndLeadsNobody) {
 TEST_F(OtherUserTest, AMasterDoesNotHearHimFromTheSlavesOwnSocket) {
   open_files();
   slave->close();
-  DatagramSocket socket{DatagramPlace(path)};
+  PlacedSocket socket{DatagramPlace(path)};
   const Bytes bytes = datagram(sample_header(7, 1), sample_slave());
   ASSERT_TRUE(socket.send(DatagramPlace(master->place()), bytes));
   EXPECT_TRUE(take(*master)->from_peer);
