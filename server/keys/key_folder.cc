@@ -110,7 +110,7 @@ std::string default_key_folder() {
 }
 
 Result<OwnEntry> KeyFolder::create(const std::string& name, Roles roles) const {
-  if (const Status made = make_folder(path_); !made) return made;
+  if (Status made = make_folder(path_); !made) return made;
   auto key = OwnKey::generate();
   if (!key) return key.status();
   OwnEntry out{*key, name, roles};
@@ -168,8 +168,8 @@ Result<TrustList> KeyFolder::trusted() const {
 }
 
 Status KeyFolder::save(const TrustList& list, const std::string& what) const {
-  if (const Status made = make_folder(path_); !made) return made;
-  const Status written = write_whole(
+  if (Status made = make_folder(path_); !made) return made;
+  Status written = write_whole(
       trusted_path(),
       "# Whom the programs of this user let in: NAME ROLES KEY. Written by `handrail keys`.\n" +
           list.text(),

@@ -14,8 +14,11 @@ inline constexpr std::size_t kRecordHeader = 13;
 
 enum class RecordType : std::uint8_t { kAlert = 21, kHandshake = 22, kData = 23 };
 
-// True when a datagram is a row of whole records of DTLS 1.0 or 1.2. OpenSSL ends a session at one
-// whose length was forged, so that it is to see no other. Real-time safe, like all here.
+inline constexpr std::size_t kSealing = 8 + 16;  // nonce and tag of AES-GCM (RFC 5288)
+
+// True when a datagram is a row of whole records of DTLS 1.0 or 1.2, those from epoch 1 on no
+// shorter than sealed ones are. OpenSSL ends a session at a shorter one, which anybody can forge;
+// it is to see none. Real-time safe, like all here.
 inline bool is_records(std::span<const std::uint8_t> bytes) noexcept {
   const auto sound = [](std::span<const std::uint8_t> b) {
     return b.size() >= kRecordHeader && b[0] >= 20 && b[0] <= 23 && b[1] == 0xfe &&
@@ -24,7 +27,8 @@ inline bool is_records(std::span<const std::uint8_t> bytes) noexcept {
   do {
     if (!sound(bytes)) return false;
     const std::size_t size = kRecordHeader + (std::size_t{bytes[11]} << 8 | bytes[12]);
-    if (size > bytes.size()) return false;
+    const bool sealed = bytes[3] != 0 || bytes[4] != 0;
+    if (size > bytes.size() || (sealed && size <= kRecordHeader + kSealing)) return false;
     bytes = bytes.subspan(size);
   } while (!bytes.empty());
   return true;

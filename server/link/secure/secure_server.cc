@@ -55,9 +55,10 @@ std::optional<Transport::Arrival> SecureServer::receive(std::span<std::uint8_t> 
     if (const Arrival out = give(*here, bytes, arrival->from, buffer); out.from_peer) return out;
   }
   // Of a session that another at this address is to replace, or whose other end has moved.
-  for (Slot& slot : slots_) {
-    if (&slot == here || !slot.open()) continue;
-    if (const Arrival out = give(slot, bytes, arrival->from, buffer); out.from_peer) return out;
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    if (&slots_[i] == here || !slots_[i].open()) continue;
+    const Arrival out = give(slots_[i], bytes, arrival->from, buffer);
+    if (out.from_peer) return out;
   }
   return stranger();
 }

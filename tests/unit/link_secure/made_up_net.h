@@ -136,6 +136,7 @@ struct SecurePair {
   }
   void step() {
     now += kMillisecond;
+    wall_clock += kMillisecond;
     master.tick(now);
     slave.tick(now);
     drain(slave, slave_got, slave_strangers);
