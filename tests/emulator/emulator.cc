@@ -30,7 +30,7 @@ Tap* Emulator::tap(Side side) {
 Status Emulator::start(const EmulatorOptions& options) {
   options_ = options;
   for (const Side which : kSides) {
-    const Status made = side(which).start({which, options.mtu, options.shared});
+    Status made = side(which).start({which, options.mtu, options.shared});
     if (!made) return made;
   }
   in_.resize(kLongestPacket);
@@ -59,7 +59,7 @@ Status Emulator::run(Side which, const std::string& name, const std::vector<std:
   if (file < 0) {
     return Status::error(path + ": cannot write: " + std::generic_category().message(errno));
   }
-  const Status started = side(which).run(name, words, file);
+  Status started = side(which).run(name, words, file);
   ::close(file);
   return started;
 }

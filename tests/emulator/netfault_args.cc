@@ -118,7 +118,7 @@ Result<NetfaultArgs> read_args(const std::vector<std::string>& words) {
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string& name = words[i];
     if (name == "--") {
-      if (const Status read = read_commands(words, i, out); !read) return read;
+      if (Status read = read_commands(words, i, out); !read) return read;
       break;
     }
     if (name == "--help" || name == "-h") {
@@ -136,11 +136,11 @@ Result<NetfaultArgs> read_args(const std::vector<std::string>& words) {
           (nearest.empty() ? "expected " + joined(kNames, ", ") : "did you mean " + nearest + "?"));
     }
     if (i + 1 == words.size()) return Status::error(name + ": its value is missing");
-    if (const Status read = read_option(name, words[++i], out, seeded); !read) return read;
+    if (Status read = read_option(name, words[++i], out, seeded); !read) return read;
   }
   // Small enough to be typed.
   if (!seeded) out.options.seed = std::random_device()() % 1'000'000;
-  if (const Status good = check(out); !good) return good;
+  if (Status good = check(out); !good) return good;
   return out;
 }
 

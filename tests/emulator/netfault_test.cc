@@ -42,9 +42,9 @@ TEST_F(NetfaultTest, WithoutFaultsARoundTripTakesAFractionOfAMillisecond) {
     EXPECT_NE(pings.find("sent=1000 answered=1000 again=0 broken=0"), std::string::npos) << pings;
     const std::string trips = pings.substr(pings.rfind("TRIPS"));
     std::printf("%s: %s", to, trips.c_str());
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-    EXPECT_LT(figure(trips, "p50="), 500.0);  // [us]
-#endif
+    // What the emulator takes; the median is also what else the machine does.
+    EXPECT_LT(figure(trips, "least="), 300.0);  // [us]
+    EXPECT_LT(figure(trips, "p50="), 5000.0);
     EXPECT_EQ(count(report, "to_far", "sent"), 1000) << report;
     EXPECT_EQ(count(report, "to_near", "delivered"), 1000) << report;
     std::filesystem::remove(folder_.path() + "/near-main.out");

@@ -70,7 +70,7 @@ Result<NetworkPlan> load_network(const std::string& name_or_path) {
   if (!std::filesystem::exists(name_or_path, error)) return Status::error(no_such(name_or_path));
   const Result<std::string> text = read_file(name_or_path, TextSource::kMaxBytes);
   if (!text) return text.status();
-  if (const Status changed = change_network(name_or_path, *text, out); !changed) return changed;
+  if (Status changed = change_network(name_or_path, *text, out); !changed) return changed;
   return out;
 }
 

@@ -81,7 +81,7 @@ Status make_private(const std::vector<std::string>& shared) {
     }
   }
   for (std::size_t i = 0; i < shared.size(); ++i) {
-    if (const Status done = put_back(shared[i], kept[i]); !done) return done;
+    if (Status done = put_back(shared[i], kept[i]); !done) return done;
   }
   // Where a container forbids it, /proc/self is right all the same.
   (void)::mount("proc", "/proc", "proc", MS_NOSUID | MS_NODEV | MS_NOEXEC, nullptr);
@@ -103,9 +103,9 @@ void set_environment(Side side) {
 
 Result<int> make_side(const SideSetup& setup, bool own_user, unsigned user, unsigned group) {
   if (own_user) {
-    if (const Status mapped = map_users(user, group); !mapped) return mapped;
+    if (Status mapped = map_users(user, group); !mapped) return mapped;
   }
-  if (const Status made = make_private(setup.shared); !made) return made;
+  if (Status made = make_private(setup.shared); !made) return made;
   set_environment(setup.side);
   return open_wire(setup.side, setup.mtu);
 }

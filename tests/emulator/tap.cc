@@ -24,7 +24,7 @@ std::uint64_t number_at(const std::uint8_t* from, std::size_t bytes) {
   return out;
 }
 
-Status cannot(const std::string& path, const char* what) {
+Status cannot_use(const std::string& path, const char* what) {
   return Status::error(path + ": cannot " + what + ": " + std::generic_category().message(errno));
 }
 
@@ -33,7 +33,7 @@ Status cannot(const std::string& path, const char* what) {
 Result<Tap> Tap::open(const std::string& path) {
   Tap out(path);
   out.file_.reset(std::fopen(path.c_str(), "wbe"));
-  if (!out.file_) return cannot(path, "write");
+  if (!out.file_) return cannot_use(path, "write");
   std::setvbuf(out.file_.get(), nullptr, _IOFBF, kBuffer);
   std::array<std::uint8_t, kFileHeader> header{};
   std::uint8_t* at = header.data();
@@ -70,20 +70,20 @@ void Tap::put(char what, std::span<const std::uint8_t> packet, std::uint64_t num
   put_number(0, 6, to);
   put_number(number, 8, to);
   std::fwrite(header.data(), 1, header.size(), file_.get());
-  std::fwrite(packet.data(), 1, packet.size(), file_.get());
+  if (!packet.empty()) std::fwrite(packet.data(), 1, packet.size(), file_.get());
 }
 
 Status Tap::close() {
   std::FILE* const file = file_.release();
   const bool bad = std::ferror(file) != 0;
-  if (std::fclose(file) != 0 || bad) return cannot(path_, "write");
+  if (std::fclose(file) != 0 || bad) return cannot_use(path_, "write");
   return Status::ok();
 }
 
 Result<std::vector<TapRecord>> read_tap(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::array<std::uint8_t, kFileHeader> start{};
-  if (!file) return cannot(path, "read");
+  if (!file) return cannot_use(path, "read");
   const auto read = [&](std::uint8_t* to, std::size_t size) {
     file.read(reinterpret_cast<char*>(to), static_cast<std::streamsize>(size));
     return static_cast<bool>(file);

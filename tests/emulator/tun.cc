@@ -103,16 +103,16 @@ Status give_6(const char* address) {
 Status set_up(Side side, int mtu) {
   const Socket socket(AF_INET);
   if (socket.fd() < 0) return refused("a socket");
-  if (const Status up = bring_up(socket, "lo"); !up) return up;
+  if (Status up = bring_up(socket, "lo"); !up) return up;
   ifreq asked = request(kTunName);
   asked.ifr_mtu = mtu;
   if (::ioctl(socket.fd(), SIOCSIFMTU, &asked) != 0) return refused("an MTU");
   asked = request(kTunName);
   asked.ifr_qlen = kQueue;
   (void)::ioctl(socket.fd(), SIOCSIFTXQLEN, &asked);  // root's alone; else 500 packets wait
-  if (const Status s = give_4(socket, side == Side::kNear ? kNear4 : kFar4); !s) return s;
-  if (const Status s = bring_up(socket, kTunName); !s) return s;
-  if (const Status s = route_4(socket); !s) return s;
+  if (Status s = give_4(socket, side == Side::kNear ? kNear4 : kFar4); !s) return s;
+  if (Status s = bring_up(socket, kTunName); !s) return s;
+  if (Status s = route_4(socket); !s) return s;
   return give_6(side == Side::kNear ? kNear6 : kFar6);
 }
 

@@ -11,8 +11,6 @@
 namespace handrail::emulator {
 namespace {
 
-using Bytes = std::vector<std::uint8_t>;
-
 constexpr Nanos kNow = kSecond;
 
 // Who `packet` is from once it is outside; nothing passed: port 0.

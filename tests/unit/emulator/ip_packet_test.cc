@@ -9,8 +9,6 @@
 namespace handrail::emulator {
 namespace {
 
-using Bytes = std::vector<std::uint8_t>;
-
 // RFC 1071's example: the words 0001 f203 f4f5 f6f7 add up to ddf2. As a UDP payload between
 // 0.0.0.0-like ends it is checked by hand: see below.
 TEST(IpPacketTest, MakesTheChecksumsThatAreKnown) {
@@ -47,6 +45,37 @@ TEST(IpPacketTest, RefusesWhatIsNoWholePacket) {
   packet.pop_back();
   packet[0] = 0x55;
   EXPECT_FALSE(layout_of(packet).has_value());
+}
+
+// Programs may send what they like; the sanitizers look on.
+TEST(IpPacketTest, AnyBytesAreRefusedOrReadWithinTheirEnds) {
+  Random random(1);
+  int read = 0;
+  for (int i = 0; i < 200'000; ++i) {
+    Bytes packet(random.bits() % 80);
+    for (std::uint8_t& byte : packet) byte = static_cast<std::uint8_t>(random.bits());
+    // Such as may pass for a packet: version, length, protocol.
+    if (packet.size() >= 40) {
+      const bool is_6 = i % 2 == 0;
+      packet[0] = static_cast<std::uint8_t>(is_6 ? 0x60 : 0x40 + random.bits() % 16);
+      packet[2] = packet[4] = 0;
+      packet[3] = static_cast<std::uint8_t>(packet.size());
+      packet[5] = static_cast<std::uint8_t>(packet.size() - 40);
+      constexpr std::uint8_t kProtocols[] = {kIcmp, kTcp, kUdp, kIcmp6, 44};
+      packet[is_6 ? 6 : 9] = kProtocols[random.bits() % 5];
+    }
+    const auto layout = layout_of(packet);
+    if (!layout) continue;
+    ++read;
+    ASSERT_LE(layout->body, packet.size());
+    (void)is_sound(packet, *layout);
+    Endpoint from = source_of(packet, *layout), to = destination_of(packet, *layout);
+    set_source(packet, *layout, to);
+    set_destination(packet, *layout, from);
+    ASSERT_EQ(source_of(packet, *layout), to);
+    repair(packet, *layout);
+  }
+  EXPECT_GT(read, 50'000);
 }
 
 TEST(IpPacketTest, AnyBitThatIsTurnedMakesItUnsoundUntilItIsRepaired) {

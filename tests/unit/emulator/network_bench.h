@@ -11,8 +11,6 @@
 
 namespace handrail::emulator {
 
-using Bytes = std::vector<std::uint8_t>;
-
 struct Got {
   Arrived arrived;
   std::uint32_t written = 0;  // the number in its payload

@@ -8,7 +8,7 @@
 namespace handrail::emulator {
 namespace {
 
-std::string error_of(const std::string& text) {
+std::string error_in(const std::string& text) {
   NetworkPlan plan;
   return change_network("n", text, plan).message();
 }
@@ -80,18 +80,18 @@ TEST(NetworkIoTest, AChangeKeepsWhatItDoesNotName) {
 }
 
 TEST(NetworkIoTest, ErrorsNamePlaceValueAndWhatWasExpected) {
-  EXPECT_EQ(error_of("both {\n  los: 1 }"),
+  EXPECT_EQ(error_in("both {\n  los: 1 }"),
             "n:2:3: field 'both.los': no such field; did you mean 'loss'?");
-  EXPECT_EQ(error_of("to_far { loss: 1.5 }"), "n:1:10: field 'to_far.loss': 1.5 is outside 0 to 1");
-  EXPECT_EQ(error_of("to_far { delay_ms: nan }"),
+  EXPECT_EQ(error_in("to_far { loss: 1.5 }"), "n:1:10: field 'to_far.loss': 1.5 is outside 0 to 1");
+  EXPECT_EQ(error_in("to_far { delay_ms: nan }"),
             "n:1:10: field 'to_far.delay_ms': nan is not a finite number");
-  EXPECT_EQ(error_of("outage { from_s: 1 }"),
+  EXPECT_EQ(error_in("outage { from_s: 1 }"),
             "n:1:1: field 'outage[0].for_s': missing, but required");
-  EXPECT_EQ(error_of("outage { for_s: 1 way: UP }"),
+  EXPECT_EQ(error_in("outage { for_s: 1 way: UP }"),
             "n:1:24: field 'outage.way': UP is not one of BOTH, TO_FAR, TO_NEAR");
-  EXPECT_EQ(error_of("to_near { corrupt_bits: 0 }"),
+  EXPECT_EQ(error_in("to_near { corrupt_bits: 0 }"),
             "n:1:11: field 'to_near.corrupt_bits': 0 is outside 1 to 64");
-  EXPECT_EQ(error_of("edge { idle_s: 3 }"),
+  EXPECT_EQ(error_in("edge { idle_s: 3 }"),
             "n:1:8: field 'edge.idle_s': without nat there are no ports to give up, expected nat: "
             "true");
   EXPECT_EQ(load_network("netcod").message(),

@@ -11,6 +11,8 @@
 
 namespace handrail::emulator {
 
+using Bytes = std::vector<std::uint8_t>;
+
 inline Endpoint at(const std::string& text) {
   const auto out = read_endpoint(text);
   EXPECT_TRUE(out.is_ok()) << out.message();
@@ -28,9 +30,10 @@ inline std::vector<std::uint8_t> numbered(std::uint32_t number, const Endpoint& 
   return make_udp(from, to, payload);
 }
 
+// 0: it carries none.
 inline std::uint32_t number_of(std::span<const std::uint8_t> packet) {
   const auto layout = layout_of(packet);
-  if (!layout) return 0;
+  if (!layout || packet.size() - layout->body < 4) return 0;
   std::uint32_t out = 0;
   for (std::size_t i = 4; i > 0; --i) out = out << 8 | packet[layout->body + i - 1];
   return out;

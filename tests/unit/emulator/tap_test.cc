@@ -7,14 +7,13 @@
 #include <fstream>
 
 #include "tests/support/temp_folder.h"
+#include "tests/unit/emulator/packet_samples.h"
 
 namespace handrail::emulator {
 namespace {
 
-using Bytes = std::vector<std::uint8_t>;
-
 std::string written(const TempFolder& folder) {
-  const std::string path = folder.path() + "/near.pcap";
+  std::string path = folder.path() + "/near.pcap";
   auto tap = Tap::open(path);
   EXPECT_TRUE(tap.is_ok()) << tap.message();
   tap->sent(Bytes{1, 2, 3}, 7, 5 * kSecond + 123);
