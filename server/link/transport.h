@@ -63,8 +63,8 @@ class ServedTransport : public Transport {
   // `readable` must take all of them.
   virtual void on_readable(std::function<void()> readable) = 0;
   virtual void close() noexcept = 0;
-  // To be called a thousand times a second. Real-time safe.
-  virtual void tick(Nanos /*now*/) noexcept {}
+  // To be called a thousand times a second. May need memory: throws std::bad_alloc.
+  virtual void tick(Nanos /*now*/) {}
   // A line for the log; `bad`: somebody should look.
   using Say = std::function<void(bool bad, const std::string& line)>;
   virtual void on_say(Say /*say*/) {}

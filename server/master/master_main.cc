@@ -39,7 +39,6 @@ namespace handrail {
 namespace {
 
 constexpr int kHapticPriority = 85;
-constexpr std::uint16_t kLinkPort = 47002;  // SlaveConfig.link_port
 // The thread has its grants by then: locking memory takes some 15 ms.
 constexpr Nanos kSetUp = 50 * kMillisecond;
 
@@ -156,7 +155,8 @@ OrderDeskOptions desk_of(const pb::MasterConfig& config, const HapticCapabilitie
 // The link that is asked for; the error says why it cannot be had.
 Result<TransportMaker> link_of(const pb::MasterConfig& config) {
   if (config.has_slave()) {
-    const auto slave = parse_host(config.slave(), kLinkPort);
+    const std::uint32_t usual = pb::SlaveConfig::default_instance().link_port();
+    const auto slave = parse_host(config.slave(), static_cast<std::uint16_t>(usual));
     if (!slave) return Status::error("slave " + slave.message());
     const auto options = secure_options(KeyFolder(default_key_folder()));
     if (!options) {

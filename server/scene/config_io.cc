@@ -22,6 +22,22 @@ Problem check_ipv4(const char* field, const std::string& address) {
   return FieldProblem{field, "'" + address + "' is not an IPv4 address such as 127.0.0.1"};
 }
 
+// Where a slave waits for the encrypted link.
+Problem check_link_address(const pb::SlaveConfig& c) {
+  if (!c.has_link_address() || c.link_address() == "any") return std::nullopt;
+  const std::string& address = c.link_address();
+  in6_addr parsed{};
+  const std::string without_scope = address.substr(0, address.find('%'));
+  if (::inet_pton(AF_INET, address.c_str(), &parsed) == 1 ||
+      ::inet_pton(AF_INET6, without_scope.c_str(), &parsed) == 1) {
+    return std::nullopt;
+  }
+  return FieldProblem{"link_address",
+                      "'" + address +
+                          "': expected any, or an address of this computer, IPv4 such "
+                          "as 192.0.2.7 or IPv6 such as 2001:db8::7"};
+}
+
 // The other end of a connection; port 0 would mean "any", which nobody can be reached at.
 Problem check_peer_port(const char* field, std::uint32_t port) {
   if (port != 0) return std::nullopt;
@@ -125,7 +141,7 @@ Problem check(const pb::SlaveConfig& c) {
                     check_peer_port("force_sensor.port", c.force_sensor().port())});
     ends.push_back({"force_sensor.port", c.force_sensor().address(), c.force_sensor().port()});
   }
-  return first({check_link(c, c.has_link_address(), "link_address"),
+  return first({check_link_address(c), check_link(c, c.has_link_address(), "link_address"),
                 check_link(c, c.has_link_port(), "link_port"),
                 check_ipv4("robot.address", c.robot().address()),
                 check_peer_port("robot.port", c.robot().port()), bytes, sensor, check_payload(c),
@@ -180,8 +196,12 @@ Result<Config> load(const std::string& path, const std::string& link = {}) {
   }
   if (!link.empty()) set_link(config, link);
   set_addresses(config);
-  if (path.empty()) return config;
-  if (const Problem problem = check(config)) return source.error_at(*problem);
+  if (path.empty() && link.empty()) return config;
+  if (const Problem problem = check(config)) {
+    const bool typed =
+        !link.empty() && (problem->path == "link_address" || problem->path == "slave");
+    return typed ? Status::error("--link " + problem->text) : source.error_at(*problem);
+  }
   return config;
 }
 

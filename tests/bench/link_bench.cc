@@ -54,6 +54,16 @@ struct BothEnds {
 
 using Datagram = std::array<std::uint8_t, 512>;  // of a slave
 
+std::size_t there_and_back_of(Transport& master, Transport& slave, Datagram& bytes) {
+  (void)master.send(bytes);
+  (void)slave.receive(bytes);
+  slave.adopt_sender();
+  (void)slave.send(bytes);
+  const auto back = master.receive(bytes);
+  if (!back || !back->from_peer) std::abort();
+  return back->size;
+}
+
 struct UnixThereAndBack {
   TempFolder folder;
   boost::asio::io_context io;
@@ -63,15 +73,7 @@ struct UnixThereAndBack {
   UnixThereAndBack() {
     if (!slave.open() || !master.open()) std::abort();
   }
-  std::size_t operator()() {
-    (void)master.send(bytes);
-    (void)slave.receive(bytes);
-    slave.adopt_sender();
-    (void)slave.send(bytes);
-    const auto back = master.receive(bytes);
-    if (!back || !back->from_peer) std::abort();
-    return back->size;
-  }
+  std::size_t operator()() { return there_and_back_of(master, slave, bytes); }
 };
 
 struct UdpThereAndBack {
@@ -126,15 +128,7 @@ struct SecureThereAndBack {
     if (!trusted.add(other)) std::abort();
     return std::move(*DtlsContext::make(key, trusted, side, wanted));
   }
-  std::size_t operator()() {
-    (void)master.send(bytes);
-    (void)slave.receive(bytes);
-    slave.adopt_sender();
-    (void)slave.send(bytes);
-    const auto back = master.receive(bytes);
-    if (!back || !back->from_peer) std::abort();
-    return back->size;
-  }
+  std::size_t operator()() { return there_and_back_of(master, slave, bytes); }
 };
 
 // By reference: sockets do not move.

@@ -13,6 +13,7 @@
 namespace handrail {
 namespace {
 
+// Chosen: a stroke that takes the arm to its full speed and back, eight times.
 constexpr double kHalfStroke = 100.0 * kMm;
 constexpr double kEnds = 0.02;  // of a stroke, at either end, are not counted
 constexpr int kStrokes = 8;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <new>
 
 #include "server/base/time.h"
 #include "server/link/codec.h"
@@ -78,7 +79,13 @@ constexpr std::size_t kScratch = kMaxDatagram + 1;
 
 }  // namespace
 
-DtlsChannel::DtlsChannel(const DtlsContext& context, DatagramSocket& socket, const Address& peer)
+std::unique_ptr<DtlsChannel> DtlsChannel::make(const DtlsContext& context, DatagramSocket& socket,
+                                               const Address& peer) noexcept {
+  return std::unique_ptr<DtlsChannel>(new (std::nothrow) DtlsChannel(context, socket, peer));
+}
+
+DtlsChannel::DtlsChannel(const DtlsContext& context, DatagramSocket& socket,
+                         const Address& peer) noexcept
     : context_(context), socket_(socket), ssl_(SSL_new(context.get())) {
   attached_.address = peer;
   BIO* wire = ssl_ == nullptr ? nullptr : BIO_new(DtlsWire::method());

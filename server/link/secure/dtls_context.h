@@ -40,6 +40,7 @@ class DtlsContext {
   bool trusts(const PublicKey& key) const noexcept;
   const TrustList& trusted() const noexcept { return trusted_; }
   Side side() const noexcept { return side_; }
+  Role wanted() const noexcept { return wanted_; }
   SSL_CTX* get() const noexcept { return context_; }
 
   // A channel's place in an SSL: where its PeerKey and the address it speaks with are.

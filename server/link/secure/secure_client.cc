@@ -13,25 +13,38 @@ void SecureClient::set_trusted(TrustList trusted) {
   if (session_ != nullptr && !context_.trusts(session_->peer().key)) session_.reset();
 }
 
-bool SecureClient::wanted() const noexcept {
+bool SecureClient::calls() const noexcept {
   return session_ == nullptr || (asking_ != kForever && now_ - asking_ > kUnanswered);
 }
 
 void SecureClient::tick(Nanos now) noexcept {
   now_ = now;
-  if (attempt_ == nullptr && wanted() && !addresses_.empty() && now >= not_before_) {
+  if (attempt_ == nullptr && calls() && !addresses_.empty() && now >= not_before_) {
     tried_ = addresses_[next_address_++ % addresses_.size()];
-    attempt_ = std::make_unique<DtlsChannel>(context_, socket_, tried_);
+    attempt_ = DtlsChannel::make(context_, socket_, tried_);
     began_ = now;
     ++counts_.attempts;
   }
   if (attempt_ == nullptr) return;
   attempt_->tick();
   if (attempt_->state() == State::kHandshake && now - began_ > kLongestAttempt) {
-    problem_ = DtlsChannel::Problem::kNoAnswer;
-    attempt_.reset();
+    failed(DtlsChannel::Problem::kNoAnswer);
   }
   settle();
+}
+
+void SecureClient::failed(DtlsChannel::Problem problem) noexcept {
+  using Problem = DtlsChannel::Problem;
+  const bool silent = problem == Problem::kNoAnswer;
+  // One that did not answer is called again at once.
+  if (!silent) not_before_ = now_ + kRefusedPause;
+  const bool says_more = problem_ != Problem::kNone && problem_ != Problem::kNoAnswer;
+  if (!silent || !says_more || unanswered_) {
+    problem_ = problem;
+    refused_ = attempt_->peer();
+  }
+  unanswered_ = silent;
+  attempt_.reset();
 }
 
 void SecureClient::settle() noexcept {
@@ -41,14 +54,11 @@ void SecureClient::settle() noexcept {
     since_ = now_;
     asking_ = kForever;
     problem_ = DtlsChannel::Problem::kNone;
+    unanswered_ = false;
     ++counts_.sessions;
     return;
   }
-  problem_ = attempt_->problem();
-  refused_ = attempt_->peer();
-  // One that did not answer is called again at once.
-  if (problem_ != DtlsChannel::Problem::kNoAnswer) not_before_ = now_ + kRefusedPause;
-  attempt_.reset();
+  failed(attempt_->problem());
 }
 
 std::optional<Transport::Arrival> SecureClient::receive(std::span<std::uint8_t> buffer) noexcept {

@@ -48,19 +48,22 @@ class SecureClient final : public Transport {
   bool answer(std::span<const std::uint8_t>) noexcept override { return false; }
   std::string_view peer_name() const noexcept override;
 
+  // Nobody answers, and somebody is looked for: there is no session, or not any more.
+  bool calls() const noexcept;
   const Counts& counts() const noexcept { return counts_; }
   // The session; null: none is open.
   const DtlsChannel* session() const noexcept { return session_.get(); }
   Nanos session_since() const noexcept { return since_; }
-  // Why the last attempt failed; kNone: none has since a session opened.
+  // Why attempts fail; kNone: none has since a session opened. One that got no answer says less
+  // than one before that was refused: an alert may be lost.
   DtlsChannel::Problem problem() const noexcept { return problem_; }
   // The key that the last refused other side has shown.
   const PeerKey& refused() const noexcept { return refused_; }
   const Address& tried() const noexcept { return tried_; }
 
  private:
-  bool wanted() const noexcept;
   void settle() noexcept;  // what became of the attempt
+  void failed(DtlsChannel::Problem problem) noexcept;
 
   DtlsContext& context_;
   DatagramSocket& socket_;
@@ -74,6 +77,7 @@ class SecureClient final : public Transport {
   Nanos asking_ = kForever;  // since when what was sent has not been answered
   Nanos not_before_ = -kForever;
   DtlsChannel::Problem problem_ = DtlsChannel::Problem::kNone;
+  bool unanswered_ = false;  // the last attempt got no answer
   PeerKey refused_;
   Address tried_;
   Counts counts_;

@@ -78,23 +78,22 @@ Transport::Arrival SecureServer::give(Slot& slot, std::span<const std::uint8_t> 
 
 Transport::Arrival SecureServer::greet(std::span<const std::uint8_t> bytes,
                                        const Address& from) noexcept {
-  if (!cookies_.take()) {
+  constexpr Arrival kHandled{0, false, true};
+  // What a hello with a cookie would need is asked for before it is looked at: looking begins.
+  Slot* const slot = room();
+  if (slot == nullptr || handshakes_.left == 0 || !cookies_.take()) {
     ++counts_.over_limit;
-    return {0, false, true};
+    return kHandled;
   }
   if (listener_ == nullptr || listener_->state() != State::kListening) {
-    listener_ = std::make_unique<DtlsChannel>(context_, socket_, from);
+    listener_ = DtlsChannel::make(context_, socket_, from);
   }
-  if (!listener_->listen(bytes, from)) return {0, false, true};
-  Slot* slot = room();
-  if (slot == nullptr || !handshakes_.take()) {
-    ++counts_.over_limit;
-    listener_.reset();
-    return {0, false, true};
-  }
+  if (listener_ == nullptr || !listener_->listen(bytes, from)) return kHandled;
+  (void)handshakes_.take();
+  if (leader_ == slot) leader_ = nullptr;
   *slot = {std::move(listener_), *client_random(bytes), now_, now_, false};
   settle(*slot);
-  return {0, false, true};
+  return kHandled;
 }
 
 Transport::Arrival SecureServer::stranger() noexcept {

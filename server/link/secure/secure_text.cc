@@ -7,17 +7,6 @@ std::string line_to_type(const std::string& name, Role role, const PublicKey& ke
   return "handrail keys trust " + name + " " + role_text(role) + " " + key_text(key);
 }
 
-// "cell 3f2a-91bc-07de-55a1, north ...": those with the role.
-std::string those_trusted(const TrustList& trusted, Role role) {
-  std::string out;
-  for (const Trusted& entry : trusted.entries()) {
-    if (!entry.roles.has(role)) continue;
-    if (!out.empty()) out.append(", ");
-    out.append(entry.name).append(" ").append(key_id(entry.key));
-  }
-  return out.empty() ? "none" : out;
-}
-
 std::string untrusted_text(const PeerKey& shown, const std::string& at, const TrustList& trusted,
                            LinkRoles roles) {
   const std::string other = role_text(roles.other);
@@ -36,6 +25,16 @@ std::string untrusted_text(const PeerKey& shown, const std::string& at, const Tr
 }
 
 }  // namespace
+
+std::string those_trusted(const TrustList& trusted, Role role) {
+  std::string out;
+  for (const Trusted& entry : trusted.entries()) {
+    if (!entry.roles.has(role)) continue;
+    if (!out.empty()) out.append(", ");
+    out.append(entry.name).append(" ").append(key_id(entry.key));
+  }
+  return out.empty() ? "nobody" : out;
+}
 
 std::string session_text(const TrustList& trusted, const PublicKey& key, const Address& at) {
   const Trusted* who = trusted.find(key);

@@ -59,6 +59,7 @@ class SecureTransport : public ServedTransport {
     if (say_) say_(bad, line);
   }
   void take_trust(Nanos now) {
+    if (!std::exchange(said_trusted_, true)) say_trusted();
     if (!options_.trust_news) return;
     const auto news = options_.trust_news(now);
     if (!news) return;
@@ -69,8 +70,14 @@ class SecureTransport : public ServedTransport {
     }
     options_.trusted = **news;
     end_.set_trusted(**news);
-    say(false, "keys: the list of the trusted has changed: " +
-                   std::to_string(options_.trusted.entries().size()) + " there");
+    say_trusted();
+  }
+  void say_trusted() {
+    const Role other = context_->wanted();
+    const std::string those = those_trusted(options_.trusted, other);
+    const bool nobody = those == "nobody";
+    say(nobody, std::string("keys: trusted as ") + role_text(other) + ": " + those +
+                    (nobody ? "; `handrail keys show` there prints the line to type here" : ""));
   }
   // A session has begun, with another key or at another address, or ended.
   void say_session(const std::string& what, const DtlsChannel* channel) {
@@ -94,6 +101,7 @@ class SecureTransport : public ServedTransport {
   UdpSocket socket_;
   End end_{*context_, socket_};
   Say say_;
+  bool said_trusted_ = false;
   bool speaking_ = false;  // what was said last: with whom
   Address said_at_;
   PublicKey said_key_;
@@ -109,7 +117,7 @@ class ListeningTransport final : public SecureTransport<SecureServer> {
 
   Status open() override { return socket_.open(address_, port_); }
   std::string place() const override { return place_at(address_); }
-  void tick(Nanos now) noexcept override {
+  void tick(Nanos now) override {
     end_.tick(now);
     take_trust(now);
     say_session("encrypted session with ", end_.leader());
@@ -147,8 +155,8 @@ class CallingTransport final : public SecureTransport<SecureClient> {
 
   Status open() override { return socket_.open("any", 0); }
   std::string place() const override { return place_at("any"); }
-  void tick(Nanos now) noexcept override {
-    if (end_.session() == nullptr && now >= look_up_at_) {
+  void tick(Nanos now) override {
+    if (end_.calls() && now >= look_up_at_) {
       look_up_at_ = now + kLookUpAgain;
       resolver_.ask(slave_, [this](const Result<std::vector<Address>>& found) {
         lookup_ = found ? std::string() : "slave " + found.message();
@@ -171,12 +179,12 @@ class CallingTransport final : public SecureTransport<SecureClient> {
             key_id(session->peer().key),
             address_text(session->address()),
             now - end_.session_since(),
-            {}};
+            problem_};
   }
 
  private:
   std::string problem_now() const {
-    if (end_.session() != nullptr) return {};
+    if (!end_.calls()) return {};
     if (!lookup_.empty()) return lookup_;
     return problem_of(end_.problem(), end_.refused(), end_.tried(), {Role::kMaster, Role::kSlave});
   }

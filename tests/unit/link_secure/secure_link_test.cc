@@ -247,6 +247,36 @@ TEST(SecureLink, ASlaveThatWasStartedAnewIsFoundAgain) {
   EXPECT_LT(steps, 1100);  // a second of silence, then a handshake
 }
 
+TEST(SecureLink, ASlaveThatHasMovedIsFoundWhereItsNameSaysThatItIs) {
+  SecurePair pair;
+  ASSERT_TRUE(pair.connect());
+  ASSERT_TRUE(pair.say(kCommand));
+  ASSERT_TRUE(pair.slave.send(kState));
+  pair.step();
+  EXPECT_FALSE(pair.master.calls());
+  pair.slave_socket.move_to(test::address_of(7, 47002));
+  int ms = 0;
+  for (; ms < 3000 && !pair.master.calls(); ++ms) (void)pair.say(kCommand);
+  EXPECT_LT(ms, 1100);
+  pair.master.set_addresses({pair.slave_socket.own()});
+  const std::size_t before = pair.slave_got.size();
+  for (; ms < 3000 && pair.slave_got.size() == before; ++ms) (void)pair.say(kCommand);
+  EXPECT_LT(ms, 2200);
+}
+
+TEST(SecureLink, ARefusalIsNotForgottenForOneAttemptWithoutAnAnswer) {
+  SecurePair pair;
+  pair.slave.set_trusted(TrustList());
+  EXPECT_FALSE(pair.connect());
+  EXPECT_EQ(pair.master.problem(), Problem::kWeAre);
+  pair.net.passes = [](auto&) { return false; };
+  const auto attempts = pair.master.counts().attempts;
+  while (pair.master.counts().attempts < attempts + 2) pair.step();
+  EXPECT_EQ(pair.master.problem(), Problem::kWeAre);
+  while (pair.master.counts().attempts < attempts + 3) pair.step();
+  EXPECT_EQ(pair.master.problem(), Problem::kNoAnswer);
+}
+
 TEST(SecureLink, AMasterThatWasStartedAnewAtTheSamePortGetsASessionAndLeads) {
   SecurePair pair;
   ASSERT_TRUE(pair.connect());

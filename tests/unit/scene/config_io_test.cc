@@ -1,5 +1,6 @@
 #include "server/scene/config_io.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "server/base/own_places.h"
@@ -215,6 +216,29 @@ TEST(Config, RefusesAFileOfMoreThanAMegabyte) {
   const std::string text(1 << 20, ' ');
   EXPECT_EQ(rig_error(text), "");
   EXPECT_EQ(rig_error(text + " "), "c.conf: larger than the 1048576 bytes allowed");
+}
+
+TEST(Config, WhereASlaveWaitsIsAnyOrAnAddress) {
+  for (const char* address : {"any", "0.0.0.0", "192.0.2.7", "::", "2001:db8::7", "fe80::1%eth0"}) {
+    const auto config = load_slave_config("", address);
+    ASSERT_TRUE(config) << config.message();
+    EXPECT_EQ(config->link_address(), address);
+  }
+  for (const char* address : {"robot", "192.0.2", "any:47002", "[::1]", "%eth0"}) {
+    const auto config = load_slave_config("", address);
+    ASSERT_FALSE(config) << address;
+    EXPECT_THAT(config.message(),
+                ::testing::HasSubstr("--link '" + std::string(address) + "': expected any"));
+  }
+  EXPECT_THAT(slave_error("link_address: 'robot'"),
+              ::testing::HasSubstr("c.conf:1:1: field 'link_address': 'robot'"));
+}
+
+TEST(Config, WhatIsTypedAfterLinkIsTakenInPlaceOfTheFiles) {
+  const TempFolder folder;
+  const std::string file = folder.write("m.conf", "slave: 'north'");
+  EXPECT_EQ(load_master_config(file, "south:5")->slave(), "south:5");
+  EXPECT_EQ(load_master_config(file)->slave(), "north");
 }
 
 }  // namespace
