@@ -1,4 +1,4 @@
-// Blocking client of a master's operator socket.
+// Blocking client of a master, on this computer or another.
 //
 // Wire: each message is a u32 length, little-endian, and that many bytes of protobuf, at most 64
 // KiB; one Reply for each Request, in order.
@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "client/api/master_place.h"
 #include "proto/operator.pb.h"
 #include "server/base/status.h"
 #include "server/base/time.h"
@@ -22,40 +23,35 @@ enum ExitCode : int {
   kExitInterrupted = 130,
 };
 
+class MasterStream;
+
 // One connection; not thread-safe. After a failed call the connection is closed, and the next call
 // opens a new one.
 class OperatorClient {
  public:
-  // `as`: who speaks, in requests that do not say; empty: the user the master runs as.
+  // `as`: who speaks, in requests that do not say; empty: the user the master runs as, or over the
+  // network who the key says.
   // `cancelled`: asked every 50 ms while a call waits; where it says so, the call fails at once.
-  explicit OperatorClient(std::string socket_path, std::string as = {},
-                          bool (*cancelled)() = nullptr);
+  explicit OperatorClient(MasterPlace place, std::string as = {}, bool (*cancelled)() = nullptr);
   ~OperatorClient();
   OperatorClient(const OperatorClient&) = delete;
   OperatorClient& operator=(const OperatorClient&) = delete;
 
   // Sends the order and waits for its reply, at most `patience` in all. An error means that there
-  // is no master or none that answers, and names socket and cause; a refusal is a Reply with done
-  // false.
+  // is no master or none that answers, and names its place and the cause; a refusal is a Reply with
+  // done false.
   Result<pb::Reply> call(const pb::Request& order, Nanos patience);
 
   void close() noexcept;
 
  private:
-  struct Connection;
+  Result<pb::Reply> exchange(const pb::Request& order, Nanos deadline);
+  Status failure(const std::string& what) const;
 
-  Status connect(Nanos deadline);
-  // Who listens is root, this user, or who owns the folder that nobody else can put there.
-  Status check_peer();
-  // Runs the connection until what `start` begins has ended, which tells the function it is given.
-  template <typename Start>
-  Status await(Nanos deadline, Start start);
-  Status failure(const std::string& what);
-
-  std::string path_;
+  MasterPlace place_;
   std::string as_;
   bool (*cancelled_)();
-  std::unique_ptr<Connection> connection_;  // null: none
+  std::unique_ptr<MasterStream> stream_;  // null: none
 };
 
 // Done, refused or no master.

@@ -103,7 +103,7 @@ std::string advice(PayloadSampler::State state, const PayloadSampler& sampler, b
 // Samples of the running system; kExitDone when there are enough. What there is is in `out` in any
 // case.
 ExitCode watch(const Options& options, const Console& console, std::size_t wanted, Samples& out) {
-  OperatorClient client(options.socket, options.as);
+  OperatorClient client(options.master, options.as);
   pb::Request request;
   request.set_status(true);
   catch_interrupts();

@@ -13,7 +13,7 @@ namespace handrail {
 
 // What the user typed, not yet understood.
 struct Options {
-  std::string socket;
+  MasterPlace master;
   std::string as;  // who speaks; empty: the master's user
   bool json = false;
   bool watch = false;
@@ -36,7 +36,7 @@ struct Console {
   bool err_is_terminal = false;  // `err` does
 };
 
-// Options a command takes, besides --socket which all take.
+// Options a command takes, besides --socket, --master and --as which all take.
 struct Takes {
   bool json = false;
   bool watch = false;

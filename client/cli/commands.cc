@@ -152,7 +152,7 @@ ExitCode complain(const Console& console, const std::string& text) {
 
 ExitCode send_order(const Options& options, const Console& console, const pb::Request& request,
                     const std::string& done_text, Nanos patience) {
-  OperatorClient client(options.socket, options.as);
+  OperatorClient client(options.master, options.as);
   const Result<pb::Reply> reply = client.call(request, patience);
   if (!reply) {
     console.err << "handrail: " << reply.message() << '\n';

@@ -199,7 +199,7 @@ void check_scene(DemoDriver& driver) {
 }
 
 bool disengage(const Options& options) {
-  OperatorClient client(options.socket, options.as);
+  OperatorClient client(options.master, options.as);
   pb::Request request;
   request.set_disengage(true);
   return exit_code(client.call(request, kDemoPatience)) == kExitDone;
@@ -209,7 +209,7 @@ bool disengage(const Options& options) {
 
 ExitCode run_demo(const Options& options, const Console& console) {
   catch_interrupts();
-  DemoDriver driver(options.socket, options.as);
+  DemoDriver driver(options.master, options.as);
   const Say say = [&](const std::string& text) {
     if (!options.json && driver.code() == kExitDone) console.out << text << std::endl;
     if (!console.out) driver.fail("nobody reads what it prints");

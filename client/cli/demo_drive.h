@@ -22,7 +22,7 @@ using Say = std::function<void(const std::string&)>;
 // move. One that somebody stopped is.
 class DemoDriver {
  public:
-  DemoDriver(const std::string& socket, const std::string& as) : client_(socket, as, interrupted) {}
+  DemoDriver(const MasterPlace& master, const std::string& as) : client_(master, as, interrupted) {}
 
   // One order. A refusal while the session is not engaged counts as lost(), any other fails.
   bool order(const pb::Request& request);

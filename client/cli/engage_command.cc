@@ -32,7 +32,7 @@ ExitCode run_engage(const Options& options, const Console& console) {
   if (!options.hold) return send_order(options, console, request, "engaged", kEngagePatience);
   request.set_hold(true);
   catch_interrupts();
-  OperatorClient client(options.socket, options.as, interrupted);
+  OperatorClient client(options.master, options.as, interrupted);
   const Result<pb::Reply> engaged = client.call(request, kEngagePatience);
   if (!engaged && interrupted()) {
     // The master may be about to engage.

@@ -27,7 +27,7 @@ ExitCode run_lease_show(const Options& options, const Console& console) {
   pb::Request request;
   request.mutable_lease()->set_act(pb::LeaseOrder::SHOW);
   const Result<pb::Reply> reply =
-      OperatorClient(options.socket, options.as).call(request, kLeasePatience);
+      OperatorClient(options.master, options.as).call(request, kLeasePatience);
   const ExitCode code = exit_code(reply);
   if (code != kExitDone) {
     console.err << "handrail: " << (reply ? "refused: " + reply->reason() : reply.message())

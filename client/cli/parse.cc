@@ -95,6 +95,11 @@ std::string default_socket() {
   return default_operator_socket();
 }
 
+std::string default_master() {
+  const char* host = std::getenv("HANDRAIL_MASTER");
+  return host == nullptr ? "" : host;
+}
+
 // The first words of the commands after `group`, which ends with a blank or is empty.
 std::vector<std::string> words_after(const std::string& group) {
   std::vector<std::string> out;
@@ -112,7 +117,7 @@ std::vector<std::string> words_after(const std::string& group) {
 std::string unknown_command(const std::vector<std::string>& args) {
   std::string group;
   for (std::size_t i = 0; i < args.size(); ++i) {
-    if (args[i] == "--socket" || args[i] == "--as") {
+    if (args[i] == "--socket" || args[i] == "--master" || args[i] == "--as") {
       ++i;  // its value
       continue;
     }
@@ -138,11 +143,16 @@ std::string unknown_command(const std::vector<std::string>& args) {
 ExitCode run_cli(const std::vector<std::string>& args, const Console& console) {
   CLI::App app("Operate a Handrail master: engage, call tools, watch.", "handrail");
   Options options;
-  options.socket = default_socket();
+  options.master.socket = default_socket();
   app.require_subcommand(1);
   app.fallthrough();
-  app.add_option("--socket", options.socket, "the master's socket (or HANDRAIL_SOCKET)")
-      ->type_name("PATH");
+  CLI::Option* const socket =
+      app.add_option("--socket", options.master.socket, "the master's socket (or HANDRAIL_SOCKET)")
+          ->type_name("PATH");
+  app.add_option("--master", options.master.host,
+                 "a master on another computer, with your key (or HANDRAIL_MASTER)")
+      ->type_name("HOST[:PORT]")
+      ->excludes(socket);
   app.add_option("--as", options.as, "who you are; without it the master's user")
       ->type_name("NAME")
       ->check(
@@ -179,6 +189,7 @@ ExitCode run_cli(const std::vector<std::string>& args, const Console& console) {
   } catch (const CLI::ParseError& error) {
     return complain(console, std::string(error.what()) + " (see handrail --help)");
   }
+  if (options.master.host.empty() && socket->count() == 0) options.master.host = default_master();
   for (const auto& [leaf, command] : leaves) {
     if (leaf->parsed()) return command->run(options, console);
   }

@@ -42,7 +42,7 @@ void explain(const pb::Status& status, const Options& options, const Console& co
 using Show = void (*)(const pb::Status&, const Options&, const Console&, std::string&);
 
 ExitCode poll_status(const Options& options, const Console& console, Show show_it) {
-  OperatorClient client(options.socket, options.as);
+  OperatorClient client(options.master, options.as);
   pb::Request request;
   request.set_status(true);
   if (options.watch) catch_interrupts();

@@ -13,6 +13,11 @@ bool is_operator_name(std::string_view who) noexcept {
   });
 }
 
+std::string proven_name(std::string_view name, std::string_view key_id) {
+  std::string out(name);
+  return out.append("@").append(key_id);
+}
+
 std::string operator_name_problem(std::string_view who) {
   if (is_operator_name(who)) return {};
   std::string text = "'";

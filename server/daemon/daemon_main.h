@@ -10,17 +10,16 @@
 
 namespace handrail {
 
-// Reads the command line and the configuration, and then does `run(config, check, log)`, check:
-// only to see whether it would start. `load`: of the file's path, empty for the defaults, and what
-// --link says, empty for nothing, a Result. `link_help`: of --link. The exit code. To be called
-// last in main.
+// Reads the command line, with `options` beside those of every daemon, and the configuration, and
+// then does `run(config, check, log)`, check: only to see whether it would start. `load`: of the
+// arguments, a Result. The exit code. To be called last in main.
 template <typename Load, typename Run>
 int daemon_main(int argc, char** argv, const std::string& program, const char* what_it_does,
-                const char* link_help, Load load, Run run) {
+                DaemonOptions options, Load load, Run run) {
   return run_daemon(program, [&] {
-    const auto args = parse_daemon_args(argc, argv, true);
-    if (const auto code = answer_at_once(args, program, what_it_does, link_help)) return *code;
-    const auto config = load(args->config_path, args->link);
+    const auto args = parse_daemon_args(argc, argv, options);
+    if (const auto code = answer_at_once(args, program, what_it_does, options)) return *code;
+    const auto config = load(*args);
     if (!config) return fail_start(program, config.message());
     // Standard output carries only the READY line.
     const DaemonLog log(program, kIoPriority);

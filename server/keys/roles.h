@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -24,7 +25,11 @@ class Roles {
  public:
   constexpr Roles() = default;
   constexpr Roles(Role role) : bits_(bit(role)) {}  // NOLINT: implicit by design
+  constexpr Roles(std::initializer_list<Role> roles) {
+    for (const Role role : roles) add(role);
+  }
   constexpr bool has(Role role) const noexcept { return (bits_ & bit(role)) != 0; }
+  constexpr bool has_any(Roles of) const noexcept { return (bits_ & of.bits_) != 0; }
   constexpr void add(Role role) noexcept { bits_ = static_cast<std::uint8_t>(bits_ | bit(role)); }
   constexpr bool empty() const noexcept { return bits_ == 0; }
   friend bool operator==(Roles, Roles) = default;

@@ -22,8 +22,9 @@ struct LeaseAnswer {
 
 // The lease belongs to a name from the first engage, or a take, until it is released, granted to
 // who asks, or times out. Only its holder may give orders; while nobody holds it nothing is
-// engaged, and anybody may. Times are of one clock and never fall. Names are said, not proven:
-// whoever may use the operators' socket may use any of them.
+// engaged, and anybody may. Times are of one clock and never fall. Names are
+// said, not proven, by whoever may use the operators' socket of this computer; over the network
+// they are proven, and have a key's id in them.
 class Lease {
  public:
   explicit Lease(LeaseSettings settings = {}) : settings_(settings) {}

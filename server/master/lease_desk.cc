@@ -20,23 +20,18 @@ std::string own_user_name() {
 }
 
 std::string LeaseDesk::refusal(const std::string& who, bool engages, Nanos now) {
-  if (std::string problem = operator_name_problem(who); !problem.empty()) return problem;
   return lease_.drive(who, engages, now).refusal;
 }
 
 void LeaseDesk::handle(const pb::LeaseOrder& order, const std::string& who, Nanos now,
                        ReplyTo reply, StillWaits waits) {
   LeaseAnswer answer;
-  answer.refusal = operator_name_problem(who);
-  answer.allowed = answer.refusal.empty();
-  if (answer.allowed) {
-    switch (order.act()) {
-      case pb::LeaseOrder::SHOW: break;
-      case pb::LeaseOrder::TAKE: answer = lease_.take(who, now); break;
-      case pb::LeaseOrder::GRANT: answer = lease_.grant(who, now); break;
-      case pb::LeaseOrder::REFUSE: answer = lease_.refuse(who, now); break;
-      case pb::LeaseOrder::RELEASE: answer = lease_.release(who, now); break;
-    }
+  switch (order.act()) {
+    case pb::LeaseOrder::SHOW: break;
+    case pb::LeaseOrder::TAKE: answer = lease_.take(who, now); break;
+    case pb::LeaseOrder::GRANT: answer = lease_.grant(who, now); break;
+    case pb::LeaseOrder::REFUSE: answer = lease_.refuse(who, now); break;
+    case pb::LeaseOrder::RELEASE: answer = lease_.release(who, now); break;
   }
   if (answer.allowed && order.act() == pb::LeaseOrder::TAKE && lease_.holder() != who) {
     if (asked_reply_) {

@@ -42,7 +42,6 @@ constexpr int kHapticPriority = 85;
 // The thread has its grants by then: locking memory takes some 15 ms.
 constexpr Nanos kSetUp = 50 * kMillisecond;
 
-const char kLinkHelp[] = "the slave, HOST or HOST:PORT, over the encrypted link";
 const char kWhat[] =
     "The operator's side: haptic device, virtual tools and forces at 1 kHz; sends the command to\n"
     "the slave and takes orders on a Unix socket. SIGTERM disengages, then exits.";
@@ -170,6 +169,18 @@ Result<TransportMaker> link_of(const pb::MasterConfig& config) {
   });
 }
 
+// Operators on other computers, if they are to be served. The error says why they cannot be.
+Result<std::optional<RemoteOperatorOptions>> remote_operators_of(const pb::MasterConfig& config) {
+  if (!config.has_operator_address()) return std::optional<RemoteOperatorOptions>();
+  const auto keys = secure_options(KeyFolder(default_key_folder()), "the operators' port");
+  if (!keys) {
+    return Status::error("operator_address " + config.operator_address() + ": " + keys.message() +
+                         "; leave it out for operators on this computer only");
+  }
+  return std::optional(RemoteOperatorOptions{*keys, config.operator_address(),
+                                             static_cast<std::uint16_t>(config.operator_port())});
+}
+
 int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
   auto device = make_haptic_device(device_options(config.device()));
   if (!device) return fail(device.message());
@@ -191,6 +202,8 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
   const LoopScene first = loop_scene(*scene);
   const Result<TransportMaker> link = link_of(config);
   if (!link) return fail(link.message());
+  const auto remote = remote_operators_of(config);
+  if (!remote) return fail(remote.message());
   if (check_only) {
     std::puts("configuration ok");
     return end_output("handrail-master", 0);
@@ -207,7 +220,7 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
   };
   desk_options.loop_scene = loop_scene;
   OrderDesk desk(*boxes, *scene, desk_options);
-  const auto server = make_master_server(*boxes, desk, {*link, config.operator_socket()});
+  const auto server = make_master_server(*boxes, desk, {*link, config.operator_socket(), *remote});
   hold_endings();
   if (const Status opened = server->open(); !opened) return fail(opened.message());
   if (const Status opened = (*device)->open(); !opened) return fail(opened.message());
@@ -227,5 +240,14 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
 
 int main(int argc, char** argv) {
   using namespace handrail;
-  return daemon_main(argc, argv, "handrail-master", kWhat, kLinkHelp, load_master_config, run);
+  const DaemonOption options[] = {
+      {"--link", "the slave, HOST or HOST:PORT, over the encrypted link", &DaemonArgs::link},
+      {"--operators", "listen for operators on other computers: any, or an address",
+       &DaemonArgs::operators}};
+  return daemon_main(
+      argc, argv, "handrail-master", kWhat, options,
+      [](const DaemonArgs& args) {
+        return load_master_config(args.config_path, args.link, args.operators);
+      },
+      run);
 }

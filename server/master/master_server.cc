@@ -20,11 +20,15 @@ class MasterServer final : public IoServer {
   ~MasterServer() override { desk_.set_link({}); }
 
   Status open() override {
-    const Status opened = link_.open(options_.link);
-    return opened ? operators_.start(options_.operator_socket) : opened;
+    if (Status opened = link_.open(options_.link); !opened) return opened;
+    if (Status opened = operators_.start(options_.operator_socket); !opened) return opened;
+    return options_.remote_operators ? remote_.open(*options_.remote_operators) : Status::ok();
   }
 
-  std::string place() const override { return link_.place(); }
+  std::string place() const override {
+    const std::string remote = remote_.place();
+    return link_.place() + (remote.empty() ? "" : " operators=" + remote);
+  }
 
   void run(ServerHooks hooks) override {
     alive_ = std::move(hooks.alive);
@@ -35,12 +39,15 @@ class MasterServer final : public IoServer {
     const auto publish = [this](Nanos) {
       boxes_.slave.publish({link_.newest(), link_.snapshot()});
     };
+    remote_.on_say(say);
     link_.run({publish, [this](Nanos now) { tick(now); }, end, std::move(hooks.finished), say});
+    remote_.close();
     operators_.stop();
   }
 
  private:
   void tick(Nanos now) {
+    remote_.tick(now);
     loop_.take(boxes_);
     desk_.tick(now, loop_, link_.newest(), link_.snapshot());
     if (!loop_.report()) return;
@@ -65,6 +72,7 @@ class MasterServer final : public IoServer {
   MasterServerOptions options_;
   LinkServer<MasterState, SlaveState> link_{"haptic", "slave", boxes_.doorbell};
   OperatorServer operators_{link_.io(), desk_};
+  RemoteOperatorServer remote_{link_.io(), operators_};
   LoopNews loop_;
   SessionWatch session_;
   std::function<void(Nanos, bool)> alive_;

@@ -2,18 +2,21 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "server/daemon/io_thread.h"
 #include "server/link/transport.h"
 #include "server/master/mailboxes.h"
 #include "server/master/order_desk.h"
+#include "server/master/remote_operator_server.h"
 
 namespace handrail {
 
 struct MasterServerOptions {
   TransportMaker link;  // the master's end
   std::string operator_socket;
+  std::optional<RemoteOperatorOptions> remote_operators;  // none: this computer's only
 };
 
 // Mailboxes and desk must outlive the server.

@@ -16,7 +16,6 @@
 
 #include "server/base/clock.h"
 #include "server/base/length_prefix.h"
-#include "server/master/request_stream.h"
 
 namespace handrail {
 
@@ -44,8 +43,11 @@ pb::Reply refusal(const std::string& reason) {
 // One connection: gather a frame, have it handled, answer, again.
 class OperatorServer::Client : public std::enable_shared_from_this<Client> {
  public:
-  Client(Socket socket, OperatorServer& server)
-      : socket_(std::move(socket)), timer_(socket_.get_executor()), server_(server) {}
+  Client(Socket socket, OperatorServer& server, std::optional<Trusted> speaker)
+      : socket_(std::move(socket)),
+        timer_(socket_.get_executor()),
+        server_(server),
+        speaker_(std::move(speaker)) {}
 
   // Who has just come has mostly said already what he wants.
   void begin() {
@@ -148,6 +150,8 @@ class OperatorServer::Client : public std::enable_shared_from_this<Client> {
     heard_ = monotonic_now();
     if (!request->is_ok()) return answer(refusal(request->message()), true);
     request_ = std::move(**request);
+    const std::string problem = claim_request(speaker_ ? &*speaker_ : nullptr, request_);
+    if (!problem.empty()) return answer(refusal(problem), false);
     if (is_order(request_)) {
       gives_orders_ = true;
       as_ = request_.has_as() ? std::optional(request_.as()) : std::nullopt;
@@ -158,6 +162,7 @@ class OperatorServer::Client : public std::enable_shared_from_this<Client> {
   Socket socket_;
   asio::steady_timer timer_;
   OperatorServer& server_;
+  const std::optional<Trusted> speaker_;  // proven; none: of this computer
   Nanos heard_ = 0;
   bool gives_orders_ = false;      // has done, at least once
   std::optional<std::string> as_;  // in whose name, in the newest
@@ -274,11 +279,19 @@ OperatorServer::Admitted OperatorServer::admit_one() {
   }
   if (error == asio::error::would_block) return Admitted::kNobodyWaits;
   if (error) return Admitted::kNoMeans;
-  if (clients_.size() >= max_clients_) dismiss_one();
-  clients_.push_back(std::make_shared<Client>(std::move(socket), *this));
-  const auto client = clients_.back();
-  client->in_memory([&] { client->begin(); });
+  take_in(std::make_shared<Client>(std::move(socket), *this, std::nullopt));
   return Admitted::kOne;
+}
+
+void OperatorServer::admit(Socket socket, Trusted speaker) {
+  std::erase_if(clients_, [](const auto& client) { return !client->is_open(); });
+  take_in(std::make_shared<Client>(std::move(socket), *this, std::move(speaker)));
+}
+
+void OperatorServer::take_in(std::shared_ptr<Client> client) {
+  if (clients_.size() >= max_clients_) dismiss_one();
+  clients_.push_back(client);
+  client->in_memory([&] { client->begin(); });
 }
 
 void OperatorServer::dismiss_one() {

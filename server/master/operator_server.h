@@ -22,6 +22,7 @@
 #include "server/base/time.h"
 #include "server/link/path_socket.h"
 #include "server/master/memory_reserve.h"
+#include "server/master/request_stream.h"
 
 namespace handrail {
 
@@ -63,6 +64,9 @@ class OperatorServer {
 
   // Claims the socket and accepts clients whenever the io_context runs.
   Status start(const std::string& path);
+  // A connection that came over the network, of who is `speaker` by a key. Throws std::bad_alloc;
+  // the connection is closed then.
+  void admit(boost::asio::local::stream_protocol::socket socket, Trusted speaker);
   // Closes every connection and removes the socket file. Safe to call twice.
   void stop();
   std::size_t clients() const;
@@ -73,6 +77,7 @@ class OperatorServer {
   // kNoMeans: no descriptor for who waits.
   enum class Admitted { kOne, kNobodyWaits, kNoMeans };
   Admitted admit_one();
+  void take_in(std::shared_ptr<Client> client);
   // Lets the client go that is needed least.
   void dismiss_one();
   // After memory ran out: lets go of as many as it takes to have some in reserve again.

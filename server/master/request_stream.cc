@@ -3,6 +3,8 @@
 #include <google/protobuf/stubs/logging.h>
 
 #include "server/base/length_prefix.h"
+#include "server/base/operator_name.h"
+#include "server/base/plain_text.h"
 
 namespace handrail {
 namespace {
@@ -26,6 +28,31 @@ bool has_order(const pb::Request& r) {
 bool is_order(const pb::Request& r) {
   return !r.has_status() && !r.has_stop() &&
          !(r.has_lease() && r.lease().act() == pb::LeaseOrder::SHOW);
+}
+
+std::string claim_request(const Trusted* speaker, pb::Request& request) {
+  if (speaker == nullptr) {
+    return request.has_as() ? operator_name_problem(request.as()) : std::string();
+  }
+  const std::string who = proven_name(speaker->name, key_id(speaker->key));
+  if (request.has_as() && request.as() != speaker->name) {
+    std::string text = "over the network a key says who you are, and yours says ";
+    return text.append(who).append(": leave out --as ").append(shown(request.as(), 40));
+  }
+  if (!speaker->roles.has(Role::kOperator) && (request.has_stop() || is_order(request))) {
+    std::string text = "the key of ";
+    return text.append(who)
+        .append(" is trusted as ")
+        .append(roles_text(speaker->roles))
+        .append(
+            ", not as operator, and may only look: if more is meant, type where the master runs: ")
+        .append("handrail keys trust ")
+        .append(speaker->name)
+        .append(" operator ")
+        .append(key_text(speaker->key));
+  }
+  request.set_as(who);
+  return {};
 }
 
 std::optional<Result<pb::Request>> RequestStream::next() {

@@ -8,11 +8,17 @@
 
 #include "proto/operator.pb.h"
 #include "server/base/status.h"
+#include "server/keys/trust_list.h"
 
 namespace handrail {
 
 // Changes something, and is not anybody's to give.
 bool is_order(const pb::Request& request);
+
+// Why the request is not its sender's to make; or empty, and its `as` is who speaks. `speaker`: who
+// it is by a key, in the list of the trusted; null: who comes over this computer's socket and says
+// who they are.
+std::string claim_request(const Trusted* speaker, pb::Request& request);
 
 // The framing of the operator protocol (operator_server.h), without its socket. It holds what has
 // come and was not taken.

@@ -5,7 +5,9 @@
 
 #include <cmath>
 #include <filesystem>
+#include <initializer_list>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "server/base/own_places.h"
@@ -23,19 +25,18 @@ Problem check_ipv4(const char* field, const std::string& address) {
 }
 
 // Where a slave waits for the encrypted link.
-Problem check_link_address(const pb::SlaveConfig& c) {
-  if (!c.has_link_address() || c.link_address() == "any") return std::nullopt;
-  const std::string& address = c.link_address();
+// `field`: of an address to listen at.
+Problem check_own_address(const char* field, const std::string& address) {
+  if (address == "any") return std::nullopt;
   in6_addr parsed{};
   const std::string without_scope = address.substr(0, address.find('%'));
   if (::inet_pton(AF_INET, address.c_str(), &parsed) == 1 ||
       ::inet_pton(AF_INET6, without_scope.c_str(), &parsed) == 1) {
     return std::nullopt;
   }
-  return FieldProblem{"link_address",
-                      "'" + address +
-                          "': expected any, or an address of this computer, IPv4 such "
-                          "as 192.0.2.7 or IPv6 such as 2001:db8::7"};
+  return FieldProblem{field, "'" + address +
+                                 "': expected any, or an address of this computer, IPv4 such "
+                                 "as 192.0.2.7 or IPv6 such as 2001:db8::7"};
 }
 
 // The other end of a connection; port 0 would mean "any", which nobody can be reached at.
@@ -97,6 +98,12 @@ Problem check(const pb::MasterConfig& c) {
   const std::string socket_text =
       c.has_operator_socket() ? socket_path_problem(c.operator_socket()) : std::string();
   if (!socket_text.empty()) socket = FieldProblem{"operator_socket", socket_text};
+  Problem operators;
+  if (c.has_operator_address()) {
+    operators = check_own_address("operator_address", c.operator_address());
+  } else if (c.has_operator_port()) {
+    operators = FieldProblem{"operator_port", "without operator_address, expected both or neither"};
+  }
   Problem recording;
   const bool recorded = c.device().kind() == pb::DeviceConfig::RECORDED;
   if (recorded && c.device().recording().empty()) {
@@ -105,7 +112,7 @@ Problem check(const pb::MasterConfig& c) {
              c.device().kind() != pb::DeviceConfig::SIM_JOYSTICK) {
     recording = FieldProblem{"device.recording", "only used with kind: RECORDED or SIM_JOYSTICK"};
   }
-  return first({slave, check_link(c, c.has_slave(), "slave"), socket, recording,
+  return first({slave, check_link(c, c.has_slave(), "slave"), socket, operators, recording,
                 check_scene_name(c.scene())});
 }
 
@@ -141,7 +148,9 @@ Problem check(const pb::SlaveConfig& c) {
                     check_peer_port("force_sensor.port", c.force_sensor().port())});
     ends.push_back({"force_sensor.port", c.force_sensor().address(), c.force_sensor().port()});
   }
-  return first({check_link_address(c), check_link(c, c.has_link_address(), "link_address"),
+  Problem address;
+  if (c.has_link_address()) address = check_own_address("link_address", c.link_address());
+  return first({address, check_link(c, c.has_link_address(), "link_address"),
                 check_link(c, c.has_link_port(), "link_port"),
                 check_ipv4("robot.address", c.robot().address()),
                 check_peer_port("robot.port", c.robot().port()), bytes, sensor, check_payload(c),
@@ -183,26 +192,39 @@ void set_addresses(pb::RigConfig& c) {
   if (!c.has_address()) c.set_address(own_address());
 }
 
-void set_link(pb::MasterConfig& c, const std::string& link) { c.set_slave(link); }
-void set_link(pb::SlaveConfig& c, const std::string& link) { c.set_link_address(link); }
-void set_link(pb::RigConfig&, const std::string&) {}
+// What was typed in place of a field.
+struct Typed {
+  const char* option;
+  const char* field;
+  const std::string& value;  // empty: it was not
+};
+
+void set_typed(pb::MasterConfig& c, const Typed& typed) {
+  std::string_view(typed.field) == "slave" ? c.set_slave(typed.value)
+                                           : c.set_operator_address(typed.value);
+}
+void set_typed(pb::SlaveConfig& c, const Typed& typed) { c.set_link_address(typed.value); }
+void set_typed(pb::RigConfig&, const Typed&) {}
 
 template <typename Config>
-Result<Config> load(const std::string& path, const std::string& link = {}) {
+Result<Config> load(const std::string& path, std::initializer_list<Typed> typed = {}) {
   Config config;
   TextSource source;
   if (!path.empty()) {
     if (Status status = source.load(path, config); !status) return status;
   }
-  if (!link.empty()) set_link(config, link);
-  set_addresses(config);
-  if (path.empty() && link.empty()) return config;
-  if (const Problem problem = check(config)) {
-    const bool typed =
-        !link.empty() && (problem->path == "link_address" || problem->path == "slave");
-    return typed ? Status::error("--link " + problem->text) : source.error_at(*problem);
+  for (const Typed& one : typed) {
+    if (!one.value.empty()) set_typed(config, one);
   }
-  return config;
+  set_addresses(config);
+  const Problem problem = check(config);
+  if (!problem) return config;
+  for (const Typed& one : typed) {
+    if (!one.value.empty() && problem->path == one.field) {
+      return Status::error(std::string(one.option) + " " + problem->text);
+    }
+  }
+  return source.error_at(*problem);
 }
 
 }  // namespace
@@ -215,8 +237,10 @@ std::string socket_path_problem(const std::string& path, std::size_t beside) {
          (beside == 0 ? "" : "room here for ") + "at most " + std::to_string(longest);
 }
 
-Result<pb::MasterConfig> load_master_config(const std::string& path, const std::string& link) {
-  Result<pb::MasterConfig> config = load<pb::MasterConfig>(path, link);
+Result<pb::MasterConfig> load_master_config(const std::string& path, const std::string& link,
+                                            const std::string& operators) {
+  Result<pb::MasterConfig> config = load<pb::MasterConfig>(
+      path, {{"--link", "slave", link}, {"--operators", "operator_address", operators}});
   if (!config) return config;
   resolve_scene_path(path, *config);
   resolve_link_socket(path, *config);
@@ -228,7 +252,7 @@ Result<pb::MasterConfig> load_master_config(const std::string& path, const std::
 }
 
 Result<pb::SlaveConfig> load_slave_config(const std::string& path, const std::string& link) {
-  Result<pb::SlaveConfig> config = load<pb::SlaveConfig>(path, link);
+  Result<pb::SlaveConfig> config = load<pb::SlaveConfig>(path, {{"--link", "link_address", link}});
   if (!config) return config;
   resolve_scene_path(path, *config);
   resolve_link_socket(path, *config);

@@ -13,9 +13,10 @@
 
 namespace handrail {
 
-// `link`: a slave's host, or the address to listen at, in place of what the file says; empty: as it
-// says.
-Result<pb::MasterConfig> load_master_config(const std::string& path, const std::string& link = {});
+// `link`: a slave's host, or the address to listen at, and `operators`: the address to listen for
+// them, in place of what the file says; empty: as it says.
+Result<pb::MasterConfig> load_master_config(const std::string& path, const std::string& link = {},
+                                            const std::string& operators = {});
 Result<pb::SlaveConfig> load_slave_config(const std::string& path, const std::string& link = {});
 Result<pb::RigConfig> load_rig_config(const std::string& path);
 

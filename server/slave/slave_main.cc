@@ -38,7 +38,6 @@ namespace {
 constexpr int kRobotPriority = 80;
 constexpr double kMostSensorLag = 0.1;  // that the bumper can reckon with [s]
 
-const char kLinkHelp[] = "wait for the encrypted link at this address, or any";
 const char kWhat[] =
     "The robot's side: follows the master's commands on the arm, within its limits, and reports\n"
     "joints and contact forces back. SIGTERM stops the arm on its path, then exits.";
@@ -217,5 +216,9 @@ int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
 
 int main(int argc, char** argv) {
   using namespace handrail;
-  return daemon_main(argc, argv, "handrail-slave", kWhat, kLinkHelp, load_slave_config, run);
+  const DaemonOption options[] = {
+      {"--link", "wait for the encrypted link at this address, or any", &DaemonArgs::link}};
+  return daemon_main(
+      argc, argv, "handrail-slave", kWhat, options,
+      [](const DaemonArgs& args) { return load_slave_config(args.config_path, args.link); }, run);
 }

@@ -59,7 +59,7 @@ Table program_rows() {
   return {{"server/master",
            daemons + Folders{"server/haptic", "server/constraint", "server/kinematics"}},
           {"server/slave", daemons + Folders{"server/follow", "devices/melfa", "devices/net_ft"}},
-          {"client/api", kBase + Folders{"proto"}},
+          {"client/api", kBase + Folders{"proto", "server/keys", "server/link/secure"}},
           {"client/cli",
            kModel + Folders{"proto", "server/keys", "server/task", "server/scene", "client/api"}},
           {"client/console", kBase + Folders{"proto", "client/api"}}};

@@ -16,6 +16,8 @@ struct Address {
   friend bool operator==(const Address&, const Address&) = default;
 };
 
+bool is_v4(const Address& address) noexcept;
+
 // "192.0.2.7:47002" or "[2001:db8::7]:47002".
 std::string address_text(const Address& address);
 

@@ -16,11 +16,25 @@ namespace handrail {
 namespace {
 
 // The shortest record that these can make is known beforehand, see is_records().
-constexpr char kCiphers[] = "ECDHE-ECDSA-AES128-GCM-SHA256:ECDHE-ECDSA-AES256-GCM-SHA384";
+constexpr char kDtlsCiphers[] = "ECDHE-ECDSA-AES128-GCM-SHA256:ECDHE-ECDSA-AES256-GCM-SHA384";
+constexpr char kTlsCiphers[] = "TLS_AES_128_GCM_SHA256:TLS_AES_256_GCM_SHA384";
+// Ours has some 300 bytes. More than this is not kept for a stranger.
+constexpr long kLargestCertificate = 2048;
 
 int attached_index() {
   static const int index = SSL_get_ex_new_index(0, nullptr, nullptr, nullptr, nullptr);
   return index;
+}
+
+// Asio has the context's other place for its own.
+int context_index() {
+  static const int index = SSL_CTX_get_ex_new_index(0, nullptr, nullptr, nullptr, nullptr);
+  return index;
+}
+
+const DtlsContext* context_of(const SSL* ssl) {
+  return static_cast<const DtlsContext*>(
+      SSL_CTX_get_ex_data(SSL_get_SSL_CTX(ssl), context_index()));
 }
 
 DtlsContext::Attached* attached(const SSL* ssl) {
@@ -56,8 +70,8 @@ Status openssl_error(const char* what) {
 }  // namespace
 
 Result<std::unique_ptr<DtlsContext>> DtlsContext::make(const OwnKey& key, TrustList trusted,
-                                                       Side side, Role wanted) {
-  std::unique_ptr<DtlsContext> out(new DtlsContext(std::move(trusted), side, wanted));
+                                                       Side side, Roles wanted, Over over) {
+  std::unique_ptr<DtlsContext> out(new DtlsContext(std::move(trusted), side, wanted, over));
   if (const Status opened = out->open(key); !opened) return opened;
   return out;
 }
@@ -68,26 +82,41 @@ DtlsContext::~DtlsContext() {
 }
 
 Status DtlsContext::open(const OwnKey& key) {
-  context_ = SSL_CTX_new(side_ == Side::kClient ? DTLS_client_method() : DTLS_server_method());
+  const bool calls = side_ == Side::kClient;
+  if (over_ == Over::kDatagrams) {
+    context_ = SSL_CTX_new(calls ? DTLS_client_method() : DTLS_server_method());
+  } else {
+    context_ = SSL_CTX_new(calls ? TLS_client_method() : TLS_server_method());
+  }
   const Certificate certificate = certificate_of(key);
   if (context_ == nullptr || certificate == nullptr) return openssl_error("cannot begin");
-  const bool set = SSL_CTX_set_min_proto_version(context_, DTLS1_2_VERSION) == 1 &&
-                   SSL_CTX_set_max_proto_version(context_, DTLS1_2_VERSION) == 1 &&
-                   SSL_CTX_set_cipher_list(context_, kCiphers) == 1 &&
-                   SSL_CTX_set1_groups_list(context_, "P-256") == 1 &&
+  const bool set = set_protocol() && SSL_CTX_set1_groups_list(context_, "P-256") == 1 &&
                    SSL_CTX_set1_sigalgs_list(context_, "ECDSA+SHA256") == 1 &&
                    SSL_CTX_use_certificate(context_, certificate.get()) == 1 &&
                    SSL_CTX_use_PrivateKey(context_, key.get()) == 1;
   if (!set) return openssl_error("cannot be set up");
   SSL_CTX_set_options(context_, SSL_OP_NO_QUERY_MTU | SSL_OP_NO_TICKET | SSL_OP_NO_RENEGOTIATION |
                                     SSL_OP_CIPHER_SERVER_PREFERENCE);
+  SSL_CTX_set_max_cert_list(context_, kLargestCertificate);
   SSL_CTX_set_session_cache_mode(context_, SSL_SESS_CACHE_OFF);
   SSL_CTX_set_verify(context_, SSL_VERIFY_PEER | SSL_VERIFY_FAIL_IF_NO_PEER_CERT, nullptr);
   SSL_CTX_set_cert_verify_callback(context_, verify, this);
   SSL_CTX_set_cookie_generate_cb(context_, cookie_of);
   SSL_CTX_set_cookie_verify_cb(context_, is_cookie);
-  SSL_CTX_set_app_data(context_, this);
+  SSL_CTX_set_ex_data(context_, context_index(), this);
+  return over_ == Over::kDatagrams ? open_cookies() : Status::ok();
+}
 
+bool DtlsContext::set_protocol() {
+  const int version = over_ == Over::kDatagrams ? DTLS1_2_VERSION : TLS1_3_VERSION;
+  if (SSL_CTX_set_min_proto_version(context_, version) != 1) return false;
+  if (SSL_CTX_set_max_proto_version(context_, version) != 1) return false;
+  if (over_ == Over::kDatagrams) return SSL_CTX_set_cipher_list(context_, kDtlsCiphers) == 1;
+  return SSL_CTX_set_ciphersuites(context_, kTlsCiphers) == 1 &&
+         SSL_CTX_set_num_tickets(context_, 0) == 1;
+}
+
+Status DtlsContext::open_cookies() {
   std::array<std::uint8_t, 32> secret{};
   EVP_MAC* mac = EVP_MAC_fetch(nullptr, "HMAC", nullptr);
   mac_ = EVP_MAC_CTX_new(mac);
@@ -104,7 +133,7 @@ Status DtlsContext::open(const OwnKey& key) {
 
 bool DtlsContext::trusts(const PublicKey& key) const noexcept {
   const Trusted* entry = trusted_.find(key);
-  return entry != nullptr && entry->roles.has(wanted_);
+  return entry != nullptr && entry->roles.has_any(wanted_);
 }
 
 void DtlsContext::attach(SSL* ssl, Attached* what) { SSL_set_ex_data(ssl, attached_index(), what); }
@@ -137,7 +166,7 @@ int DtlsContext::verify(X509_STORE_CTX* store, void* context) {
 }
 
 int DtlsContext::cookie_of(SSL* ssl, unsigned char* cookie, unsigned int* size) {
-  const auto* self = static_cast<const DtlsContext*>(SSL_CTX_get_app_data(SSL_get_SSL_CTX(ssl)));
+  const DtlsContext* self = context_of(ssl);
   std::array<std::uint8_t, 16> out{};
   if (!self->make_cookie(attached(ssl)->address, out)) return 0;
   std::copy(out.begin(), out.end(), cookie);
@@ -146,7 +175,7 @@ int DtlsContext::cookie_of(SSL* ssl, unsigned char* cookie, unsigned int* size) 
 }
 
 int DtlsContext::is_cookie(SSL* ssl, const unsigned char* cookie, unsigned int size) {
-  const auto* self = static_cast<const DtlsContext*>(SSL_CTX_get_app_data(SSL_get_SSL_CTX(ssl)));
+  const DtlsContext* self = context_of(ssl);
   std::array<std::uint8_t, 16> expected{};
   return size == expected.size() && self->make_cookie(attached(ssl)->address, expected) &&
          CRYPTO_memcmp(cookie, expected.data(), expected.size()) == 0;

@@ -21,16 +21,18 @@ struct PeerKey {
   PublicKey key;
 };
 
-// DTLS 1.2 (RFC 6347) with AEAD ciphers only. Both sides show a certificate; of it nothing but the
-// public key is looked at, which has to be in the list with the other side's role: no names, dates
-// or authorities. Sessions are never resumed or renegotiated. Must outlive its channels.
+// DTLS 1.2 (RFC 6347) for the link's datagrams, TLS 1.3 (RFC 8446) for operators' streams, with
+// AEAD ciphers only. Both sides show a certificate; of it nothing but the public key is looked at,
+// which has to be in the list with a role that is asked for: no names, dates or authorities.
+// Sessions are never resumed or renegotiated. Must outlive its channels.
 class DtlsContext {
  public:
   enum class Side : std::uint8_t { kClient, kServer };
+  enum class Over : std::uint8_t { kDatagrams, kStream };
 
-  // `wanted`: the role that the other side's key has to have.
+  // `wanted`: the roles of which the other side's key has to have one.
   static Result<std::unique_ptr<DtlsContext>> make(const OwnKey& key, TrustList trusted, Side side,
-                                                   Role wanted);
+                                                   Roles wanted, Over over = Over::kDatagrams);
   ~DtlsContext();
   DtlsContext(const DtlsContext&) = delete;
   DtlsContext& operator=(const DtlsContext&) = delete;
@@ -40,7 +42,7 @@ class DtlsContext {
   bool trusts(const PublicKey& key) const noexcept;
   const TrustList& trusted() const noexcept { return trusted_; }
   Side side() const noexcept { return side_; }
-  Role wanted() const noexcept { return wanted_; }
+  Roles wanted() const noexcept { return wanted_; }
   SSL_CTX* get() const noexcept { return context_; }
 
   // A channel's place in an SSL: where its PeerKey and the address it speaks with are.
@@ -51,9 +53,12 @@ class DtlsContext {
   static void attach(SSL* ssl, Attached* what);
 
  private:
-  DtlsContext(TrustList trusted, Side side, Role wanted)
-      : trusted_(std::move(trusted)), side_(side), wanted_(wanted) {}
+  DtlsContext(TrustList trusted, Side side, Roles wanted, Over over)
+      : trusted_(std::move(trusted)), side_(side), wanted_(wanted), over_(over) {}
   Status open(const OwnKey& key);
+  // The protocol and what it encrypts with. False: OpenSSL has it not.
+  bool set_protocol();
+  Status open_cookies();
   // Proves that who asks can receive at the address it names: nothing is kept for who cannot.
   bool make_cookie(const Address& address, std::array<std::uint8_t, 16>& cookie) const noexcept;
 
@@ -63,7 +68,8 @@ class DtlsContext {
 
   TrustList trusted_;
   Side side_;
-  Role wanted_;
+  Roles wanted_;
+  Over over_;
   SSL_CTX* context_ = nullptr;
   EVP_MAC_CTX* mac_ = nullptr;
 };

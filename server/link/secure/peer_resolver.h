@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/address.hpp>
 #include <boost/asio/ip/udp.hpp>
 
 #include "server/base/status.h"
@@ -20,6 +21,10 @@ struct HostPort {
 };
 // The error says what was expected. `port`: where none is named.
 Result<HostPort> parse_host(const std::string& text, std::uint16_t port);
+
+// An address of this computer to listen at: "any" (all there are; `v6`: of which kind) or a number.
+// The error says what was expected.
+Result<boost::asio::ip::address> own_ip(const std::string& text, bool v6);
 
 class PeerResolver {
  public:

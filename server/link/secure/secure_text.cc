@@ -26,10 +26,10 @@ std::string untrusted_text(const PeerKey& shown, const std::string& at, const Tr
 
 }  // namespace
 
-std::string those_trusted(const TrustList& trusted, Role role) {
+std::string those_trusted(const TrustList& trusted, Roles roles) {
   std::string out;
   for (const Trusted& entry : trusted.entries()) {
-    if (!entry.roles.has(role)) continue;
+    if (!entry.roles.has_any(roles)) continue;
     if (!out.empty()) out.append(", ");
     out.append(entry.name).append(" ").append(key_id(entry.key));
   }

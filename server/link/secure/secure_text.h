@@ -14,8 +14,8 @@ struct LinkRoles {
   Role other;
 };
 
-// "cell 3f2a-91bc-07de-55a1, north ...": those with the role; "nobody".
-std::string those_trusted(const TrustList& trusted, Role role);
+// "cell 3f2a-91bc-07de-55a1, north ...": those with one of the roles; "nobody".
+std::string those_trusted(const TrustList& trusted, Roles roles);
 
 // "cell, key 3f2a-91bc-07de-55a1, at 192.0.2.7:47002".
 std::string session_text(const TrustList& trusted, const PublicKey& key, const Address& at);

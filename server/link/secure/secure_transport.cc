@@ -73,10 +73,10 @@ class SecureTransport : public ServedTransport {
     say_trusted();
   }
   void say_trusted() {
-    const Role other = context_->wanted();
+    const Roles other = context_->wanted();
     const std::string those = those_trusted(options_.trusted, other);
     const bool nobody = those == "nobody";
-    say(nobody, std::string("keys: trusted as ") + role_text(other) + ": " + those +
+    say(nobody, "keys: trusted as " + roles_text(other) + ": " + those +
                     (nobody ? "; `handrail keys show` there prints the line to type here" : ""));
   }
   // A session has begun, with another key or at another address, or ended.
@@ -205,10 +205,10 @@ Result<std::shared_ptr<DtlsContext>> context_of(const SecureLinkOptions& options
 
 }  // namespace
 
-Result<SecureLinkOptions> secure_options(const KeyFolder& folder) {
+Result<SecureLinkOptions> secure_options(const KeyFolder& folder, const std::string& what) {
   const std::string stamp = folder.stamp();
   auto own = folder.load();
-  if (!own) return Status::error("the encrypted link needs a key: " + own.message());
+  if (!own) return Status::error(what + " needs a key: " + own.message());
   auto trusted = folder.trusted();
   if (!trusted) return trusted.status();
   return SecureLinkOptions{*own, *trusted,

@@ -21,8 +21,9 @@ struct SecureLinkOptions {
   TrustNews trust_news;
 };
 
-// Key and list of a folder, and news of the list. The error says what to do.
-Result<SecureLinkOptions> secure_options(const KeyFolder& folder);
+// Key and list of a folder, and news of the list. The error says what needs a key and what to do.
+Result<SecureLinkOptions> secure_options(const KeyFolder& folder,
+                                         const std::string& what = "the encrypted link");
 
 // A slave's: listens at `address` (see UdpSocket::open) and `port`.
 Result<TransportMaker> listening_link(SecureLinkOptions options, std::string address,

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/link/secure/peer_resolver.h"
+
 namespace handrail {
 namespace {
 
@@ -13,18 +15,6 @@ namespace asio = boost::asio;
 namespace ip = boost::asio::ip;
 using boost::system::error_code;
 using Endpoint = ip::udp::endpoint;
-
-Result<Endpoint> own_endpoint(const std::string& text, std::uint16_t port, bool v6) {
-  if (text == "any") {
-    return v6 ? Endpoint(ip::address_v6::any(), port) : Endpoint(ip::address_v4::any(), port);
-  }
-  error_code error;
-  const ip::address address = ip::make_address(text, error);
-  if (!error) return Endpoint(address, port);
-  return Status::error("link address '" + text +
-                       "': expected any, or an address of this computer, IPv4 such as 192.0.2.7 or "
-                       "IPv6 such as 2001:db8::7");
-}
 
 Status bind_error(const std::string& address, std::uint16_t port, const error_code& error) {
   const std::string place = "link port " + std::to_string(port) + " on " + address;
@@ -61,15 +51,16 @@ Status UdpSocket::open(const std::string& address, std::uint16_t port) {
   close();
   error_code error;
   for (const bool v6 : {true, false}) {
-    const auto own = own_endpoint(address, port, v6);
-    if (!own) return own.status();
-    v6_ = own->address().is_v6();
-    socket_.open(own->protocol(), error);
+    const auto ip = own_ip(address, v6);
+    if (!ip) return Status::error("link address " + ip.message());
+    const Endpoint own(*ip, port);
+    v6_ = own.address().is_v6();
+    socket_.open(own.protocol(), error);
     // A kernel without IPv6 has IPv4.
     if (error && v6 && address == "any") continue;
     if (!error && v6_) socket_.set_option(ip::v6_only(address != "any"), error);
     if (!error) socket_.non_blocking(true, error);
-    if (!error) socket_.bind(*own, error);
+    if (!error) socket_.bind(own, error);
     break;
   }
   const Endpoint bound = error ? Endpoint() : socket_.local_endpoint(error);

@@ -1,0 +1,66 @@
+// Bytes to a master and back, waited for.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+// Boost 1.74 uses std::exchange without including it.
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/io_context.hpp>
+
+#include "client/api/master_place.h"
+#include "server/base/status.h"
+#include "server/base/time.h"
+
+namespace handrail {
+
+// One connection, each of whose calls ends by its deadline [monotonic], or soon after `cancelled`
+// says so. An error names the master's place and the cause. After one it is of no more use. Not
+// thread-safe.
+class MasterStream {
+ public:
+  using Cancelled = bool (*)();
+  using Done = std::function<void(boost::system::error_code, std::size_t)>;
+
+  virtual ~MasterStream() = default;
+  virtual Status connect(Nanos deadline) = 0;
+  Status write(const std::string& bytes, Nanos deadline);
+  Status read(boost::asio::mutable_buffer to, Nanos deadline);  // all of it
+
+  Status failure(const std::string& what) const { return Status::error(place_ + ": " + what); }
+
+ protected:
+  // `place`: as name_of() says. `cancelled` null: never.
+  MasterStream(std::string place, Cancelled cancelled)
+      : place_(std::move(place)), cancelled_(cancelled) {}
+
+  bool is_cancelled() const { return cancelled_ != nullptr && cancelled_(); }
+  // Runs the connection until what `start` begins has ended, which tells the function it is given.
+  // Neither in time nor cancelled: what it ended with is `ended`, and the result is good.
+  Status await(Nanos deadline, const std::function<void(Done)>& start,
+               boost::system::error_code& ended);
+
+  virtual void begin_write(boost::asio::const_buffer bytes, Done done) = 0;
+  virtual void begin_read(boost::asio::mutable_buffer to, Done done) = 0;
+  virtual void close() noexcept = 0;  // ends what was begun
+  // What a person is told of an error of the connection.
+  virtual std::string text_of(const boost::system::error_code& error) const;
+
+  boost::asio::io_context io_;
+  const std::string place_;
+
+ private:
+  Status settled(Nanos deadline, const std::function<void(Done)>& start);
+
+  Cancelled cancelled_;
+};
+
+// Not connected. Throws boost::system::system_error where no descriptors are left.
+std::unique_ptr<MasterStream> make_socket_stream(const MasterPlace& place,
+                                                 MasterStream::Cancelled cancelled);
+std::unique_ptr<MasterStream> make_tls_stream(const MasterPlace& place,
+                                              MasterStream::Cancelled cancelled);
+
+}  // namespace handrail
