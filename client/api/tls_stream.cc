@@ -178,6 +178,7 @@ std::string TlsStream::text_of(const error_code& error) const {
   if (attached_.peer.shown && !attached_.peer.trusted) {
     return problem_of(DtlsChannel::Problem::kUntrusted);
   }
+  if (error == ssl::error::stream_truncated) return "it closed the connection";
   if (error.category() != boost::asio::error::get_ssl_category()) {
     return MasterStream::text_of(error);
   }

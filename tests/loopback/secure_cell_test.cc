@@ -43,11 +43,11 @@ class SecureCell : public WholeCell {
                         "127.0.0.1");
     link_port = slave->number_after("READY link=127.0.0.1:");
   }
-  void launch_secure_master() {
+  void launch_secure_master(const std::string& more = {}) {
     // A hand without tremor and drift, so that it comes to rest.
     master =
         launch_with(master_keys, "handrail-master",
-                    "operator_socket: '" + socket() +
+                    more + "operator_socket: '" + socket() +
                         "' device { hand { tremor_rms_mm: 0 drift_rms_mm: 0 drift_rms_deg: 0 } }",
                     "localhost:" + std::to_string(link_port));
     (void)master->after("READY link=any:");
@@ -134,6 +134,34 @@ TEST_F(SecureCell, ANameThatResolvesToNothingIsSaid) {
   EXPECT_NE(master->after("'no-such-host.invalid' has no address: "), "");
   const std::string why = refusal("engage: true");
   EXPECT_NE(why.find("has no address"), std::string::npos) << why;
+}
+
+TEST_F(SecureCell, AnOperatorElsewhereDrivesWithAKeyAndLosesTheArmWithIt) {
+  const std::string anna_keys = folder.path() + "/anna-keys";
+  KeyFolder anna(anna_keys);
+  TrustList of_master = *at_master.trusted(), of_anna;
+  ASSERT_TRUE(of_master.add(anna.create("anna", Role::kOperator)->entry()));
+  ASSERT_TRUE(of_anna.add(at_master.load()->entry()));
+  ASSERT_TRUE(at_master.save(of_master, "a test") && anna.save(of_anna, "a test"));
+  master->send(SIGTERM);
+  (void)master->finish();
+  launch_secure_master("operator_address: '127.0.0.1' operator_port: 0 ");
+  const int port = master->number_after("operators=127.0.0.1:");
+  ASSERT_TRUE(connected());
+  ::setenv("HANDRAIL_KEYS", anna_keys.c_str(), 1);
+  const std::vector<std::string> engage = {"engage", "--hold", "--master",
+                                           "localhost:" + std::to_string(port)};
+  Program first(folder, "handrail", engage);
+  ASSERT_TRUE(slave_reaches("engaged"));
+  EXPECT_EQ(status().lease().holder(), "anna@" + key_id(anna.load()->key.public_key()));
+  first.kill();
+  EXPECT_TRUE(slave_reaches("off")) << "nobody is there any more";
+
+  Program second(folder, "handrail", engage);
+  ASSERT_TRUE(slave_reaches("engaged"));
+  ASSERT_TRUE(of_master.remove("anna") && at_master.save(of_master, "a test"));
+  EXPECT_TRUE(slave_reaches("off")) << "the key is not let in any more";
+  EXPECT_NE(second.finish(), 0);
 }
 
 }  // namespace

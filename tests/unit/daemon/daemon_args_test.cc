@@ -48,6 +48,22 @@ TEST(DaemonArgs, RefusesASecondConfig) {
   EXPECT_NE(args.message().find("twice"), std::string::npos);
 }
 
+TEST(DaemonArgs, ReadsWhatADaemonHasBesideTheUsual) {
+  const DaemonOption options[] = {{"--link", "", &DaemonArgs::link},
+                                  {"--operators", "", &DaemonArgs::operators}};
+  const char* const given[] = {"handrail-master", "--operators", "any", "--link=cell"};
+  const auto args = parse_daemon_args(4, given, options);
+  ASSERT_TRUE(args) << args.message();
+  EXPECT_EQ(args->operators, "any");
+  EXPECT_EQ(args->link, "cell");
+  EXPECT_EQ(
+      parse({"--operators", "any"}).message(),
+      "argument '--operators': unknown, expected --config FILE, --check, --help or --version");
+  const char* const without[] = {"handrail-master", "--operators"};
+  EXPECT_EQ(parse_daemon_args(2, without, options).message(),
+            "argument '--operators': expected an address or a host after it");
+}
+
 TEST(DaemonArgs, HelpNamesProgramPurposeAndOptions) {
   const std::string help = daemon_help("handrail-rig", "Simulates an arm.");
   for (const char* part : {"handrail-rig", "Simulates an arm.", "--config", "--check", "--help"}) {

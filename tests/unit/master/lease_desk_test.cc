@@ -83,13 +83,6 @@ TEST_F(LeaseDeskTest, WhoDoesNotSayIsTheUserOfTheMaster) {
   EXPECT_EQ((*ask("lease { act: SHOW }"))->lease().holder(), "operator");
 }
 
-TEST_F(LeaseDeskTest, NamesThatAreNoneAreRefused) {
-  tick();
-  EXPECT_EQ(refusal("as: 'a b' engage: true"),
-            "refused: 'a b' is no name: expected 1 to 32 letters, digits, '.', '_', '-'");
-  EXPECT_THAT(refusal("as: '' lease { act: TAKE }"), HasSubstr("'' is no name"));
-}
-
 TEST_F(LeaseDeskTest, WhoAsksIsAnsweredOnceTheHolderGrantsAndTheArmHolds) {
   anna_engages();
   const Answer asked = ask("as: 'ben' lease { act: TAKE }");

@@ -234,6 +234,20 @@ TEST(Config, WhereASlaveWaitsIsAnyOrAnAddress) {
               ::testing::HasSubstr("c.conf:1:1: field 'link_address': 'robot'"));
 }
 
+TEST(Config, OperatorsElsewhereAreWaitedForWhereItIsSaid) {
+  EXPECT_FALSE(load_master_config("")->has_operator_address());
+  EXPECT_EQ(load_master_config("", "", "any")->operator_address(), "any");
+  EXPECT_EQ(load_master_config("")->operator_port(), 47003u);
+  EXPECT_EQ(master_error("operator_address: '192.0.2.7' operator_port: 5"), "");
+  EXPECT_THAT(load_master_config("", "", "desk").message(),
+              ::testing::HasSubstr("--operators 'desk': expected any"));
+  EXPECT_THAT(master_error("operator_address: 'desk'"),
+              ::testing::HasSubstr("c.conf:1:1: field 'operator_address': 'desk': expected any"));
+  EXPECT_EQ(
+      master_error("operator_port: 5"),
+      "c.conf:1:1: field 'operator_port': without operator_address, expected both or neither");
+}
+
 TEST(Config, WhatIsTypedAfterLinkIsTakenInPlaceOfTheFiles) {
   const TempFolder folder;
   const std::string file = folder.write("m.conf", "slave: 'north'");

@@ -1,0 +1,294 @@
+// Operators on other computers against a served port: who is let in, as whom, and what strangers
+// do.
+#include <gmock/gmock.h>
+#include <openssl/ssl.h>
+
+#include <cstdlib>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/write.hpp>
+
+#include "client/api/operator_client.h"
+#include "server/base/clock.h"
+#include "server/base/pacer.h"
+#include "server/master/remote_operator_server.h"
+#include "tests/loopback/operator_bench.h"
+
+namespace handrail {
+namespace {
+
+using boost::asio::ip::tcp;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr Nanos kCallPatience = 10 * kSecond;
+
+pb::Request plain_request(void (pb::Request::*set)(bool)) {
+  pb::Request request;
+  (request.*set)(true);
+  return request;
+}
+
+class RemoteOperators : public testing::Test {
+ protected:
+  RemoteOperators() {
+    EXPECT_TRUE(desk_.create("desk", Role::kMaster));
+    for (const auto& [name, roles] : {std::pair<const char*, Roles>{"anna", Role::kOperator},
+                                      {"ben", Role::kObserver},
+                                      {"cell", Role::kSlave},
+                                      {"other", Role::kMaster},
+                                      {"eve", Role::kOperator}}) {
+      const auto own = folder_of(name).create(name, roles);
+      EXPECT_TRUE(own);
+      EXPECT_TRUE(own->name == "eve" || trusted_.add(own->entry()));
+      TrustList desks;
+      EXPECT_TRUE(desks.add(desk_.load()->entry()));
+      EXPECT_TRUE(folder_of(name).save(desks, "a test"));
+    }
+    const auto news = [this](Nanos) -> std::optional<Result<TrustList>> {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      if (!news_) return std::nullopt;
+      return Result<TrustList>(*std::exchange(news_, std::nullopt));
+    };
+    EXPECT_TRUE(operators_.start(temp_.path() + "/operator.sock"));
+    EXPECT_TRUE(remote_.open({{*desk_.load(), trusted_, news}, "127.0.0.1", 0}));
+    remote_.on_say([this](bool, const std::string& line) {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      said_ += line + "\n";
+    });
+    const std::string place = remote_.place();
+    port_ = static_cast<std::uint16_t>(std::stoi(place.substr(place.rfind(':') + 1)));
+    tick();
+    thread_ = std::thread([this] { io_.run(); });
+  }
+  ~RemoteOperators() override {
+    std::promise<void> ended;
+    boost::asio::post(io_, [&] {
+      timer_.cancel();
+      ended_ = true;
+      remote_.close();
+      operators_.stop();
+      ended.set_value();
+    });
+    ended.get_future().wait();
+    thread_.join();
+    ::unsetenv("HANDRAIL_KEYS");
+  }
+
+  KeyFolder folder_of(const std::string& name) { return KeyFolder(temp_.path() + "/" + name); }
+  std::string place() const { return "127.0.0.1:" + std::to_string(port_); }
+  std::unique_ptr<OperatorClient> client(const std::string& name, const std::string& as = {}) {
+    ::setenv("HANDRAIL_KEYS", (temp_.path() + "/" + name).c_str(), 1);
+    MasterPlace master;
+    master.host = place();
+    return std::make_unique<OperatorClient>(master, as);
+  }
+  // What came of an order in a few words.
+  static std::string outcome(const Result<pb::Reply>& reply) {
+    if (!reply) return "none: " + reply.message();
+    return (reply->done() ? "done: " : "refused: ") + reply->reason();
+  }
+  std::string said_of(const std::string& name, void (pb::Request::*set)(bool),
+                      const std::string& as = {}) {
+    return outcome(client(name, as)->call(plain_request(set), kCallPatience));
+  }
+  std::string id_of(const std::string& name) {
+    return key_id(folder_of(name).load()->key.public_key());
+  }
+  void trust(const TrustList& list) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    news_ = list;
+  }
+  std::string said() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return said_;
+  }
+  std::size_t sessions() {
+    std::promise<std::size_t> number;
+    boost::asio::post(io_, [&] { number.set_value(remote_.sessions()); });
+    return number.get_future().get();
+  }
+  // A stranger's connection, from one of this computer's addresses.
+  tcp::socket stranger(const char* from = "127.0.0.1") {
+    tcp::socket out(strangers_);
+    out.open(tcp::v4());
+    out.bind({boost::asio::ip::make_address(from), 0});
+    out.connect({boost::asio::ip::make_address("127.0.0.1"), port_});
+    return out;
+  }
+  // A ClientHello as anybody can make one.
+  static std::string hello() {
+    const std::unique_ptr<SSL_CTX, decltype(&SSL_CTX_free)> context(
+        SSL_CTX_new(TLS_client_method()), SSL_CTX_free);
+    const std::unique_ptr<SSL, decltype(&SSL_free)> ssl(SSL_new(context.get()), SSL_free);
+    BIO* const out = BIO_new(BIO_s_mem());
+    SSL_set_bio(ssl.get(), BIO_new(BIO_s_mem()), out);
+    SSL_set_connect_state(ssl.get());
+    (void)SSL_do_handshake(ssl.get());
+    std::string bytes(8192, '\0');
+    bytes.resize(static_cast<std::size_t>(BIO_read(out, bytes.data(), 8192)));
+    return bytes;
+  }
+
+  const TempFolder temp_;
+  KeyFolder desk_{temp_.path() + "/desk"};
+  TrustList trusted_;
+  boost::asio::io_context io_, strangers_;
+  ScriptedMaster master_;
+  OperatorServer operators_{io_, master_};
+  RemoteOperatorServer remote_{io_, operators_};
+  std::uint16_t port_ = 0;
+  boost::asio::steady_timer timer_{io_};
+  bool ended_ = false;
+  std::mutex mutex_;
+  std::optional<TrustList> news_;
+  std::string said_;
+  std::thread thread_;
+
+ private:
+  void tick() {
+    timer_.expires_after(std::chrono::milliseconds(1));
+    timer_.async_wait([this](boost::system::error_code) {
+      if (ended_) return;
+      remote_.tick(monotonic_now());
+      tick();
+    });
+  }
+};
+
+TEST_F(RemoteOperators, AnOperatorsKeyOrdersInTheNameThatItProves) {
+  const std::string answer = said_of("anna", &pb::Request::set_disengage);
+  EXPECT_THAT(answer, HasSubstr("as: \"anna@" + id_of("anna") + "\""));
+  EXPECT_EQ(said_of("anna", &pb::Request::set_reset), "refused: nothing to reset");
+}
+
+TEST_F(RemoteOperators, OneConnectionCarriesManyOrdersAndTheLongestAnswer) {
+  const auto anna = client("anna");
+  pb::Request longest;
+  longest.set_scene_load(std::string(60'000, 'x'));
+  for (int i = 0; i < 20; ++i) {
+    const auto reply = anna->call(longest, kCallPatience);
+    ASSERT_TRUE(reply) << reply.message();
+    EXPECT_GT(reply->reason().size(), 60'000u);
+  }
+  EXPECT_EQ(sessions(), 1u);
+}
+
+TEST_F(RemoteOperators, AnObserverLooksAndOrdersNothing) {
+  EXPECT_EQ(said_of("ben", &pb::Request::set_status), "done: ");
+  const int before = master_.requests;
+  for (const auto order : {&pb::Request::set_engage, &pb::Request::set_stop,
+                           &pb::Request::set_reset, &pb::Request::set_hold_alive}) {
+    EXPECT_THAT(said_of("ben", order), HasSubstr("trusted as observer, not as operator"));
+  }
+  EXPECT_EQ(master_.requests, before);
+}
+
+TEST_F(RemoteOperators, NobodyElseIsLetInAndEachIsToldWhatToType) {
+  for (const char* name : {"cell", "other", "eve"}) {
+    const std::string answer = said_of(name, &pb::Request::set_stop);
+    EXPECT_THAT(answer, HasSubstr("does not trust our key " + id_of(name) + " as operator"))
+        << name;
+    EXPECT_THAT(answer, HasSubstr("handrail keys trust " + std::string(name) + " operator p256:"));
+  }
+  EXPECT_THAT(said_of("nobody", &pb::Request::set_stop),
+              HasSubstr("`handrail keys new` makes one"));
+  EXPECT_EQ(master_.requests, 0);
+  EXPECT_THAT(said(), HasSubstr("refused: "));
+}
+
+TEST_F(RemoteOperators, AMasterWhoseKeyIsNotTrustedHearsNoOrder) {
+  ASSERT_TRUE(folder_of("anna").save(TrustList(), "a test"));
+  EXPECT_THAT(said_of("anna", &pb::Request::set_stop),
+              HasSubstr("shows key " + id_of("desk") + ", which is not trusted here (as master"));
+  EXPECT_EQ(master_.requests, 0);
+}
+
+TEST_F(RemoteOperators, AKeyThatIsRemovedOrTrustedWithLessLosesItsConnection) {
+  const auto status = plain_request(&pb::Request::set_status);
+  const auto ben = client("ben");  // a key is read when the first order is given
+  ASSERT_TRUE(ben->call(status, kCallPatience));
+  const auto anna = client("anna");
+  ASSERT_TRUE(anna->call(status, kCallPatience));
+  TrustList less = trusted_;
+  ASSERT_TRUE(less.remove("anna"));
+  trust(less);
+  while (sessions() != 1) sleep_until(monotonic_now() + kMillisecond);
+  EXPECT_THAT(outcome(anna->call(status, kCallPatience)), HasSubstr("closed the connection"));
+  EXPECT_THAT(outcome(anna->call(status, kCallPatience)), HasSubstr("does not trust our key"));
+  EXPECT_EQ(outcome(ben->call(status, kCallPatience)), "done: ");
+  ASSERT_TRUE(less.add({"anna", Role::kObserver, folder_of("anna").load()->key.public_key()}));
+  trust(less);
+  std::string answer;
+  while (answer.find("trusted as observer") == std::string::npos && !HasFailure()) {
+    answer = said_of("anna", &pb::Request::set_stop);
+    EXPECT_THAT(answer, Not(HasSubstr("done")));
+  }
+}
+
+TEST_F(RemoteOperators, NobodySpeaksInAnothersName) {
+  EXPECT_THAT(said_of("anna", &pb::Request::set_stop, "ben"), HasSubstr("leave out --as ben"));
+  EXPECT_EQ(master_.requests, 0);
+}
+
+TEST_F(RemoteOperators, SilenceAndGarbageKeepNobodyWaiting) {
+  std::vector<tcp::socket> crowd;
+  for (int i = 0; i < 300; ++i) {
+    crowd.push_back(stranger());
+    const std::string garbage(static_cast<std::size_t>(i), static_cast<char>(i));
+    boost::system::error_code gone;
+    if (i % 2 == 0) boost::asio::write(crowd.back(), boost::asio::buffer(garbage), gone);
+  }
+  const Nanos before = monotonic_now();
+  EXPECT_EQ(said_of("anna", &pb::Request::set_status), "done: ");
+  // A place is free at once; one that came to an end by itself would have taken two seconds.
+  EXPECT_LT(monotonic_now() - before, RemoteOperatorServer::kPatience);
+}
+
+TEST_F(RemoteOperators, HellosFromOneNetworkTakeNoTurnOfAnother) {
+  const std::string bytes = hello();
+  ASSERT_GT(bytes.size(), 100u);
+  std::vector<tcp::socket> crowd;
+  // Far more than a second's, and the second goes on while they wait.
+  for (int i = 0; i < 5 * RemoteOperatorServer::kHandshakesPerSecond; ++i) {
+    crowd.push_back(stranger("127.0.0.2"));
+    boost::system::error_code gone;
+    boost::asio::write(crowd.back(), boost::asio::buffer(bytes), gone);
+  }
+  EXPECT_EQ(said_of("anna", &pb::Request::set_status), "done: ");
+}
+
+TEST_F(RemoteOperators, AHandshakeThatIsNotGoneOnWithEnds) {
+  tcp::socket slow = stranger();
+  boost::asio::write(slow, boost::asio::buffer(hello()));
+  std::string answer;
+  boost::system::error_code ended;
+  const Nanos before = monotonic_now();
+  boost::asio::read(slow, boost::asio::dynamic_buffer(answer), ended);
+  EXPECT_EQ(ended, boost::asio::error::eof);
+  EXPECT_GE(monotonic_now() - before, RemoteOperatorServer::kPatience / 2);
+  EXPECT_EQ(sessions(), 0u);
+}
+
+TEST_F(RemoteOperators, ObserversMakeRoomForOperators) {
+  const auto status = plain_request(&pb::Request::set_status);
+  const auto ben = client("ben");
+  ASSERT_TRUE(ben->call(status, kCallPatience));
+  std::vector<std::unique_ptr<OperatorClient>> desks;
+  for (std::size_t i = 0; i < RemoteOperatorServer::kMostSessions; ++i) {
+    desks.push_back(client("anna"));
+    ASSERT_TRUE(desks.back()->call(status, kCallPatience)) << i;
+  }
+  EXPECT_EQ(sessions(), RemoteOperatorServer::kMostSessions);
+  EXPECT_THAT(outcome(ben->call(status, kCallPatience)), HasSubstr("closed the connection"));
+  for (const auto& anna : desks) EXPECT_EQ(outcome(anna->call(status, kCallPatience)), "done: ");
+}
+
+}  // namespace
+}  // namespace handrail
