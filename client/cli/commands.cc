@@ -5,6 +5,7 @@
 #include "client/cli/hand_command.h"
 #include "client/cli/keys_command.h"
 #include "client/cli/lease_command.h"
+#include "client/cli/pair_command.h"
 #include "client/cli/scene_command.h"
 #include "client/cli/status_command.h"
 #include "client/cli/tool_command.h"
@@ -117,6 +118,10 @@ constexpr Command kCommands[] = {
      "Let another computer's key in, as `keys show` prints it there",
      run_keys_trust,
      {.word = "NAME", .entry = true}},
+    {"keys pair",
+     "Trust each other: one side shows a code, the other is told it (--with)",
+     run_keys_pair,
+     {.word = "ROLE", .pair = true}},
     {"keys list", "Whose keys are let in, and as what", run_keys_list, {.json = true}},
     {"keys remove", "Let a key in no longer; its session ends", run_keys_remove, {.word = "NAME"}},
     {"hand to", "Move the simulated hand", run_hand_to, {.hand = true}},

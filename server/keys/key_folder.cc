@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <pwd.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -17,15 +18,20 @@
 #include <iomanip>
 #include <sstream>
 #include <string_view>
+#include <utility>
 
 #include "server/base/folder_owner.h"
 #include "server/base/operator_name.h"
+#include "server/base/plain_text.h"
 #include "server/base/read_file.h"
 
 namespace handrail {
 namespace {
 
-constexpr std::size_t kMostBytes = 64 * 1024;  // 256 entries of at most 120 bytes, twice
+constexpr std::size_t kMostBytes = 64 * 1024;  // 256 entries of at most 120 bytes, and comments
+
+constexpr char kHeader[] =
+    "# Whom the programs of this user let in: NAME ROLES KEY. Written by `handrail keys`.\n";
 
 Status failure(const std::string& path, const std::string& what) {
   return Status::error(path + ": " + what);
@@ -92,6 +98,29 @@ Status write_whole(const std::string& path, std::string_view text, bool fresh) {
   return cause == 0 ? Status::ok() : failure(path, "cannot be written", cause);
 }
 
+// While it lives no other program of this user changes the folder. Made if need be.
+class Lock {
+ public:
+  static Result<Lock> take(const std::string& folder) {
+    if (Status made = make_folder(folder); !made) return made;
+    Lock out(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    while (out.fd_ >= 0 && ::flock(out.fd_, LOCK_EX) != 0) {
+      if (errno != EINTR) return failure(folder, "cannot be locked", errno);
+    }
+    if (out.fd_ < 0) return failure(folder, "cannot be opened", errno);
+    return out;
+  }
+  explicit Lock(int fd) : fd_(fd) {}
+  Lock(Lock&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  Lock& operator=(Lock&&) = delete;
+  ~Lock() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+
+ private:
+  int fd_;
+};
+
 std::string home() {
   const char* home = std::getenv("HOME");
   if (home != nullptr && *home != '\0') return home;
@@ -144,8 +173,7 @@ Result<OwnEntry> KeyFolder::load() const {
   std::string word, name, roles;
   header >> word >> name >> roles;
   if (word != "handrail" || !is_operator_name(name) || parse_roles(roles).empty()) {
-    return failure(key_path(), "the first line is '" +
-                                   text->substr(0, std::min(text->find('\n'), std::size_t{60})) +
+    return failure(key_path(), "the first line is '" + shown(text->substr(0, text->find('\n'))) +
                                    "': expected handrail NAME ROLES");
   }
   return OwnEntry{*key, name, parse_roles(roles)};
@@ -169,13 +197,61 @@ Result<TrustList> KeyFolder::trusted() const {
 
 Status KeyFolder::save(const TrustList& list, const std::string& what) const {
   if (Status made = make_folder(path_); !made) return made;
-  Status written = write_whole(
-      trusted_path(),
-      "# Whom the programs of this user let in: NAME ROLES KEY. Written by `handrail keys`.\n" +
-          list.text(),
-      false);
+  const std::string lines = list.text();
+  const std::string text = lines.starts_with('#') ? lines : kHeader + lines;
+  if (text.size() > kMostBytes) {
+    return failure(trusted_path(), "would have " + std::to_string(text.size()) +
+                                       " bytes, expected " + std::to_string(kMostBytes) +
+                                       " at most: are all of its comments needed?");
+  }
+  Status written = write_whole(trusted_path(), text, false);
   if (written) remember(what);
   return written;
+}
+
+Status KeyFolder::may_trust(const Trusted& entry) const {
+  const auto own = load();
+  if (own && own->key.public_key() == entry.key) {
+    return Status::error("that is this computer's own key: it is for the other one to trust");
+  }
+  auto list = trusted();
+  return list ? list->add(entry) : list.status();
+}
+
+Result<std::string> KeyFolder::trust(const Trusted& entry, const std::string& how) const {
+  const auto act = [&](TrustList& list) -> Result<std::string> {
+    if (const Status fits = may_trust(entry); !fits) return fits;
+    if (const Status added = list.add(entry); !added) return added;
+    return "trusted " + entry.name + " as " + roles_text(entry.roles) + ", key " +
+           key_id(entry.key);
+  };
+  return change(act, how);
+}
+
+Result<std::string> KeyFolder::distrust(const std::string& name) const {
+  const auto act = [&](TrustList& list) -> Result<std::string> {
+    const Trusted* entry = list.find(name);
+    if (entry == nullptr) {
+      return Status::error("there is no '" + shown(name) + "' in " + trusted_path() +
+                           "; `handrail keys list` shows who is");
+    }
+    std::string what = "removed " + entry->name + ", key " + key_id(entry->key);
+    list.remove(name);
+    return what;
+  };
+  return change(act, "");
+}
+
+Result<std::string> KeyFolder::change(const std::function<Result<std::string>(TrustList&)>& act,
+                                      const std::string& how) const {
+  const auto locked = Lock::take(path_);
+  if (!locked) return locked.status();
+  auto list = trusted();
+  if (!list) return list.status();
+  auto what = act(*list);
+  if (!what) return what;
+  if (const Status saved = save(*list, *what + how); !saved) return saved;
+  return what;
 }
 
 void KeyFolder::remember(const std::string& what) const {

@@ -1,6 +1,7 @@
 // Where a user's key and the list of those who are trusted live.
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "server/base/status.h"
@@ -43,10 +44,21 @@ class KeyFolder {
   Result<TrustList> trusted() const;
   // In one piece or not at all. `what` goes to the history, with the time and who did it.
   Status save(const TrustList& list, const std::string& what) const;
+  // Why `entry` cannot be taken into the list as it is now: our own key, a name or a key that is
+  // there with another of the two, a list that cannot be read. Changes nothing.
+  Status may_trust(const Trusted& entry) const;
+  // Takes `entry` into the list. `how` ends the history's line. Returns what was done, without it.
+  Result<std::string> trust(const Trusted& entry, const std::string& how = "") const;
+  // Takes `name` off the list. Returns what was done.
+  Result<std::string> distrust(const std::string& name) const;
   // A key's or a list's change shows here, without reading them: other when one has changed.
   std::string stamp() const;
 
  private:
+  // Reads the list, lets `act` change it and say what it did, and writes it, while no other program
+  // does the same.
+  Result<std::string> change(const std::function<Result<std::string>(TrustList&)>& act,
+                             const std::string& how) const;
   // The newest lines of the history are at its end.
   void remember(const std::string& what) const;
 

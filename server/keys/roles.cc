@@ -19,6 +19,14 @@ std::optional<Role> parse_role(std::string_view text) noexcept {
   return std::nullopt;
 }
 
+bool meet(Roles a, Roles b) noexcept {
+  const auto led_by = [](Roles one, Roles other) {
+    return (one.has(Role::kSlave) && other.has(Role::kMaster)) ||
+           (one.has(Role::kMaster) && (other.has(Role::kOperator) || other.has(Role::kObserver)));
+  };
+  return led_by(a, b) || led_by(b, a);
+}
+
 std::string roles_text(Roles roles) {
   std::string out;
   for (std::size_t i = 0; i < kNames.size(); ++i) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/base/operator_name.h"
+#include "server/base/plain_text.h"
 
 namespace handrail {
 namespace {
@@ -28,7 +29,9 @@ std::array<std::string_view, 4> words_of(std::string_view line) {
   return out;
 }
 
-Result<Trusted> entry_of(std::string_view line) {
+}  // namespace
+
+Result<Trusted> parse_entry(std::string_view line) {
   const auto words = words_of(line);
   if (words[2].empty() || !words[3].empty()) return Status::error(kExpected);
   if (const std::string problem = operator_name_problem(words[0]); !problem.empty()) {
@@ -36,38 +39,49 @@ Result<Trusted> entry_of(std::string_view line) {
   }
   const Roles roles = parse_roles(words[1]);
   if (roles.empty()) {
-    return Status::error("roles '" + std::string(words[1].substr(0, 64)) + "': " + kExpected);
+    return Status::error("roles '" + shown(words[1]) + "': " + kExpected);
   }
   const auto key = parse_key(words[2]);
   if (!key) return key.status();
   return Trusted{std::string(words[0]), roles, *key};
 }
 
-}  // namespace
+std::string line_text(const Trusted& entry) {
+  return entry.name + " " + roles_text(entry.roles) + " " + key_text(entry.key);
+}
 
 Result<TrustList> TrustList::parse(std::string_view text, const std::string& place) {
   TrustList out;
   for (int number = 1; !text.empty(); ++number) {
     const std::size_t end = std::min(text.find('\n'), text.size());
-    std::string_view line = text.substr(0, end);
+    const std::string_view whole = text.substr(0, end);
     text.remove_prefix(std::min(end + 1, text.size()));
-    line = line.substr(0, line.find('#'));
-    if (line.find_first_not_of(" \t\r") == std::string_view::npos) continue;
-    const auto entry = entry_of(line);
+    const std::string_view line = whole.substr(0, whole.find('#'));
+    if (line.find_first_not_of(" \t\r") == std::string_view::npos) {
+      out.lines_.push_back({std::string(whole)});
+      continue;
+    }
+    const auto entry = parse_entry(line);
+    const std::size_t before = out.entries_.size();
     const Status added = entry ? out.add(*entry) : entry.status();
     if (!added) {
       return Status::error(place + ":" + std::to_string(number) + ": " + added.message());
     }
+    // An entry again, with other roles, has changed the line above: this one goes.
+    if (out.entries_.size() > before) out.lines_.back().text = whole;
   }
   return out;
 }
 
 std::string TrustList::text() const {
   std::string out;
-  for (const Trusted& entry : entries_) {
-    out += entry.name + " " + roles_text(entry.roles) + " " + key_text(entry.key) + "\n";
-  }
+  for (const Line& line : lines_) out.append(line.text).append("\n");
   return out;
+}
+
+std::vector<TrustList::Line>::iterator TrustList::line_of(std::size_t index) {
+  return std::find_if(lines_.begin(), lines_.end(),
+                      [&](const Line& line) { return line.entry && index-- == 0; });
 }
 
 const Trusted* TrustList::find(const PublicKey& key) const noexcept {
@@ -86,7 +100,12 @@ Status TrustList::add(const Trusted& entry) {
   const Trusted* by_name = find(entry.name);
   const Trusted* by_key = find(entry.key);
   if (by_name != nullptr && by_name == by_key) {
-    entries_[static_cast<std::size_t>(by_name - entries_.data())].roles = entry.roles;
+    const auto index = static_cast<std::size_t>(by_name - entries_.data());
+    if (entries_[index] == entry) return Status::ok();
+    entries_[index] = entry;
+    std::string& line = line_of(index)->text;
+    const std::size_t comment = line.find('#');
+    line = line_text(entry) + (comment == std::string::npos ? "" : " " + line.substr(comment));
     return Status::ok();
   }
   if (by_name != nullptr) {
@@ -103,11 +122,17 @@ Status TrustList::add(const Trusted& entry) {
                          " keys already, the most there may be");
   }
   entries_.push_back(entry);
+  lines_.push_back({line_text(entry), true});
   return Status::ok();
 }
 
 bool TrustList::remove(std::string_view name) {
-  return std::erase_if(entries_, [&](const Trusted& entry) { return entry.name == name; }) != 0;
+  const Trusted* entry = find(name);
+  if (entry == nullptr) return false;
+  const auto index = entry - entries_.data();
+  lines_.erase(line_of(static_cast<std::size_t>(index)));
+  entries_.erase(entries_.begin() + index);
+  return true;
 }
 
 }  // namespace handrail

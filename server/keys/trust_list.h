@@ -19,7 +19,12 @@ struct Trusted {
   friend bool operator==(const Trusted&, const Trusted&) = default;
 };
 
-// No name and no key twice.
+// As a line of the list and of a message: "desk master p256:...".
+std::string line_text(const Trusted& entry);
+// The other way. The error says what was expected.
+Result<Trusted> parse_entry(std::string_view line);
+
+// No name and no key twice. Comments, blank lines and the order of the lines it was read from stay.
 class TrustList {
  public:
   static constexpr std::size_t kMost = 256;  // entries: a cell has a handful
@@ -28,7 +33,7 @@ class TrustList {
   // line. `place` stands before it, a file's path.
   static Result<TrustList> parse(std::string_view text, const std::string& place);
 
-  // As parse reads it.
+  // As parse reads it. What no add() or remove() has changed is byte for byte as it was read.
   std::string text() const;
 
   // null: not here.
@@ -39,13 +44,25 @@ class TrustList {
   // A name or a key that is there already, with another of the two, is an error. The same name and
   // key get these roles.
   Status add(const Trusted& entry);
-  // False: no such name.
+  // False: no such name. Its line goes, with a comment behind it.
   bool remove(std::string_view name);
 
-  friend bool operator==(const TrustList&, const TrustList&) = default;
+  // The same entries in the same order.
+  friend bool operator==(const TrustList& a, const TrustList& b) {
+    return a.entries_ == b.entries_;
+  }
 
  private:
+  // As read or as to be written, without its end. Those with `entry` are entries_, in order.
+  struct Line {
+    std::string text;
+    bool entry = false;
+  };
+  // The line of entries_[index].
+  std::vector<Line>::iterator line_of(std::size_t index);
+
   std::vector<Trusted> entries_;
+  std::vector<Line> lines_;
 };
 
 }  // namespace handrail

@@ -5,6 +5,8 @@
 
 #include <filesystem>
 #include <fstream>
+#include <sstream>
+#include <thread>
 
 #include "tests/support/temp_folder.h"
 
@@ -14,6 +16,12 @@ namespace {
 mode_t mode_of(const std::string& path) {
   struct stat info {};
   return ::stat(path.c_str(), &info) == 0 ? info.st_mode & 07777 : 0;
+}
+
+std::string text_of(const std::string& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
 }
 
 class KeyFolderTest : public ::testing::Test {
@@ -88,6 +96,61 @@ TEST_F(KeyFolderTest, AListThatOthersCouldWriteIsRefused) {
   const auto read = keys_.trusted();
   ASSERT_FALSE(read);
   EXPECT_NE(read.message().find("has mode 0666"), std::string::npos);
+}
+
+TEST_F(KeyFolderTest, TrustingKeepsWhatElseStandsInTheList) {
+  const std::string said = "# mine\nben observer " + key_text(key()) + " # upstairs\n";
+  folder_.write("a/handrail/trusted", said);
+  ASSERT_EQ(::chmod(keys_.trusted_path().c_str(), 0600), 0);
+  const Trusted desk{"desk", Role::kMaster, key()};
+  const auto done = keys_.trust(desk, ", as a test");
+  ASSERT_TRUE(done) << done.message();
+  EXPECT_EQ(*done, "trusted desk as master, key " + key_id(desk.key));
+  EXPECT_EQ(text_of(keys_.trusted_path()), said + line_text(desk) + "\n");
+  EXPECT_NE(text_of(keys_.history_path()).find(*done + ", as a test\n"), std::string::npos);
+  ASSERT_TRUE(keys_.distrust("desk"));
+  EXPECT_EQ(text_of(keys_.trusted_path()), said);
+  EXPECT_FALSE(keys_.distrust("desk"));
+}
+
+TEST_F(KeyFolderTest, ANewListSaysWhatItIs) {
+  ASSERT_TRUE(keys_.trust({"desk", Role::kMaster, key()}));
+  EXPECT_EQ(text_of(keys_.trusted_path()).rfind("# Whom the programs of this user let in", 0), 0u);
+}
+
+TEST_F(KeyFolderTest, OurOwnKeyAndANameWithAnotherKeyAreNotTrustedAndNothingIsWritten) {
+  const auto own = keys_.create("cell", Role::kSlave);
+  ASSERT_TRUE(own && keys_.trust({"desk", Role::kMaster, key()}));
+  const std::string before = text_of(keys_.trusted_path());
+  for (const Trusted& entry : {own->entry(), Trusted{"desk", Role::kMaster, key()},
+                               Trusted{"me", Role::kMaster, own->key.public_key()}}) {
+    EXPECT_FALSE(keys_.may_trust(entry));
+    EXPECT_FALSE(keys_.trust(entry));
+  }
+  EXPECT_EQ(text_of(keys_.trusted_path()), before);
+}
+
+TEST_F(KeyFolderTest, AListThatWouldBeTooLongToReadIsNotWritten) {
+  ASSERT_TRUE(keys_.trust({"desk", Role::kMaster, key()}));
+  folder_.write("a/handrail/trusted", "#" + std::string(64 * 1024 - 20, 'x') + "\n");
+  const auto done = keys_.trust({"desk", Role::kMaster, key()});
+  ASSERT_FALSE(done);
+  EXPECT_NE(done.message().find("expected 65536 at most"), std::string::npos) << done.message();
+  EXPECT_TRUE(keys_.trusted());
+}
+
+TEST_F(KeyFolderTest, TwoProgramsThatChangeTheListAtOnceLoseNothing) {
+  constexpr int kEach = 40;
+  ASSERT_TRUE(keys_.trust({"first", Role::kMaster, key()}));
+  const auto add = [this](const std::string& who) {
+    for (int i = 0; i < kEach; ++i) {
+      EXPECT_TRUE(keys_.trust({who + std::to_string(i), Role::kMaster, key()}));
+    }
+  };
+  std::thread other(add, "a");
+  add("b");
+  other.join();
+  EXPECT_EQ(keys_.trusted()->entries().size(), 2u * kEach + 1);
 }
 
 TEST_F(KeyFolderTest, WithoutAListNobodyIsTrusted) {

@@ -86,6 +86,53 @@ TEST(TrustList, NamesTheLineThatIsWrong) {
   }
 }
 
+TEST(TrustList, CommentsBlankLinesAndOrderStayWhenItIsWrittenAgain) {
+  const std::string before =
+      "# the cell\n\n  desk \t master " + std::string(kPublic) + "   # by the door\n#ben left\n";
+  const std::string ben = std::string("ben observer ") + kOther;
+  auto list = TrustList::parse(before + ben + "\n# the end", "trusted");
+  ASSERT_TRUE(list) << list.message();
+  EXPECT_EQ(list->text(), before + ben + "\n# the end\n");
+  // The same again changes nothing; other roles change their own line alone.
+  ASSERT_TRUE(list->add({"desk", Role::kMaster, *parse_key(kPublic)}));
+  EXPECT_EQ(list->text(), before + ben + "\n# the end\n");
+  ASSERT_TRUE(list->add({"desk", Role::kObserver, *parse_key(kPublic)}));
+  EXPECT_EQ(list->text(), "# the cell\n\ndesk observer " + std::string(kPublic) +
+                              " # by the door\n#ben left\n" + ben + "\n# the end\n");
+  EXPECT_TRUE(list->remove("desk"));
+  EXPECT_EQ(list->text(), "# the cell\n\n#ben left\n" + ben + "\n# the end\n");
+  ASSERT_TRUE(list->add({"desk", Role::kMaster, *parse_key(kPublic)}));
+  EXPECT_EQ(list->text(),
+            "# the cell\n\n#ben left\n" + ben + "\n# the end\ndesk master " + kPublic + "\n");
+}
+
+TEST(TrustList, AnEntryThatComesTwiceIsWrittenOnce) {
+  const std::string desk = std::string("desk master ") + kPublic;
+  const auto list = TrustList::parse(desk + "\n# x\ndesk observer " + kPublic + "\n", "trusted");
+  ASSERT_TRUE(list) << list.message();
+  EXPECT_EQ(list->text(), std::string("desk observer ") + kPublic + "\n# x\n");
+}
+
+TEST(TrustList, WhatItQuotesIsPlainText) {
+  for (const char* line :
+       {"de\x1bsk master p256:", "desk mas\x1bter p256:", "desk master p2\x1b"}) {
+    const auto list = TrustList::parse(line, "trusted");
+    ASSERT_FALSE(list);
+    EXPECT_EQ(list.message().find('\x1b'), std::string::npos) << list.message();
+  }
+}
+
+TEST(Roles, WhoHasSomethingToSayToWhom) {
+  const auto both = [](Role a, Role b) { return meet(a, b) && meet(b, a); };
+  EXPECT_TRUE(both(Role::kSlave, Role::kMaster) && both(Role::kMaster, Role::kOperator) &&
+              both(Role::kMaster, Role::kObserver));
+  for (const Role role : {Role::kMaster, Role::kSlave, Role::kOperator, Role::kObserver}) {
+    EXPECT_FALSE(meet(role, role));
+    EXPECT_FALSE(meet(role, Roles()));
+  }
+  EXPECT_FALSE(meet(Role::kSlave, Role::kOperator) || meet(Role::kObserver, Role::kOperator));
+}
+
 TEST(TrustList, TheSameNameAndKeyGetTheRolesTheyComeWith) {
   TrustList list;
   ASSERT_TRUE(list.add({"desk", Role::kMaster, *parse_key(kPublic)}));
