@@ -26,7 +26,7 @@ struct Options {
   std::optional<std::string> out, accuracy, budget;                        // scene tools
   std::optional<std::string> poses, from, record;                          // calibrate, with out
   std::optional<std::string> word;                                         // positional argument
-  std::optional<std::string> roles, key;                                   // keys trust, after it
+  std::optional<std::string> roles, key, next;                             // keys trust, after it
   std::optional<std::string> listen, with, code;                           // keys pair
 };
 
@@ -51,7 +51,7 @@ struct Takes {
   bool calibrate = false;      // --poses, --from, --record and an optional --out
   const char* word = nullptr;  // name of the positional argument
   bool word_optional = false;
-  bool entry = false;  // ROLES and KEY after the word
+  bool entry = false;  // ROLES, KEY and an optional NEXT after the word
   bool pair = false;   // --listen, or --with and --code
 };
 

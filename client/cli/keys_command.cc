@@ -7,6 +7,7 @@
 #include <string>
 
 #include "server/base/operator_name.h"
+#include "server/base/plain_text.h"
 #include "server/keys/key_folder.h"
 
 namespace handrail {
@@ -14,14 +15,25 @@ namespace {
 
 std::string json_of(const Trusted& entry) {
   // Names, roles and keys have no letter that JSON would want escaped.
-  return R"({"name": ")" + entry.name + R"(", "roles": ")" + roles_text(entry.roles) +
-         R"(", "id": ")" + key_id(entry.key) + R"(", "key": ")" + key_text(entry.key) + "\"}";
+  std::string out = R"({"name": ")" + entry.name + R"(", "roles": ")" + roles_text(entry.roles) +
+                    R"(", "id": ")" + key_id(entry.key) + R"(", "key": ")" + key_text(entry.key);
+  if (entry.next) {
+    out += R"(", "next_id": ")" + key_id(*entry.next) + R"(", "next": ")" + key_text(*entry.next);
+  }
+  return out + "\"}";
 }
 
-void show(const Console& console, const Trusted& own) {
-  console.err << "key " << key_id(own.key)
-              << "; on the computer that is to trust it, type this line:\n";
-  console.out << "handrail keys trust " << line_text(own) << '\n';
+void show(const Console& console, const OwnEntry& own) {
+  console.err << "key " << key_id(own.key.public_key());
+  if (own.next) {
+    const auto list = own_keys().trusted();
+    const auto waits = list ? KeyFolder::waits_for(own, *list) : std::vector<std::string>();
+    console.err << ", the next " << key_id(own.next->public_key()) << " (confirmed by "
+                << (own.confirmed.empty() ? "nobody" : joined(own.confirmed, ", "))
+                << "; waits for " << (waits.empty() ? "nobody" : joined(waits, ", ")) << ")";
+  }
+  console.err << "; on the computer that is to trust it, type this line:\n";
+  console.out << "handrail keys trust " << line_text(own.entry()) << '\n';
 }
 
 }  // namespace
@@ -45,9 +57,32 @@ std::string computer_name() {
 ExitCode run_keys_new(const Options& o, const Console& console) {
   const Roles roles = parse_roles(*o.word);
   if (roles.empty()) return complain(console, "keys new: '" + *o.word + "': " + kRolesExpected);
+  if (own_keys().has_key()) {
+    // The next key is called as the present one: who trusts it knows both by one name.
+    const auto own = own_keys().load();
+    if (!own) return refuse_keys(console, own.message());
+    if (own->roles != roles || (!o.as.empty() && o.as != own->name)) {
+      return refuse_keys(console, "there is a key already, of " + own->name + " as " +
+                                      roles_text(own->roles) +
+                                      ": a next one has the same name and roles; for others "
+                                      "remove " +
+                                      own_keys().key_path() + " first, as for a lost key");
+    }
+    const auto made = own_keys().create_next();
+    if (!made) return refuse_keys(console, made.message());
+    show(console, *made);
+    return kExitDone;
+  }
   const auto made = own_keys().create(o.as.empty() ? computer_name() : o.as, roles);
   if (!made) return refuse_keys(console, made.message());
-  show(console, made->entry());
+  show(console, *made);
+  return kExitDone;
+}
+
+ExitCode run_keys_retire(const Options&, const Console& console) {
+  const auto done = own_keys().retire();
+  if (!done) return refuse_keys(console, done.message());
+  console.out << *done << '\n';
   return kExitDone;
 }
 
@@ -57,7 +92,7 @@ ExitCode run_keys_show(const Options& o, const Console& console) {
   if (o.json) {
     console.out << json_of(own->entry()) << '\n';
   } else {
-    show(console, own->entry());
+    show(console, *own);
   }
   return kExitDone;
 }
@@ -70,7 +105,14 @@ ExitCode run_keys_trust(const Options& o, const Console& console) {
   if (roles.empty()) return complain(console, "keys trust: '" + *o.roles + "': " + kRolesExpected);
   const auto key = parse_key(*o.key);
   if (!key) return complain(console, "keys trust: " + key.message());
-  const auto done = own_keys().trust({*o.word, roles, *key});
+  Trusted entry{*o.word, roles, *key};
+  if (o.next) {
+    const auto next = parse_key(*o.next);
+    if (!next) return complain(console, "keys trust: " + next.message());
+    if (*next == *key) return complain(console, "keys trust: the next key is the key itself");
+    entry.next = *next;
+  }
+  const auto done = own_keys().trust(entry);
   if (!done) return refuse_keys(console, done.message());
   console.out << *done << '\n';
   return kExitDone;
@@ -95,6 +137,9 @@ ExitCode run_keys_list(const Options& o, const Console& console) {
   }
   for (const Trusted& entry : list->entries()) {
     console.out << entry.name << "  " << roles_text(entry.roles) << "  " << key_id(entry.key)
+                << (entry.next
+                        ? ", the next " + key_id(*entry.next) + " waits for its first session"
+                        : std::string())
                 << '\n';
   }
   return kExitDone;

@@ -18,6 +18,7 @@ std::string computer_name();
 ExitCode refuse_keys(const Console& console, const std::string& text);
 
 ExitCode run_keys_new(const Options& options, const Console& console);
+ExitCode run_keys_retire(const Options& options, const Console& console);
 ExitCode run_keys_show(const Options& options, const Console& console);
 ExitCode run_keys_trust(const Options& options, const Console& console);
 ExitCode run_keys_list(const Options& options, const Console& console);

@@ -94,6 +94,8 @@ void add_options(CLI::App& app, const Takes& takes, Options& o) {
            name, [target = target](const std::string& text) { *target = text; }, "")
         ->required();
   }
+  app.add_option_function<std::string>(
+      "NEXT", [&o](const std::string& text) { o.next = text; }, "the key that is to replace it");
 }
 
 std::string default_socket() {

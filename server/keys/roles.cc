@@ -19,12 +19,16 @@ std::optional<Role> parse_role(std::string_view text) noexcept {
   return std::nullopt;
 }
 
+bool lead(Roles a, Roles b) noexcept {
+  return (a.has(Role::kMaster) && b.has(Role::kSlave)) ||
+         (a.has(Role::kSlave) && b.has(Role::kMaster));
+}
+
 bool meet(Roles a, Roles b) noexcept {
-  const auto led_by = [](Roles one, Roles other) {
-    return (one.has(Role::kSlave) && other.has(Role::kMaster)) ||
-           (one.has(Role::kMaster) && (other.has(Role::kOperator) || other.has(Role::kObserver)));
+  const auto serves = [](Roles master, Roles other) {
+    return master.has(Role::kMaster) && (other.has(Role::kOperator) || other.has(Role::kObserver));
   };
-  return led_by(a, b) || led_by(b, a);
+  return lead(a, b) || serves(a, b) || serves(b, a);
 }
 
 std::string roles_text(Roles roles) {

@@ -201,7 +201,7 @@ void Pairing::on_key(const std::string& text) {
   if (!entry) return refuse(entry.message());
   other_ = *entry;
   told_ = true;
-  if (other_.key == own_.key) return refuse("both sides show the same key: pair two computers");
+  if (same_keys(own_, other_)) return refuse("both sides show the same key: pair two computers");
   if (!meet(own_.roles, other_.roles)) {
     return refuse("a " + roles_text(own_.roles) + " has nothing to say to a " +
                   roles_text(other_.roles) +

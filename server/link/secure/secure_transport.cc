@@ -6,7 +6,6 @@
 #include "server/link/secure/secure_client.h"
 #include "server/link/secure/secure_server.h"
 #include "server/link/secure/secure_text.h"
-#include "server/link/secure/trust_watch.h"
 #include "server/link/secure/udp_socket.h"
 
 namespace handrail {
@@ -18,6 +17,8 @@ using Problem = DtlsChannel::Problem;
 constexpr Nanos kLookUpAgain = 5 * kSecond;
 // Between two lines about strangers: anybody who reaches the port can cause one.
 constexpr Nanos kStrangerPause = 10 * kSecond;
+// ... when it is the same key again. Chosen.
+constexpr Nanos kSameStrangerPause = 600 * kSecond;
 
 LinkIdentity no_session(const std::string& problem) {
   LinkIdentity out;
@@ -58,19 +59,41 @@ class SecureTransport : public ServedTransport {
   void say(bool bad, const std::string& line) {
     if (say_) say_(bad, line);
   }
-  void take_trust(Nanos now) {
+  void take_keys(Nanos now) {
     if (!std::exchange(said_trusted_, true)) say_trusted();
-    if (!options_.trust_news) return;
-    const auto news = options_.trust_news(now);
-    if (!news) return;
-    if (!*news) {
-      // What cannot be read lets nobody in, and nobody out whom it may still name.
-      say(true, "keys: " + news->message() + "; those trusted before stay so");
-      return;
+    if (options_.watch == nullptr) return;
+    // Only keys that are about to change are settled by a session.
+    while (const auto opened = end_.take_opened()) {
+      const Trusted* who = options_.trusted.find(opened->theirs);
+      const bool settles = options_.own.entry().next == opened->ours ||
+                           (who != nullptr && who->next == opened->theirs);
+      if (settles) options_.watch->opened(*opened);
     }
-    options_.trusted = **news;
-    end_.set_trusted(**news);
+    const auto news = options_.watch->poll(now);
+    if (!news) return;
+    if (!*news) return say(true, "keys: " + news->message());
+    if (!(*news)->settled) say(true, "keys: " + (*news)->settled.message());
+    if ((*news)->own) take_own(*(*news)->own);
+    if ((*news)->trusted) take_trusted(*(*news)->trusted);
+  }
+  void take_trusted(const Result<TrustList>& trusted) {
+    if (!trusted) {
+      // What cannot be read lets nobody in, and nobody out whom it may still name.
+      return say(true, "keys: " + trusted.message() + "; those trusted before stay so");
+    }
+    if (*trusted == options_.trusted) return;
+    options_.trusted = *trusted;
+    end_.set_trusted(*trusted);
     say_trusted();
+  }
+  void take_own(const Result<OwnEntry>& own) {
+    const Status set = own ? end_.set_own(own->key, own->next) : own.status();
+    if (!set) return say(true, "keys: " + set.message() + "; the key read before stays in use");
+    if (own->entry() != options_.own.entry()) {
+      say(false, "keys: ours is " + key_id(own->key.public_key()) +
+                     (own->next ? ", the next " + key_id(own->next->public_key()) : ""));
+    }
+    options_.own = *own;
   }
   void say_trusted() {
     const Role other = context_->wanted();
@@ -119,11 +142,15 @@ class ListeningTransport final : public SecureTransport<SecureServer> {
   std::string place() const override { return place_at(address_); }
   void tick(Nanos now) override {
     end_.tick(now);
-    take_trust(now);
+    take_keys(now);
     say_session("encrypted session with ", end_.leader());
     const SecureServer::Refused& refused = end_.refused();
     if (refused.at == said_ || now < next_line_ || refused.problem == Problem::kNoAnswer) return;
     said_ = refused.at;
+    // A master whose next key is not trusted yet tries it again and again.
+    if (refused.peer.shown && refused.peer.key == said_stranger_ && now < same_again_) return;
+    said_stranger_ = refused.peer.key;
+    same_again_ = now + kSameStrangerPause;
     next_line_ = now + kStrangerPause;
     say(true, "refused: " + problem_of(refused.problem, refused.peer, refused.from,
                                        {Role::kSlave, Role::kMaster}));
@@ -142,7 +169,8 @@ class ListeningTransport final : public SecureTransport<SecureServer> {
  private:
   std::string address_;
   std::uint16_t port_;
-  Nanos said_ = -kForever, next_line_ = -kForever;
+  Nanos said_ = -kForever, next_line_ = -kForever, same_again_ = -kForever;
+  PublicKey said_stranger_;
 };
 
 class CallingTransport final : public SecureTransport<SecureClient> {
@@ -164,7 +192,7 @@ class CallingTransport final : public SecureTransport<SecureClient> {
       });
     }
     end_.tick(now);
-    take_trust(now);
+    take_keys(now);
     say_session("encrypted session with ", end_.session());
     const std::string problem = problem_now();
     if (problem == problem_) return;
@@ -200,6 +228,7 @@ Result<std::shared_ptr<DtlsContext>> context_of(const SecureLinkOptions& options
                                                 DtlsContext::Side side, Role wanted) {
   auto made = DtlsContext::make(options.own.key, options.trusted, side, wanted);
   if (!made) return made.status();
+  if (Status set = (*made)->set_own(options.own.key, options.own.next); !set) return set;
   return std::shared_ptr<DtlsContext>(std::move(*made));
 }
 
@@ -211,10 +240,7 @@ Result<SecureLinkOptions> secure_options(const KeyFolder& folder) {
   if (!own) return Status::error("the encrypted link needs a key: " + own.message());
   auto trusted = folder.trusted();
   if (!trusted) return trusted.status();
-  return SecureLinkOptions{*own, *trusted,
-                           [watch = std::make_shared<TrustWatch>(folder, stamp)](Nanos now) {
-                             return watch->poll(now);
-                           }};
+  return SecureLinkOptions{*own, *trusted, std::make_shared<KeyWatch>(folder, stamp)};
 }
 
 Result<TransportMaker> listening_link(SecureLinkOptions options, std::string address,

@@ -1,27 +1,24 @@
 // The encrypted link as a daemon serves it: keys, socket, session.
 #pragma once
 
-#include <functional>
-#include <optional>
+#include <memory>
 #include <string>
 
 #include "server/base/status.h"
 #include "server/keys/key_folder.h"
+#include "server/link/secure/key_watch.h"
 #include "server/link/secure/peer_resolver.h"
 #include "server/link/transport.h"
 
 namespace handrail {
 
-// The list of the trusted when it has changed on the disk; asked every tick, must not wait.
-using TrustNews = std::function<std::optional<Result<TrustList>>(Nanos now)>;
-
 struct SecureLinkOptions {
   OwnEntry own;
   TrustList trusted;
-  TrustNews trust_news;
+  std::shared_ptr<KeyWatch> watch;  // asked every tick; null: keys never change
 };
 
-// Key and list of a folder, and news of the list. The error says what to do.
+// Key and list of a folder, and news of them. The error says what to do.
 Result<SecureLinkOptions> secure_options(const KeyFolder& folder);
 
 // A slave's: listens at `address` (see UdpSocket::open) and `port`.

@@ -72,7 +72,8 @@ TEST(TrustList, NamesTheLineThatIsWrong) {
   const std::string good = std::string("desk master ") + kPublic + "\n";
   for (const auto& [line, says] :
        {std::pair<std::string, std::string>{"desk master", "expected NAME"},
-        {std::string("a b c ") + kOther, "expected NAME"},
+        {std::string("a b c ") + kOther, "roles 'b'"},
+        {std::string("ben master ") + kOther + " " + kOther + " x", "expected NAME"},
         {std::string("b@d master ") + kOther, "is no name"},
         {std::string("ben king ") + kOther, "roles 'king'"},
         {std::string("ben master, ") + kOther, "roles 'master,'"},
@@ -120,6 +121,41 @@ TEST(TrustList, WhatItQuotesIsPlainText) {
     ASSERT_FALSE(list);
     EXPECT_EQ(list.message().find('\x1b'), std::string::npos) << list.message();
   }
+}
+
+TEST(TrustList, ANextKeyStandsBehindTheKeyAndIsLetInToo) {
+  const std::string line = std::string("desk master ") + kPublic + " " + kOther;
+  auto list = TrustList::parse(line + "\n", "trusted");
+  ASSERT_TRUE(list) << list.message();
+  const Trusted both{"desk", Role::kMaster, *parse_key(kPublic), *parse_key(kOther)};
+  EXPECT_EQ(list->entries(), std::vector{both});
+  EXPECT_EQ(line_text(both), line);
+  EXPECT_EQ(list->find(*parse_key(kOther)), list->find("desk"));
+  EXPECT_EQ(both.newest(), *parse_key(kOther));
+  // Nobody else may have it.
+  EXPECT_FALSE(list->add({"ben", Role::kMaster, *parse_key(kOther)}));
+  for (const char* wrong : {kPublic, "p256:x"}) {
+    EXPECT_FALSE(TrustList::parse(std::string("desk master ") + kPublic + " " + wrong, "trusted"));
+  }
+}
+
+TEST(TrustList, ANextKeyComesWithTheKeyAndTakesItsPlace) {
+  const Trusted desk{"desk", Role::kMaster, *parse_key(kPublic)};
+  Trusted both = desk, newer = desk;
+  both.next = newer.key = *parse_key(kOther);
+  TrustList list;
+  ASSERT_TRUE(list.add(desk));
+  EXPECT_FALSE(list.add(newer));  // without the old one it could be anybody's
+  EXPECT_FALSE(list.retire_before(newer.key));
+  ASSERT_TRUE(list.add(both));
+  EXPECT_FALSE(list.retire_before(desk.key));
+  TrustList by_hand = list;
+  EXPECT_EQ(list.retire_before(newer.key), both);
+  EXPECT_EQ(list.entries(), std::vector{newer});
+  EXPECT_EQ(list.text(), line_text(newer) + "\n");
+  EXPECT_FALSE(list.add(desk));  // no way back
+  ASSERT_TRUE(by_hand.add(newer));
+  EXPECT_EQ(by_hand, list);
 }
 
 TEST(Roles, WhoHasSomethingToSayToWhom) {
