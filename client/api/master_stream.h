@@ -26,6 +26,11 @@ class MasterStream {
 
   virtual ~MasterStream() = default;
   virtual Status connect(Nanos deadline) = 0;
+  // The first reply has come.
+  virtual void was_answered() {}
+  // After an error: nothing that was said was heard, for the key that was shown; another one of
+  // ours may be let in.
+  virtual bool wants_other_key() const { return false; }
   Status write(const std::string& bytes, Nanos deadline);
   Status read(boost::asio::mutable_buffer to, Nanos deadline);  // all of it
 
@@ -57,10 +62,11 @@ class MasterStream {
   Cancelled cancelled_;
 };
 
-// Not connected. Throws boost::system::system_error where no descriptors are left.
+// Not connected. `with_next`: with the key that is to take the place of ours, if there is one.
+// Throws boost::system::system_error where no descriptors are left.
 std::unique_ptr<MasterStream> make_socket_stream(const MasterPlace& place,
                                                  MasterStream::Cancelled cancelled);
 std::unique_ptr<MasterStream> make_tls_stream(const MasterPlace& place,
-                                              MasterStream::Cancelled cancelled);
+                                              MasterStream::Cancelled cancelled, bool with_next);
 
 }  // namespace handrail

@@ -13,9 +13,10 @@
 namespace handrail {
 namespace {
 
-std::unique_ptr<MasterStream> stream_to(const MasterPlace& place, bool (*cancelled)()) {
+std::unique_ptr<MasterStream> stream_to(const MasterPlace& place, bool (*cancelled)(),
+                                        bool with_next) {
   return place.host.empty() ? make_socket_stream(place, cancelled)
-                            : make_tls_stream(place, cancelled);
+                            : make_tls_stream(place, cancelled, with_next);
 }
 
 }  // namespace
@@ -25,7 +26,13 @@ OperatorClient::OperatorClient(MasterPlace place, std::string as, bool (*cancell
 OperatorClient::~OperatorClient() = default;
 
 Result<pb::Reply> OperatorClient::call(const pb::Request& order, Nanos patience) {
-  Result<pb::Reply> reply = exchange(order, monotonic_now() + patience);
+  const Nanos deadline = monotonic_now() + patience;
+  Result<pb::Reply> reply = exchange(order, deadline);
+  if (!reply && stream_ && stream_->wants_other_key()) {
+    with_next_key_ = false;
+    close();
+    reply = exchange(order, deadline);
+  }
   if (!reply) close();
   return reply;
 }
@@ -37,7 +44,7 @@ Result<pb::Reply> OperatorClient::exchange(const pb::Request& order, Nanos deadl
   if (payload.size() > kMaxFrame) return failure("the request is larger than 64 KiB");
   if (!stream_) {
     try {
-      stream_ = stream_to(place_, cancelled_);
+      stream_ = stream_to(place_, cancelled_, with_next_key_);
     } catch (const boost::system::system_error& none) {  // no descriptors are left for its reactor
       return failure(none.code().message());
     }
@@ -51,6 +58,7 @@ Result<pb::Reply> OperatorClient::exchange(const pb::Request& order, Nanos deadl
   if (size > kMaxFrame) return failure("the reply is larger than 64 KiB");
   std::string body(size, '\0');
   if (Status s = stream_->read(boost::asio::buffer(body), deadline); !s) return s;
+  stream_->was_answered();
   pb::Reply reply;
   if (!reply.ParseFromString(body)) return failure("the reply is garbled");
   return reply;

@@ -51,6 +51,7 @@ class OperatorClient {
   MasterPlace place_;
   std::string as_;
   bool (*cancelled_)();
+  bool with_next_key_ = true;
   std::unique_ptr<MasterStream> stream_;  // null: none
 };
 

@@ -18,6 +18,7 @@
 #include <boost/asio/write.hpp>
 
 #include "server/base/clock.h"
+#include "server/keys/host_port.h"
 #include "server/keys/key_folder.h"
 #include "server/link/secure/dtls_context.h"
 #include "server/link/secure/peer_resolver.h"
@@ -39,10 +40,14 @@ constexpr auto kLookUpLook = std::chrono::milliseconds(50);
 
 class TlsStream final : public MasterStream {
  public:
-  TlsStream(const MasterPlace& place, Cancelled cancelled)
-      : MasterStream(name_of(place), cancelled), host_(place.host) {}
+  TlsStream(const MasterPlace& place, Cancelled cancelled, bool with_next)
+      : MasterStream(name_of(place), cancelled), host_(place.host), with_next_(with_next) {}
 
   Status connect(Nanos deadline) override;
+  void was_answered() override;
+  bool wants_other_key() const override {
+    return refused_ && attached_.own != own_->key.public_key();
+  }
 
  private:
   using Stream = ssl::stream<tcp::socket>;
@@ -66,11 +71,15 @@ class TlsStream final : public MasterStream {
   std::string problem_of(DtlsChannel::Problem problem) const;
 
   const std::string host_;
+  const bool with_next_;
+  const KeyFolder folder_{default_key_folder()};
   std::optional<OwnEntry> own_;
   std::unique_ptr<DtlsContext> keys_;
   std::optional<ssl::context> tls_;
   DtlsContext::Attached attached_;
   std::unique_ptr<Stream> stream_;
+  bool told_ = false;             // the folder, of the session
+  mutable bool refused_ = false;  // our key is not trusted there
 };
 
 Status TlsStream::connect(Nanos deadline) {
@@ -84,16 +93,16 @@ Status TlsStream::connect(Nanos deadline) {
 }
 
 Status TlsStream::take_keys() {
-  const KeyFolder folder(default_key_folder());
-  const auto own = folder.load();
+  const auto own = folder_.load();
   if (!own) return failure("it is reached with a key of yours: " + own.message());
-  const auto trusted = folder.trusted();
+  const auto trusted = folder_.trusted();
   if (!trusted) return failure(trusted.message());
   auto keys = DtlsContext::make(own->key, *trusted, DtlsContext::Side::kClient, Role::kMaster,
                                 DtlsContext::Over::kStream);
   if (!keys) return failure(keys.message());
   own_ = *own;
   keys_ = std::move(*keys);
+  if (Status set = keys_->set_own(own->key, own->next); !set) return failure(set.message());
   SSL_CTX_up_ref(keys_->get());  // the other's reference
   tls_.emplace(keys_->get());
   return Status::ok();
@@ -131,6 +140,8 @@ Status TlsStream::reach(const Endpoints& endpoints, Nanos deadline) {
     attached_.address = address_of({to.address(), to.port()});
     stream_ = std::make_unique<Stream>(io_, *tls_);
     DtlsContext::attach(stream_->native_handle(), &attached_);
+    const auto shown = with_next_ ? DtlsContext::Own::kNext : DtlsContext::Own::kKey;
+    if (!keys_->show(stream_->native_handle(), shown)) return failure("no memory for a key");
     error_code error;
     const Status in_time = await(
         deadline,
@@ -168,6 +179,15 @@ Status TlsStream::greet(Nanos deadline) {
   return error ? failure(text_of(error)) : Status::ok();
 }
 
+void TlsStream::was_answered() {
+  if (std::exchange(told_, true)) return;
+  const Trusted* who = keys_->trusted().find(attached_.peer.key);
+  const bool settles =
+      own_->next || (who != nullptr && who->next == std::optional(attached_.peer.key));
+  // What cannot be written now is settled by a later session.
+  if (settles) (void)folder_.confirm(attached_.own, attached_.peer.key);
+}
+
 std::string TlsStream::problem_of(DtlsChannel::Problem problem) const {
   const bool observer = own_->roles.has(Role::kObserver) && !own_->roles.has(Role::kOperator);
   return problem_text(problem, attached_.peer, attached_.address, keys_->trusted(), own_->entry(),
@@ -184,6 +204,7 @@ std::string TlsStream::text_of(const error_code& error) const {
   }
   if (ERR_GET_REASON(static_cast<unsigned long>(error.value())) ==
       SSL_R_SSLV3_ALERT_BAD_CERTIFICATE) {
+    refused_ = true;
     return problem_of(DtlsChannel::Problem::kWeAre);
   }
   return "what is at " + address_text(attached_.address) +
@@ -195,8 +216,8 @@ std::string TlsStream::text_of(const error_code& error) const {
 }  // namespace
 
 std::unique_ptr<MasterStream> make_tls_stream(const MasterPlace& place,
-                                              MasterStream::Cancelled cancelled) {
-  return std::make_unique<TlsStream>(place, cancelled);
+                                              MasterStream::Cancelled cancelled, bool with_next) {
+  return std::make_unique<TlsStream>(place, cancelled, with_next);
 }
 
 }  // namespace handrail

@@ -1,6 +1,7 @@
 // The command line as one table: each command's name, help, options and function.
 #pragma once
 
+#include <istream>
 #include <optional>
 #include <ostream>
 #include <span>
@@ -25,7 +26,8 @@ struct Options {
   std::optional<std::string> out, accuracy, budget;                        // scene tools
   std::optional<std::string> poses, from, record;                          // calibrate, with out
   std::optional<std::string> word;                                         // positional argument
-  std::optional<std::string> roles, key;                                   // keys trust, after it
+  std::optional<std::string> roles, key, next;                             // keys trust, after it
+  std::optional<std::string> listen, with, code;                           // keys pair
 };
 
 // Where answers and complaints go.
@@ -34,6 +36,7 @@ struct Console {
   std::ostream& err;
   bool is_terminal = false;      // `out` understands cursor movement
   bool err_is_terminal = false;  // `err` does
+  std::istream* in = nullptr;    // what is asked for is read here; null: nobody is there
 };
 
 // Options a command takes, besides --socket, --master and --as which all take.
@@ -48,7 +51,8 @@ struct Takes {
   bool calibrate = false;      // --poses, --from, --record and an optional --out
   const char* word = nullptr;  // name of the positional argument
   bool word_optional = false;
-  bool entry = false;  // ROLES and KEY after the word
+  bool entry = false;  // ROLES, KEY and an optional NEXT after the word
+  bool pair = false;   // --listen, or --with and --code
 };
 
 struct Command {

@@ -5,6 +5,7 @@
 #include "client/cli/hand_command.h"
 #include "client/cli/keys_command.h"
 #include "client/cli/lease_command.h"
+#include "client/cli/pair_command.h"
 #include "client/cli/scene_command.h"
 #include "client/cli/status_command.h"
 #include "client/cli/tool_command.h"
@@ -106,9 +107,13 @@ constexpr Command kCommands[] = {
     {"scene load", "Load a scene in master and slave", run_scene_load, {.word = "NAME"}},
     {"stage", "Put the walls as they are in a stage of the scene", run_stage, {.word = "NAME"}},
     {"keys new",
-     "Make this user's key, for what it is to be trusted to do",
+     "Make this user's key, for what it is to be trusted to do; or the next one, to change it",
      run_keys_new,
      {.word = "ROLES"}},
+    {"keys retire",
+     "End the old key now, whoever has not confirmed the next one",
+     run_keys_retire,
+     {}},
     {"keys show",
      "The line that another computer types to trust this key",
      run_keys_show,
@@ -117,6 +122,10 @@ constexpr Command kCommands[] = {
      "Let another computer's key in, as `keys show` prints it there",
      run_keys_trust,
      {.word = "NAME", .entry = true}},
+    {"keys pair",
+     "Trust each other: one side shows a code, the other is told it (--with)",
+     run_keys_pair,
+     {.word = "ROLE", .pair = true}},
     {"keys list", "Whose keys are let in, and as what", run_keys_list, {.json = true}},
     {"keys remove", "Let a key in no longer; its session ends", run_keys_remove, {.word = "NAME"}},
     {"hand to", "Move the simulated hand", run_hand_to, {.hand = true}},

@@ -11,6 +11,6 @@
 int main(int argc, char** argv) {
   const std::vector<std::string> args(argv + (argc > 0 ? 1 : 0), argv + argc);
   const handrail::Console console{std::cout, std::cerr, ::isatty(STDOUT_FILENO) == 1,
-                                  ::isatty(STDERR_FILENO) == 1};
+                                  ::isatty(STDERR_FILENO) == 1, &std::cin};
   return handrail::end_output("handrail", handrail::run_cli(args, console));
 }

@@ -7,19 +7,44 @@
 #include <string>
 
 #include "server/base/operator_name.h"
+#include "server/base/plain_text.h"
 #include "server/keys/key_folder.h"
 
 namespace handrail {
 namespace {
 
-KeyFolder folder() { return KeyFolder(default_key_folder()); }
+std::string json_of(const Trusted& entry) {
+  // Names, roles and keys have no letter that JSON would want escaped.
+  std::string out = R"({"name": ")" + entry.name + R"(", "roles": ")" + roles_text(entry.roles) +
+                    R"(", "id": ")" + key_id(entry.key) + R"(", "key": ")" + key_text(entry.key);
+  if (entry.next) {
+    out += R"(", "next_id": ")" + key_id(*entry.next) + R"(", "next": ")" + key_text(*entry.next);
+  }
+  return out + "\"}";
+}
 
-ExitCode say_no(const Console& console, const std::string& text) {
+void show(const Console& console, const OwnEntry& own) {
+  console.err << "key " << key_id(own.key.public_key());
+  if (own.next) {
+    const auto list = own_keys().trusted();
+    const auto waits = list ? KeyFolder::waits_for(own, *list) : std::vector<std::string>();
+    console.err << ", the next " << key_id(own.next->public_key()) << " (confirmed by "
+                << (own.confirmed.empty() ? "nobody" : joined(own.confirmed, ", "))
+                << "; waits for " << (waits.empty() ? "nobody" : joined(waits, ", ")) << ")";
+  }
+  console.err << "; on the computer that is to trust it, type this line:\n";
+  console.out << "handrail keys trust " << line_text(own.entry()) << '\n';
+}
+
+}  // namespace
+
+KeyFolder own_keys() { return KeyFolder(default_key_folder()); }
+
+ExitCode refuse_keys(const Console& console, const std::string& text) {
   console.err << "handrail: " << text << '\n';
   return kExitRefused;
 }
 
-// This computer's name up to the first dot, of the letters that a name may have.
 std::string computer_name() {
   std::array<char, 256> name{};
   if (::gethostname(name.data(), name.size() - 1) != 0) return "computer";
@@ -29,44 +54,45 @@ std::string computer_name() {
   return out.empty() ? "computer" : out;
 }
 
-std::string line_of(const Trusted& entry) {
-  return entry.name + " " + roles_text(entry.roles) + " " + key_text(entry.key);
-}
-
-std::string json_of(const Trusted& entry) {
-  // Names, roles and keys have no letter that JSON would want escaped.
-  return R"({"name": ")" + entry.name + R"(", "roles": ")" + roles_text(entry.roles) +
-         R"(", "id": ")" + key_id(entry.key) + R"(", "key": ")" + key_text(entry.key) + "\"}";
-}
-
-void show(const Console& console, const Trusted& own) {
-  console.err << "key " << key_id(own.key)
-              << "; on the computer that is to trust it, type this line:\n";
-  console.out << "handrail keys trust " << line_of(own) << '\n';
-}
-
-// What a role is, where somebody asks for one that does not exist.
-constexpr char kRolesText[] =
-    "expected master, slave, operator, observer, or several apart by commas";
-
-}  // namespace
-
 ExitCode run_keys_new(const Options& o, const Console& console) {
   const Roles roles = parse_roles(*o.word);
-  if (roles.empty()) return complain(console, "keys new: '" + *o.word + "': " + kRolesText);
-  const auto made = folder().create(o.as.empty() ? computer_name() : o.as, roles);
-  if (!made) return say_no(console, made.message());
-  show(console, made->entry());
+  if (roles.empty()) return complain(console, "keys new: '" + *o.word + "': " + kRolesExpected);
+  if (own_keys().has_key()) {
+    // The next key is called as the present one: who trusts it knows both by one name.
+    const auto own = own_keys().load();
+    if (!own) return refuse_keys(console, own.message());
+    if (own->roles != roles || (!o.as.empty() && o.as != own->name)) {
+      return refuse_keys(console, "there is a key already, of " + own->name + " as " +
+                                      roles_text(own->roles) +
+                                      ": a next one has the same name and roles; for others "
+                                      "remove " +
+                                      own_keys().key_path() + " first, as for a lost key");
+    }
+    const auto made = own_keys().create_next();
+    if (!made) return refuse_keys(console, made.message());
+    show(console, *made);
+    return kExitDone;
+  }
+  const auto made = own_keys().create(o.as.empty() ? computer_name() : o.as, roles);
+  if (!made) return refuse_keys(console, made.message());
+  show(console, *made);
+  return kExitDone;
+}
+
+ExitCode run_keys_retire(const Options&, const Console& console) {
+  const auto done = own_keys().retire();
+  if (!done) return refuse_keys(console, done.message());
+  console.out << *done << '\n';
   return kExitDone;
 }
 
 ExitCode run_keys_show(const Options& o, const Console& console) {
-  const auto own = folder().load();
-  if (!own) return say_no(console, own.message());
+  const auto own = own_keys().load();
+  if (!own) return refuse_keys(console, own.message());
   if (o.json) {
     console.out << json_of(own->entry()) << '\n';
   } else {
-    show(console, own->entry());
+    show(console, *own);
   }
   return kExitDone;
 }
@@ -76,28 +102,25 @@ ExitCode run_keys_trust(const Options& o, const Console& console) {
     return complain(console, "keys trust: " + problem);
   }
   const Roles roles = parse_roles(*o.roles);
-  if (roles.empty()) return complain(console, "keys trust: '" + *o.roles + "': " + kRolesText);
+  if (roles.empty()) return complain(console, "keys trust: '" + *o.roles + "': " + kRolesExpected);
   const auto key = parse_key(*o.key);
   if (!key) return complain(console, "keys trust: " + key.message());
-  auto list = folder().trusted();
-  if (!list) return say_no(console, list.message());
-  const Trusted entry{*o.word, roles, *key};
-  const auto own = folder().load();
-  if (own && own->key.public_key() == *key) {
-    return say_no(console, "that is this computer's own key: type the line on the other one");
+  Trusted entry{*o.word, roles, *key};
+  if (o.next) {
+    const auto next = parse_key(*o.next);
+    if (!next) return complain(console, "keys trust: " + next.message());
+    if (*next == *key) return complain(console, "keys trust: the next key is the key itself");
+    entry.next = *next;
   }
-  if (const Status added = list->add(entry); !added) return say_no(console, added.message());
-  const std::string what = entry.name + " as " + roles_text(roles) + ", key " + key_id(*key);
-  if (const Status saved = folder().save(*list, "trusted " + what); !saved) {
-    return say_no(console, saved.message());
-  }
-  console.out << "trusted: " << what << '\n';
+  const auto done = own_keys().trust(entry);
+  if (!done) return refuse_keys(console, done.message());
+  console.out << *done << '\n';
   return kExitDone;
 }
 
 ExitCode run_keys_list(const Options& o, const Console& console) {
-  const auto list = folder().trusted();
-  if (!list) return say_no(console, list.message());
+  const auto list = own_keys().trusted();
+  if (!list) return refuse_keys(console, list.message());
   if (o.json) {
     console.out << "[";
     const char* before = "";
@@ -114,25 +137,18 @@ ExitCode run_keys_list(const Options& o, const Console& console) {
   }
   for (const Trusted& entry : list->entries()) {
     console.out << entry.name << "  " << roles_text(entry.roles) << "  " << key_id(entry.key)
+                << (entry.next
+                        ? ", the next " + key_id(*entry.next) + " waits for its first session"
+                        : std::string())
                 << '\n';
   }
   return kExitDone;
 }
 
 ExitCode run_keys_remove(const Options& o, const Console& console) {
-  auto list = folder().trusted();
-  if (!list) return say_no(console, list.message());
-  const Trusted* entry = list->find(*o.word);
-  if (entry == nullptr) {
-    return say_no(console, "there is no '" + *o.word + "' in " + folder().trusted_path() +
-                               "; `handrail keys list` shows who is");
-  }
-  const std::string what = entry->name + ", key " + key_id(entry->key);
-  list->remove(*o.word);
-  if (const Status saved = folder().save(*list, "removed " + what); !saved) {
-    return say_no(console, saved.message());
-  }
-  console.out << "removed: " << what << "; a session of it ends within a second\n";
+  const auto done = own_keys().distrust(*o.word);
+  if (!done) return refuse_keys(console, done.message());
+  console.out << *done << "; a session of it ends within a second\n";
   return kExitDone;
 }
 

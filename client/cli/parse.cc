@@ -62,12 +62,20 @@ void add_calibrate_options(CLI::App& app, Options& o) {
   add_text(app, "--out", o.out, "FILE", "new file for the payload block of the slave's file");
 }
 
+void add_pair_options(CLI::App& app, Options& o) {
+  add_text(app, "--listen", o.listen, "ADDRESS[:PORT]",
+           "wait at this one; without it at every address, TCP port 47002");
+  add_text(app, "--with", o.with, "HOST[:PORT]", "the side that waits and shows the code");
+  add_text(app, "--code", o.code, "DIGITS", "its code; without this you are asked for it");
+}
+
 void add_options(CLI::App& app, const Takes& takes, Options& o) {
   if (takes.json) app.add_flag("--json", o.json, "print JSON");
   if (takes.watch) app.add_flag("--watch", o.watch, "refresh 5 times a second until Ctrl-C");
   if (takes.tool != nullptr) add_tool_options(app, o, takes.tool);
   if (takes.hold) app.add_flag("--hold", o.hold, "engaged while this runs: Ctrl-C disengages");
   if (takes.hand) add_hand_options(app, o);
+  if (takes.pair) add_pair_options(app, o);
   if (takes.calibrate) add_calibrate_options(app, o);
   if (takes.wish) {
     add_text(app, "--accuracy", o.accuracy, "LENGTH", "largest error, such as 0.01mm or 10um");
@@ -86,6 +94,8 @@ void add_options(CLI::App& app, const Takes& takes, Options& o) {
            name, [target = target](const std::string& text) { *target = text; }, "")
         ->required();
   }
+  app.add_option_function<std::string>(
+      "NEXT", [&o](const std::string& text) { o.next = text; }, "the key that is to replace it");
 }
 
 std::string default_socket() {

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "server/base/plain_text.h"
+
 namespace handrail {
 namespace {
 
@@ -23,9 +25,9 @@ Result<PublicKey> parse_key(std::string_view text) {
   const std::string expected =
       "expected p256: and 44 characters of base64, as `handrail keys "
       "show` prints it";
-  const std::string shown(text.substr(0, 64));
+  const std::string said = shown(text);
   if (text.size() != kPrefix.size() + kDigits || !text.starts_with(kPrefix)) {
-    return Status::error("'" + shown + "' is no key: " + expected);
+    return Status::error("'" + said + "' is no key: " + expected);
   }
   const std::string_view digits = text.substr(kPrefix.size());
   std::array<unsigned char, kDigits> out{};
@@ -36,7 +38,7 @@ Result<PublicKey> parse_key(std::string_view text) {
   // 2 or 3 begins a compressed point. Of one key one text.
   const bool point = key.bytes[0] == 2 || key.bytes[0] == 3;
   if (size < 0 || !point || key_text(key) != text) {
-    return Status::error("'" + shown + "' is no key: " + expected);
+    return Status::error("'" + said + "' is no key: " + expected);
   }
   return key;
 }

@@ -19,6 +19,18 @@ std::optional<Role> parse_role(std::string_view text) noexcept {
   return std::nullopt;
 }
 
+bool lead(Roles a, Roles b) noexcept {
+  return (a.has(Role::kMaster) && b.has(Role::kSlave)) ||
+         (a.has(Role::kSlave) && b.has(Role::kMaster));
+}
+
+bool meet(Roles a, Roles b) noexcept {
+  const auto serves = [](Roles master, Roles other) {
+    return master.has(Role::kMaster) && (other.has(Role::kOperator) || other.has(Role::kObserver));
+  };
+  return lead(a, b) || serves(a, b) || serves(b, a);
+}
+
 std::string roles_text(Roles roles) {
   std::string out;
   for (std::size_t i = 0; i < kNames.size(); ++i) {

@@ -77,6 +77,7 @@ class RemoteOperatorServer::Session : public std::enable_shared_from_this<Sessio
     ready_ = false;
     stream_.emplace(std::move(waiting_), *server_.tls_);
     DtlsContext::attach(stream_->native_handle(), &attached_);
+    if (!server_.keys_->show(stream_->native_handle(), DtlsContext::Own::kKey)) return end();
     stream_->async_handshake(ssl::stream_base::server,
                              guarded([this](TlsError error, std::size_t) { enter(error); }));
   }
@@ -122,6 +123,7 @@ class RemoteOperatorServer::Session : public std::enable_shared_from_this<Sessio
     boost::asio::local::connect_pair(outer, inner_, error);
     if (error) return end();
     server_.make_room(kMostSessions, [](const Session& s) { return s.has_entered(); });
+    settle_keys(server_.options_.keys, {attached_.own, attached_.peer.key});
     speaker_ = *who;
     deadline_ = kForever;
     server_.operators_.admit(std::move(outer), *speaker_);
@@ -203,6 +205,8 @@ Status RemoteOperatorServer::open(const RemoteOperatorOptions& options) {
                                 DtlsContext::Side::kServer, kOperators, DtlsContext::Over::kStream);
   if (!keys) return keys.status();
   keys_ = std::move(*keys);
+  const OwnEntry& own = options.keys.own;
+  if (Status set = keys_->set_own(own.key, own.next); !set) return set;
   SSL_CTX_up_ref(keys_->get());  // the other's reference
   tls_ = std::make_unique<ssl::context>(keys_->get());
   options_ = options;
@@ -264,24 +268,20 @@ void RemoteOperatorServer::tick(Nanos now) {
     if (session->is_late(now)) session->end();
   }
   std::erase_if(sessions_, [](const auto& session) { return !session->is_open(); });
-  take_trust(now);
+  follow_keys(options_.keys, now, changes_);
   accept();
   begin_handshake();
 }
 
-void RemoteOperatorServer::take_trust(Nanos now) {
-  if (!options_.keys.trust_news) return;
-  const auto news = options_.keys.trust_news(now);
-  if (!news) return;
-  if (!*news) {
-    return say(true, "operators: keys: " + news->message() + "; those trusted before stay so");
-  }
-  keys_->set_trusted(**news);
+void RemoteOperatorServer::take_trusted(const TrustList& trusted) {
+  keys_->set_trusted(trusted);
   say_trusted();
   for (const auto& session : sessions_) {
     if (!session->has_entered()) continue;
-    const Trusted* now_trusted = keys_->trusted().find(session->speaker()->key);
-    if (now_trusted == nullptr || !(*now_trusted == *session->speaker())) session->end();
+    const Trusted* now_trusted = trusted.find(session->shown().key);
+    const bool same = now_trusted != nullptr && now_trusted->name == session->speaker()->name &&
+                      now_trusted->roles == session->speaker()->roles;
+    if (!same) session->end();
   }
 }
 

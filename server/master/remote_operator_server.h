@@ -72,7 +72,7 @@ class RemoteOperatorServer {
   void accept();
   // Of one that has sent its hello, if its network's turn has come.
   void begin_handshake();
-  void take_trust(Nanos now);
+  void take_trusted(const TrustList& trusted);
   // Ends the one needed least of those that it `counts`, if there are `most` of them.
   template <typename Counts>
   void make_room(std::size_t most, Counts counts);
@@ -82,6 +82,10 @@ class RemoteOperatorServer {
     if (say_) say_(bad, line);
   }
 
+  const KeyChange changes_{
+      [this](bool bad, const std::string& line) { say(bad, "operators: " + line); },
+      [this](const OwnEntry& own) { return keys_->set_own(own.key, own.next); },
+      [this](const TrustList& trusted) { take_trusted(trusted); }};
   OperatorServer& operators_;
   boost::asio::ip::tcp::acceptor acceptor_;
   RemoteOperatorOptions options_;

@@ -30,6 +30,7 @@ Table part_rows() {
           {"server/base", {}},
           {"server/model", kBase},
           {"server/keys", kBase},
+          {"server/keys/pairing", kBase + Folders{"server/keys"}},
           {"server/daemon", kBase},
           {"server/task", kModel},
           {"server/kinematics", kModel},
@@ -60,8 +61,8 @@ Table program_rows() {
            daemons + Folders{"server/haptic", "server/constraint", "server/kinematics"}},
           {"server/slave", daemons + Folders{"server/follow", "devices/melfa", "devices/net_ft"}},
           {"client/api", kBase + Folders{"proto", "server/keys", "server/link/secure"}},
-          {"client/cli",
-           kModel + Folders{"proto", "server/keys", "server/task", "server/scene", "client/api"}},
+          {"client/cli", kModel + Folders{"proto", "server/keys", "server/keys/pairing",
+                                          "server/task", "server/scene", "client/api"}},
           {"client/console", kBase + Folders{"proto", "client/api"}}};
 }
 

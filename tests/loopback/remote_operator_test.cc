@@ -51,13 +51,9 @@ class RemoteOperators : public testing::Test {
       EXPECT_TRUE(desks.add(desk_.load()->entry()));
       EXPECT_TRUE(folder_of(name).save(desks, "a test"));
     }
-    const auto news = [this](Nanos) -> std::optional<Result<TrustList>> {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      if (!news_) return std::nullopt;
-      return Result<TrustList>(*std::exchange(news_, std::nullopt));
-    };
+    EXPECT_TRUE(desk_.save(trusted_, "a test"));
     EXPECT_TRUE(operators_.start(temp_.path() + "/operator.sock"));
-    EXPECT_TRUE(remote_.open({{*desk_.load(), trusted_, news}, "127.0.0.1", 0}));
+    EXPECT_TRUE(remote_.open({*secure_options(desk_), "127.0.0.1", 0}));
     remote_.on_say([this](bool, const std::string& line) {
       const std::lock_guard<std::mutex> lock(mutex_);
       said_ += line + "\n";
@@ -101,10 +97,7 @@ class RemoteOperators : public testing::Test {
   std::string id_of(const std::string& name) {
     return key_id(folder_of(name).load()->key.public_key());
   }
-  void trust(const TrustList& list) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    news_ = list;
-  }
+  void trust(const TrustList& list) { EXPECT_TRUE(desk_.save(list, "a test")); }
   std::string said() {
     const std::lock_guard<std::mutex> lock(mutex_);
     return said_;
@@ -147,7 +140,6 @@ class RemoteOperators : public testing::Test {
   boost::asio::steady_timer timer_{io_};
   bool ended_ = false;
   std::mutex mutex_;
-  std::optional<TrustList> news_;
   std::string said_;
   std::thread thread_;
 
@@ -288,6 +280,34 @@ TEST_F(RemoteOperators, ObserversMakeRoomForOperators) {
   EXPECT_EQ(sessions(), RemoteOperatorServer::kMostSessions);
   EXPECT_THAT(outcome(ben->call(status, kCallPatience)), HasSubstr("closed the connection"));
   for (const auto& anna : desks) EXPECT_EQ(outcome(anna->call(status, kCallPatience)), "done: ");
+}
+
+TEST_F(RemoteOperators, AnOperatorsNewKeyTakesThePlaceOfTheOldOnceTheMasterHasLetItIn) {
+  const PublicKey before = folder_of("anna").load()->key.public_key();
+  ASSERT_TRUE(folder_of("anna").create_next());
+  EXPECT_EQ(said_of("anna", &pb::Request::set_status), "done: ") << "with the old one";
+  EXPECT_EQ(folder_of("anna").load()->key.public_key(), before);
+  ASSERT_TRUE(desk_.trust(folder_of("anna").load()->entry()));
+  while (folder_of("anna").load()->key.public_key() == before && !HasFailure()) {
+    EXPECT_EQ(said_of("anna", &pb::Request::set_status), "done: ");
+  }
+  while (desk_.trusted()->find(before) != nullptr) sleep_until(monotonic_now() + kMillisecond);
+  EXPECT_EQ(said_of("anna", &pb::Request::set_status), "done: ") << "with the new one alone";
+}
+
+TEST_F(RemoteOperators, AMastersNewKeyTakesThePlaceOfTheOldOnceItsOperatorsKnowIt) {
+  const PublicKey before = desk_.load()->key.public_key();
+  TrustList few;
+  ASSERT_TRUE(few.add(folder_of("anna").load()->entry()));
+  trust(few);
+  ASSERT_TRUE(desk_.create_next());
+  const PublicKey next = desk_.load()->next->public_key();
+  ASSERT_TRUE(folder_of("anna").trust(desk_.load()->entry()));
+  while (desk_.load()->key.public_key() == before && !HasFailure()) {
+    EXPECT_EQ(said_of("anna", &pb::Request::set_status), "done: ");
+  }
+  EXPECT_EQ(desk_.load()->key.public_key(), next);
+  EXPECT_EQ(folder_of("anna").trusted()->find(before), nullptr);
 }
 
 }  // namespace

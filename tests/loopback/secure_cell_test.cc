@@ -3,6 +3,8 @@
 
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
+#include <sstream>
 
 #include "server/keys/key_folder.h"
 #include "tests/loopback/whole_cell.h"
@@ -56,6 +58,41 @@ class SecureCell : public WholeCell {
     return eventually([](const pb::Status& s) { return s.has_tip() && !s.peer().name().empty(); });
   }
 
+  // `handrail keys ...` of one side's user: its exit code.
+  int keys_order(const std::string& keys, std::vector<std::string> words) {
+    ::setenv("HANDRAIL_KEYS", keys.c_str(), 1);
+    words.insert(words.begin(), "keys");
+    Program program(folder, "handrail", words);
+    const int code = program.finish();
+    said = program.output();
+    return code;
+  }
+  // Types at one side what the other side's `keys show` prints.
+  int trust_at(const std::string& keys, const std::string& of) {
+    EXPECT_EQ(keys_order(of, {"show"}), 0);
+    std::istringstream line(said.substr(said.find("handrail keys trust ") + 14));
+    std::vector<std::string> words;
+    for (std::string word; words.size() < 5 && line >> word;) words.push_back(word);
+    return keys_order(keys, words);
+  }
+  // Waits until `old` is retired: the key that took its place.
+  static PublicKey settled(const KeyFolder& keys, const PublicKey& old) {
+    const Nanos give_up = monotonic_now() + Program::kPatience;
+    while (keys.load()->key.public_key() == old && monotonic_now() < give_up) {
+      sleep_until(monotonic_now() + 20 * kMillisecond);
+    }
+    EXPECT_FALSE(keys.load()->next);
+    return keys.load()->key.public_key();
+  }
+  static std::optional<Trusted> trusted_when_settled(const KeyFolder& keys, const char* name) {
+    const Nanos give_up = monotonic_now() + Program::kPatience;
+    while (keys.trusted()->find(name)->next && monotonic_now() < give_up) {
+      sleep_until(monotonic_now() + 20 * kMillisecond);
+    }
+    return *keys.trusted()->find(name);
+  }
+
+  std::string said;  // by the last keys_order()
   const std::string slave_keys = folder.path() + "/slave-keys";
   const std::string master_keys = folder.path() + "/master-keys";
   KeyFolder at_slave{slave_keys}, at_master{master_keys};
@@ -90,6 +127,49 @@ TEST_F(SecureCell, AKeyThatIsRemovedStopsTheArmAndIsNotLetInAgainUntilItIsTruste
   ASSERT_TRUE(at_slave.save(masters, "a test"));
   EXPECT_TRUE(connected());
   EXPECT_TRUE(slave_reaches("fault"));
+}
+
+TEST_F(SecureCell, EachSidesKeyIsChangedWhileTheArmFollowsAndTheOldOnesEnd) {
+  ASSERT_TRUE(connected());
+  order("engage: true");
+  ASSERT_TRUE(slave_reaches("engaged"));
+  const PublicKey old_cell = at_slave.load()->key.public_key();
+  const PublicKey old_desk = at_master.load()->key.public_key();
+
+  ASSERT_EQ(keys_order(slave_keys, {"new", "slave"}), 0);
+  ASSERT_EQ(trust_at(master_keys, slave_keys), 0);
+  const PublicKey new_cell = settled(at_slave, old_cell);
+  EXPECT_EQ(*trusted_when_settled(at_master, "cell"), (Trusted{"cell", Role::kSlave, new_cell}));
+  EXPECT_TRUE(eventually([&](const pb::Status& s) { return s.peer().key() == key_id(new_cell); }));
+
+  ASSERT_EQ(keys_order(master_keys, {"new", "master"}), 0);
+  // Not known yet: tried, refused and said at the slave; the old one serves.
+  EXPECT_NE(slave->after("shows key " + key_id(*at_master.load()->entry().next) +
+                         ", which is not trusted here"),
+            "");
+  ASSERT_EQ(trust_at(slave_keys, master_keys), 0);
+  const PublicKey new_desk = settled(at_master, old_desk);
+  EXPECT_EQ(*trusted_when_settled(at_slave, "desk"), (Trusted{"desk", Role::kMaster, new_desk}));
+
+  EXPECT_EQ(status().state(), "engaged");
+  EXPECT_EQ(status().slave_state(), "engaged");
+  const Vec3 before = mm(at_rest().tip());
+  EXPECT_GT((mm(move_hand("10, 0, 0").tip()) - before).norm(), 10.0);
+}
+
+TEST_F(SecureCell, ALostKeyIsMadeAnewAtTheMachineAndSaid) {
+  ASSERT_TRUE(connected());
+  std::filesystem::remove(at_slave.key_path());
+  (void)slave->after("; the key read before stays in use");
+  ASSERT_EQ(keys_order(slave_keys, {"new", "slave", "--as", "cell"}), 0);
+  EXPECT_EQ(slave->after("keys: ours is "), key_id(at_slave.load()->key.public_key()));
+  // Whoever made it, the master has another one pinned, and says what to do.
+  EXPECT_NE(trust_at(master_keys, slave_keys), 0);
+  ASSERT_EQ(keys_order(master_keys, {"remove", "cell"}), 0);
+  ASSERT_EQ(trust_at(master_keys, slave_keys), 0);
+  EXPECT_TRUE(eventually([&](const pb::Status& s) {
+    return s.peer().key() == key_id(at_slave.load()->key.public_key());
+  }));
 }
 
 TEST_F(SecureCell, ASlaveThatWasKilledAndStartedAgainIsFound) {

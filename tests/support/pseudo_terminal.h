@@ -29,6 +29,9 @@ class PseudoTerminal {
   bool works() const { return works_; }
   // What a program has for its output.
   int program() const { return program_; }
+  // For a child's Streams.
+  std::string path() const { return ::ttyname(program_); }
+  void type(const std::string& text) const { (void)!::write(user_, text.data(), text.size()); }
   // All that is shown from here on, until `part` has been `count` times; "" where it does not come
   // within `patience`.
   std::string shown_until(const std::string& part, int count, Nanos patience) {

@@ -40,9 +40,12 @@ class DtlsChannel {
   static constexpr long kMtu = 1280 - 40 - 8;
 
   // A client begins with the first tick(), a server by listen(). Null: there is no memory.
+  // `own`: which of our keys a client shows; a server shows the one that it is asked for.
   static std::unique_ptr<DtlsChannel> make(const DtlsContext& context, DatagramSocket& socket,
-                                           const Address& peer) noexcept;
-  DtlsChannel(const DtlsContext& context, DatagramSocket& socket, const Address& peer) noexcept;
+                                           const Address& peer,
+                                           DtlsContext::Own own = DtlsContext::Own::kKey) noexcept;
+  DtlsChannel(const DtlsContext& context, DatagramSocket& socket, const Address& peer,
+              DtlsContext::Own own) noexcept;
   ~DtlsChannel();
   DtlsChannel(const DtlsChannel&) = delete;
   DtlsChannel& operator=(const DtlsChannel&) = delete;
@@ -68,6 +71,8 @@ class DtlsChannel {
   State state() const noexcept { return state_; }
   Problem problem() const noexcept { return problem_; }
   const PeerKey& peer() const noexcept { return attached_.peer; }
+  // The key of ours that it shows.
+  const PublicKey& own() const noexcept { return attached_.own; }
   const Address& address() const noexcept { return attached_.address; }
 
  private:

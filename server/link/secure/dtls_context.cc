@@ -60,6 +60,13 @@ Certificate certificate_of(const OwnKey& key) {
   return made ? std::move(out) : Certificate(nullptr, X509_free);
 }
 
+// A key's id as a label of a name: "3f2a91bc07de55a1".
+std::string server_label(const PublicKey& key) {
+  std::string out = key_id(key);
+  std::erase(out, '-');
+  return out;
+}
+
 Status openssl_error(const char* what) {
   std::array<char, 256> text{};
   ERR_error_string_n(ERR_get_error(), text.data(), text.size());
@@ -72,7 +79,8 @@ Status openssl_error(const char* what) {
 Result<std::unique_ptr<DtlsContext>> DtlsContext::make(const OwnKey& key, TrustList trusted,
                                                        Side side, Roles wanted, Over over) {
   std::unique_ptr<DtlsContext> out(new DtlsContext(std::move(trusted), side, wanted, over));
-  if (const Status opened = out->open(key); !opened) return opened;
+  if (const Status set = out->set_own(key, std::nullopt); !set) return set;
+  if (const Status opened = out->open(); !opened) return opened;
   return out;
 }
 
@@ -81,19 +89,69 @@ DtlsContext::~DtlsContext() {
   SSL_CTX_free(context_);
 }
 
-Status DtlsContext::open(const OwnKey& key) {
+Result<DtlsContext::Shown> DtlsContext::in_envelope(const OwnKey& key) {
+  Certificate certificate = certificate_of(key);
+  if (certificate == nullptr) return openssl_error("no certificate can be made");
+  return Shown{key, std::move(certificate)};
+}
+
+Status DtlsContext::set_own(const OwnKey& key, const std::optional<OwnKey>& next) {
+  auto own = in_envelope(key);
+  if (!own) return own.status();
+  std::optional<Shown> after;
+  if (next) {
+    auto made = in_envelope(*next);
+    if (!made) return made.status();
+    after = std::move(*made);
+  }
+  own_ = std::move(*own);
+  next_ = std::move(after);
+  return Status::ok();
+}
+
+void DtlsContext::set_trusted(TrustList trusted) {
+  trusted_ = std::move(trusted);
+  names_.clear();
+  for (const Trusted& entry : trusted_.entries()) {
+    if (!entry.roles.has_any(wanted_)) continue;
+    const std::string name = server_label(entry.newest());
+    if (names_.size() + 1 + name.size() > TLSEXT_MAXLEN_host_name) break;
+    if (!names_.empty()) names_ += '.';
+    names_ += name;
+  }
+}
+
+bool DtlsContext::show(SSL* ssl, Own which) const noexcept {
+  const Shown& shown = which == Own::kNext && next_ ? *next_ : *own_;
+  attached(ssl)->own = shown.key.public_key();
+  // A name that is too long or has no memory is left out: the server then shows its present key.
+  if (side_ == Side::kClient && !names_.empty()) SSL_set_tlsext_host_name(ssl, names_.c_str());
+  return SSL_use_cert_and_key(ssl, shown.certificate.get(), shown.key.get(), nullptr, 1) == 1;
+}
+
+// Of a server's handshake, whether the client has sent names or not.
+int DtlsContext::on_name(SSL* ssl, int*, void* context) {
+  const auto* self = static_cast<const DtlsContext*>(context);
+  const char* said = SSL_get_servername(ssl, TLSEXT_NAMETYPE_host_name);
+  const std::string_view names = said == nullptr ? "" : said;
+  Own which = Own::kKey;
+  if (self->next_) {
+    const std::string ours = server_label(self->next_->key.public_key());
+    if (names.find(ours) != std::string_view::npos) which = Own::kNext;
+  }
+  return self->show(ssl, which) ? SSL_TLSEXT_ERR_NOACK : SSL_TLSEXT_ERR_ALERT_FATAL;
+}
+
+Status DtlsContext::open() {
   const bool calls = side_ == Side::kClient;
   if (over_ == Over::kDatagrams) {
     context_ = SSL_CTX_new(calls ? DTLS_client_method() : DTLS_server_method());
   } else {
     context_ = SSL_CTX_new(calls ? TLS_client_method() : TLS_server_method());
   }
-  const Certificate certificate = certificate_of(key);
-  if (context_ == nullptr || certificate == nullptr) return openssl_error("cannot begin");
+  if (context_ == nullptr) return openssl_error("cannot begin");
   const bool set = set_protocol() && SSL_CTX_set1_groups_list(context_, "P-256") == 1 &&
-                   SSL_CTX_set1_sigalgs_list(context_, "ECDSA+SHA256") == 1 &&
-                   SSL_CTX_use_certificate(context_, certificate.get()) == 1 &&
-                   SSL_CTX_use_PrivateKey(context_, key.get()) == 1;
+                   SSL_CTX_set1_sigalgs_list(context_, "ECDSA+SHA256") == 1;
   if (!set) return openssl_error("cannot be set up");
   SSL_CTX_set_options(context_, SSL_OP_NO_QUERY_MTU | SSL_OP_NO_TICKET | SSL_OP_NO_RENEGOTIATION |
                                     SSL_OP_CIPHER_SERVER_PREFERENCE);
@@ -103,6 +161,10 @@ Status DtlsContext::open(const OwnKey& key) {
   SSL_CTX_set_cert_verify_callback(context_, verify, this);
   SSL_CTX_set_cookie_generate_cb(context_, cookie_of);
   SSL_CTX_set_cookie_verify_cb(context_, is_cookie);
+  if (side_ == Side::kServer) {  // a client's is called too
+    SSL_CTX_set_tlsext_servername_callback(context_, on_name);
+    SSL_CTX_set_tlsext_servername_arg(context_, this);
+  }
   SSL_CTX_set_ex_data(context_, context_index(), this);
   return over_ == Over::kDatagrams ? open_cookies() : Status::ok();
 }

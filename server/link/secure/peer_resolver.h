@@ -10,17 +10,10 @@
 #include <boost/asio/ip/udp.hpp>
 
 #include "server/base/status.h"
+#include "server/keys/host_port.h"
 #include "server/link/secure/address.h"
 
 namespace handrail {
-
-// "HOST", "HOST:PORT", "[IPv6]:PORT" or an IPv6 address alone.
-struct HostPort {
-  std::string host;
-  std::uint16_t port = 0;
-};
-// The error says what was expected. `port`: where none is named.
-Result<HostPort> parse_host(const std::string& text, std::uint16_t port);
 
 // An address of this computer to listen at: "any" (all there are; `v6`: of which kind) or a number.
 // The error says what was expected.

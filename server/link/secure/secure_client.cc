@@ -10,7 +10,22 @@ using State = DtlsChannel::State;
 
 void SecureClient::set_trusted(TrustList trusted) {
   context_.set_trusted(std::move(trusted));
-  if (session_ != nullptr && !context_.trusts(session_->peer().key)) session_.reset();
+  newer_at_ = now_;
+  for (auto* channel : {&session_, &before_}) {
+    if (*channel != nullptr && !context_.trusts((*channel)->peer().key)) channel->reset();
+  }
+}
+
+Status SecureClient::set_own(const OwnKey& key, const std::optional<OwnKey>& next) {
+  newer_at_ = now_;
+  return context_.set_own(key, next);
+}
+
+bool SecureClient::wants_newer() const noexcept {
+  if (session_ == nullptr) return false;
+  const Trusted* who = context_.trusted().find(session_->peer().key);
+  return session_->own() != context_.newest_own() ||
+         (who != nullptr && who->newest() != session_->peer().key);
 }
 
 bool SecureClient::calls() const noexcept {
@@ -19,11 +34,9 @@ bool SecureClient::calls() const noexcept {
 
 void SecureClient::tick(Nanos now) noexcept {
   now_ = now;
-  if (attempt_ == nullptr && calls() && !addresses_.empty() && now >= not_before_) {
-    tried_ = addresses_[next_address_++ % addresses_.size()];
-    attempt_ = DtlsChannel::make(context_, socket_, tried_);
-    began_ = now;
-    ++counts_.attempts;
+  if (attempt_ == nullptr && !addresses_.empty()) {
+    const bool calling = calls();
+    if (now >= (calling ? not_before_ : newer_at_) && (calling || wants_newer())) begin(calling);
   }
   if (attempt_ == nullptr) return;
   attempt_->tick();
@@ -33,10 +46,27 @@ void SecureClient::tick(Nanos now) noexcept {
   settle();
 }
 
+void SecureClient::begin(bool calling) noexcept {
+  using Own = DtlsContext::Own;
+  beside_ = !calling;
+  if (calling) tried_ = addresses_[next_address_++ % addresses_.size()];
+  attempt_ = DtlsChannel::make(context_, socket_, beside_ ? session_->address() : tried_,
+                               beside_ || try_next_ ? Own::kNext : Own::kKey);
+  began_ = now_;
+  ++counts_.attempts;
+}
+
 void SecureClient::failed(DtlsChannel::Problem problem) noexcept {
   using Problem = DtlsChannel::Problem;
+  newer_at_ = now_ + kNewerKeyPause;
+  if (beside_) {
+    attempt_.reset();
+    return;
+  }
   const bool silent = problem == Problem::kNoAnswer;
-  // One that did not answer is called again at once.
+  if (!silent) try_next_ = problem == Problem::kWeAre && context_.has_next() && !try_next_;
+  // One that may want our next key is called again at once, and so is one that did not answer.
+  if (!silent && try_next_) return attempt_.reset();
   if (!silent) not_before_ = now_ + kRefusedPause;
   const bool says_more = problem_ != Problem::kNone && problem_ != Problem::kNoAnswer;
   if (!silent || !says_more || unanswered_) {
@@ -50,7 +80,13 @@ void SecureClient::failed(DtlsChannel::Problem problem) noexcept {
 void SecureClient::settle() noexcept {
   if (attempt_ == nullptr || attempt_->state() == State::kHandshake) return;
   if (attempt_->state() == State::kOpen) {
+    newer_at_ = now_ + kNewerKeyPause;
+    const bool newer = session_ == nullptr || attempt_->own() != session_->own() ||
+                       attempt_->peer().key != session_->peer().key;
+    if (beside_ && !newer) return attempt_.reset();
+    before_ = std::move(session_);
     session_ = std::move(attempt_);
+    opened_ = SessionKeys{session_->own(), session_->peer().key};
     since_ = now_;
     asking_ = kForever;
     problem_ = DtlsChannel::Problem::kNone;
@@ -78,11 +114,17 @@ std::optional<Transport::Arrival> SecureClient::receive(std::span<std::uint8_t> 
     const std::size_t size = session_->take(bytes, arrival->from, buffer);
     if (size != 0) {
       asking_ = kForever;
+      before_.reset();
       return Arrival{size, true};
     }
     // Ended by the other side, in order: another one is made.
     if (session_->state() == State::kClosed) session_.reset();
     if (!is_data(bytes)) return Arrival{0, false, true};
+  }
+  if (record && from(before_)) {
+    if (const std::size_t size = before_->take(bytes, arrival->from, buffer); size != 0) {
+      return Arrival{size, true};
+    }
   }
   ++counts_.strangers;
   return Arrival{0, false};

@@ -34,6 +34,14 @@ void SecureServer::set_trusted(TrustList trusted) {
   }
 }
 
+std::optional<SessionKeys> SecureServer::take_opened() noexcept {
+  for (Slot& slot : slots_) {
+    if (!slot.open() || std::exchange(slot.told, true)) continue;
+    return SessionKeys{slot.channel->own(), slot.channel->peer().key};
+  }
+  return std::nullopt;
+}
+
 std::optional<Transport::Arrival> SecureServer::receive(std::span<std::uint8_t> buffer) noexcept {
   const auto arrival = socket_.receive(wire_);
   if (!arrival) return std::nullopt;
@@ -91,7 +99,7 @@ Transport::Arrival SecureServer::greet(std::span<const std::uint8_t> bytes,
   if (listener_ == nullptr || !listener_->listen(bytes, from)) return kHandled;
   (void)handshakes_.take();
   if (leader_ == slot) leader_ = nullptr;
-  *slot = {std::move(listener_), *client_random(bytes), now_, now_, false};
+  *slot = {std::move(listener_), *client_random(bytes), now_, now_};
   settle(*slot);
   return kHandled;
 }

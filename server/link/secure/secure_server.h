@@ -51,6 +51,12 @@ class SecureServer final : public Transport {
   void tick(Nanos now) noexcept;
   // Sessions whose key is not in it any more end at once.
   void set_trusted(TrustList trusted);
+  // For handshakes from now on: sessions go on.
+  Status set_own(const OwnKey& key, const std::optional<OwnKey>& next) {
+    return context_.set_own(key, next);
+  }
+  // The keys of a session that has opened since, each once.
+  std::optional<SessionKeys> take_opened() noexcept;
 
   std::optional<Arrival> receive(std::span<std::uint8_t> buffer) noexcept override;
   void adopt_sender() noexcept override;
@@ -72,6 +78,7 @@ class SecureServer final : public Transport {
     Nanos since = 0;
     Nanos heard = 0;
     bool opened = false;  // counted as a session
+    bool told = false;    // by take_opened()
     bool open() const noexcept {
       return channel != nullptr && channel->state() == DtlsChannel::State::kOpen;
     }

@@ -3,9 +3,7 @@
 namespace handrail {
 namespace {
 
-std::string line_to_type(const std::string& name, Role role, const PublicKey& key) {
-  return "handrail keys trust " + name + " " + role_text(role) + " " + key_text(key);
-}
+std::string line_to_type(const Trusted& entry) { return "handrail keys trust " + line_text(entry); }
 
 std::string untrusted_text(const PeerKey& shown, const std::string& at, const TrustList& trusted,
                            LinkRoles roles) {
@@ -13,15 +11,14 @@ std::string untrusted_text(const PeerKey& shown, const std::string& at, const Tr
   if (!shown.shown) return "what is at " + at + " shows no key that Handrail knows";
   if (const Trusted* known = trusted.find(shown.key)) {
     return known->name + " at " + at + " is trusted here as " + roles_text(known->roles) +
-           ", not as " + other +
-           ": if that is meant, type here: " + line_to_type(known->name, roles.other, shown.key);
+           ", not as " + other + ": if that is meant, type here: " +
+           line_to_type({known->name, roles.other, known->key, known->next});
   }
   return "what is at " + at + " shows key " + key_id(shown.key) +
          ", which is not trusted here (as " + other + ": " + those_trusted(trusted, roles.other) +
-         "): a stranger; or if it is a key of yours, `handrail keys remove` the old name first if "
-         "it has one, and type "
-         "here: " +
-         line_to_type("NAME", roles.other, shown.key);
+         "): a stranger; or if it is a key of yours, type here what `handrail keys show` prints "
+         "there, such as: " +
+         line_to_type({"NAME", roles.other, shown.key});
 }
 
 }  // namespace
@@ -52,7 +49,7 @@ std::string problem_text(DtlsChannel::Problem problem, const PeerKey& shown, con
     case Problem::kWeAre:
       return "the " + other + " at " + place + " does not trust our key " + key_id(own.key) +
              " as " + role_text(roles.own) +
-             ": on that computer, type: " + line_to_type(own.name, roles.own, own.key);
+             ": on that computer, type: " + line_to_type({own.name, roles.own, own.key, own.next});
     case Problem::kNoAnswer:
       return "no " + other + " answers at " + place +
              ": is it started there, with link_address in "

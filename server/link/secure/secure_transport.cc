@@ -6,7 +6,6 @@
 #include "server/link/secure/secure_client.h"
 #include "server/link/secure/secure_server.h"
 #include "server/link/secure/secure_text.h"
-#include "server/link/secure/trust_watch.h"
 #include "server/link/secure/udp_socket.h"
 
 namespace handrail {
@@ -18,6 +17,8 @@ using Problem = DtlsChannel::Problem;
 constexpr Nanos kLookUpAgain = 5 * kSecond;
 // Between two lines about strangers: anybody who reaches the port can cause one.
 constexpr Nanos kStrangerPause = 10 * kSecond;
+// ... when it is the same key again. Chosen.
+constexpr Nanos kSameStrangerPause = 600 * kSecond;
 
 LinkIdentity no_session(const std::string& problem) {
   LinkIdentity out;
@@ -58,19 +59,14 @@ class SecureTransport : public ServedTransport {
   void say(bool bad, const std::string& line) {
     if (say_) say_(bad, line);
   }
-  void take_trust(Nanos now) {
+  void take_keys(Nanos now) {
     if (!std::exchange(said_trusted_, true)) say_trusted();
-    if (!options_.trust_news) return;
-    const auto news = options_.trust_news(now);
-    if (!news) return;
-    if (!*news) {
-      // What cannot be read lets nobody in, and nobody out whom it may still name.
-      say(true, "keys: " + news->message() + "; those trusted before stay so");
-      return;
-    }
-    options_.trusted = **news;
-    end_.set_trusted(**news);
-    say_trusted();
+    while (const auto opened = end_.take_opened()) settle_keys(options_, *opened);
+    follow_keys(options_, now, changes_);
+  }
+  void say_own(const OwnEntry& own) {
+    say(false, "keys: ours is " + key_id(own.key.public_key()) +
+                   (own.next ? ", the next " + key_id(own.next->public_key()) : ""));
   }
   void say_trusted() {
     const Roles other = context_->wanted();
@@ -96,6 +92,17 @@ class SecureTransport : public ServedTransport {
     return problem_text(problem, shown, at, options_.trusted, options_.own.entry(), roles);
   }
 
+  const KeyChange changes_{[this](bool bad, const std::string& line) { say(bad, line); },
+                           [this](const OwnEntry& own) {
+                             const Status set = end_.set_own(own.key, own.next);
+                             if (set && own.entry() != options_.own.entry()) say_own(own);
+                             return set;
+                           },
+                           [this](const TrustList& trusted) {
+                             end_.set_trusted(trusted);
+                             options_.trusted = trusted;
+                             say_trusted();
+                           }};
   SecureLinkOptions options_;
   std::shared_ptr<DtlsContext> context_;
   UdpSocket socket_;
@@ -119,11 +126,15 @@ class ListeningTransport final : public SecureTransport<SecureServer> {
   std::string place() const override { return place_at(address_); }
   void tick(Nanos now) override {
     end_.tick(now);
-    take_trust(now);
+    take_keys(now);
     say_session("encrypted session with ", end_.leader());
     const SecureServer::Refused& refused = end_.refused();
     if (refused.at == said_ || now < next_line_ || refused.problem == Problem::kNoAnswer) return;
     said_ = refused.at;
+    // A master whose next key is not trusted yet tries it again and again.
+    if (refused.peer.shown && refused.peer.key == said_stranger_ && now < same_again_) return;
+    said_stranger_ = refused.peer.key;
+    same_again_ = now + kSameStrangerPause;
     next_line_ = now + kStrangerPause;
     say(true, "refused: " + problem_of(refused.problem, refused.peer, refused.from,
                                        {Role::kSlave, Role::kMaster}));
@@ -142,7 +153,8 @@ class ListeningTransport final : public SecureTransport<SecureServer> {
  private:
   std::string address_;
   std::uint16_t port_;
-  Nanos said_ = -kForever, next_line_ = -kForever;
+  Nanos said_ = -kForever, next_line_ = -kForever, same_again_ = -kForever;
+  PublicKey said_stranger_;
 };
 
 class CallingTransport final : public SecureTransport<SecureClient> {
@@ -164,7 +176,7 @@ class CallingTransport final : public SecureTransport<SecureClient> {
       });
     }
     end_.tick(now);
-    take_trust(now);
+    take_keys(now);
     say_session("encrypted session with ", end_.session());
     const std::string problem = problem_now();
     if (problem == problem_) return;
@@ -200,6 +212,7 @@ Result<std::shared_ptr<DtlsContext>> context_of(const SecureLinkOptions& options
                                                 DtlsContext::Side side, Role wanted) {
   auto made = DtlsContext::make(options.own.key, options.trusted, side, wanted);
   if (!made) return made.status();
+  if (Status set = (*made)->set_own(options.own.key, options.own.next); !set) return set;
   return std::shared_ptr<DtlsContext>(std::move(*made));
 }
 
@@ -211,10 +224,39 @@ Result<SecureLinkOptions> secure_options(const KeyFolder& folder, const std::str
   if (!own) return Status::error(what + " needs a key: " + own.message());
   auto trusted = folder.trusted();
   if (!trusted) return trusted.status();
-  return SecureLinkOptions{*own, *trusted,
-                           [watch = std::make_shared<TrustWatch>(folder, stamp)](Nanos now) {
-                             return watch->poll(now);
-                           }};
+  return SecureLinkOptions{*own, *trusted, std::make_shared<KeyWatch>(folder, stamp)};
+}
+
+void settle_keys(const SecureLinkOptions& options, const SessionKeys& opened) {
+  if (options.watch == nullptr) return;
+  const Trusted* who = options.trusted.find(opened.theirs);
+  const bool settles =
+      options.own.entry().next == opened.ours || (who != nullptr && who->next == opened.theirs);
+  if (settles) options.watch->opened(opened);
+}
+
+void follow_keys(SecureLinkOptions& options, Nanos now, const KeyChange& change) {
+  const auto news = options.watch == nullptr ? std::nullopt : options.watch->poll(now);
+  if (!news) return;
+  const auto complain = [&](const Status& problem, const char* what_stays) {
+    if (!problem) change.say(true, "keys: " + problem.message() + what_stays);
+  };
+  complain(news->status(), "");
+  if (!*news) return;
+  complain((*news)->settled, "");
+  if (const auto& own = (*news)->own) {
+    const Status set = *own ? change.take_own(**own) : own->status();
+    complain(set, "; the key read before stays in use");
+    if (set) options.own = **own;
+  }
+  if (const auto& trusted = (*news)->trusted) {
+    // What cannot be read lets nobody in, and nobody out whom it may still name.
+    complain(trusted->status(), "; those trusted before stay so");
+    if (*trusted && **trusted != options.trusted) {
+      change.take_trusted(**trusted);
+      options.trusted = **trusted;
+    }
+  }
 }
 
 Result<TransportMaker> listening_link(SecureLinkOptions options, std::string address,

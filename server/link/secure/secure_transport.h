@@ -1,29 +1,38 @@
 // The encrypted link as a daemon serves it: keys, socket, session.
 #pragma once
 
-#include <functional>
-#include <optional>
+#include <memory>
 #include <string>
 
 #include "server/base/status.h"
 #include "server/keys/key_folder.h"
+#include "server/link/secure/key_watch.h"
 #include "server/link/secure/peer_resolver.h"
 #include "server/link/transport.h"
 
 namespace handrail {
 
-// The list of the trusted when it has changed on the disk; asked every tick, must not wait.
-using TrustNews = std::function<std::optional<Result<TrustList>>(Nanos now)>;
-
 struct SecureLinkOptions {
   OwnEntry own;
   TrustList trusted;
-  TrustNews trust_news;
+  std::shared_ptr<KeyWatch> watch;  // asked every tick; null: keys never change
 };
 
-// Key and list of a folder, and news of the list. The error says what needs a key and what to do.
+// Key and list of a folder, and news of them. The error says what needs a key and what to do.
 Result<SecureLinkOptions> secure_options(const KeyFolder& folder,
                                          const std::string& what = "the encrypted link");
+
+// A session has opened: where it settles a key that changes, the folder is told.
+void settle_keys(const SecureLinkOptions& options, const SessionKeys& opened);
+
+// What is done with news of the keys on the disk.
+struct KeyChange {
+  ServedTransport::Say say;
+  std::function<Status(const OwnEntry& own)> take_own;
+  std::function<void(const TrustList& trusted)> take_trusted;
+};
+// Follows them: asked every tick, never waits. What cannot be read is said, and changes nothing.
+void follow_keys(SecureLinkOptions& options, Nanos now, const KeyChange& change);
 
 // A slave's: listens at `address` (see UdpSocket::open) and `port`.
 Result<TransportMaker> listening_link(SecureLinkOptions options, std::string address,

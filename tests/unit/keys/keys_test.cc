@@ -72,7 +72,8 @@ TEST(TrustList, NamesTheLineThatIsWrong) {
   const std::string good = std::string("desk master ") + kPublic + "\n";
   for (const auto& [line, says] :
        {std::pair<std::string, std::string>{"desk master", "expected NAME"},
-        {std::string("a b c ") + kOther, "expected NAME"},
+        {std::string("a b c ") + kOther, "roles 'b'"},
+        {std::string("ben master ") + kOther + " " + kOther + " x", "expected NAME"},
         {std::string("b@d master ") + kOther, "is no name"},
         {std::string("ben king ") + kOther, "roles 'king'"},
         {std::string("ben master, ") + kOther, "roles 'master,'"},
@@ -84,6 +85,88 @@ TEST(TrustList, NamesTheLineThatIsWrong) {
     EXPECT_EQ(list.message().rfind("/keys/trusted:2: ", 0), 0u) << list.message();
     EXPECT_NE(list.message().find(says), std::string::npos) << list.message();
   }
+}
+
+TEST(TrustList, CommentsBlankLinesAndOrderStayWhenItIsWrittenAgain) {
+  const std::string before =
+      "# the cell\n\n  desk \t master " + std::string(kPublic) + "   # by the door\n#ben left\n";
+  const std::string ben = std::string("ben observer ") + kOther;
+  auto list = TrustList::parse(before + ben + "\n# the end", "trusted");
+  ASSERT_TRUE(list) << list.message();
+  EXPECT_EQ(list->text(), before + ben + "\n# the end\n");
+  // The same again changes nothing; other roles change their own line alone.
+  ASSERT_TRUE(list->add({"desk", Role::kMaster, *parse_key(kPublic)}));
+  EXPECT_EQ(list->text(), before + ben + "\n# the end\n");
+  ASSERT_TRUE(list->add({"desk", Role::kObserver, *parse_key(kPublic)}));
+  EXPECT_EQ(list->text(), "# the cell\n\ndesk observer " + std::string(kPublic) +
+                              " # by the door\n#ben left\n" + ben + "\n# the end\n");
+  EXPECT_TRUE(list->remove("desk"));
+  EXPECT_EQ(list->text(), "# the cell\n\n#ben left\n" + ben + "\n# the end\n");
+  ASSERT_TRUE(list->add({"desk", Role::kMaster, *parse_key(kPublic)}));
+  EXPECT_EQ(list->text(),
+            "# the cell\n\n#ben left\n" + ben + "\n# the end\ndesk master " + kPublic + "\n");
+}
+
+TEST(TrustList, AnEntryThatComesTwiceIsWrittenOnce) {
+  const std::string desk = std::string("desk master ") + kPublic;
+  const auto list = TrustList::parse(desk + "\n# x\ndesk observer " + kPublic + "\n", "trusted");
+  ASSERT_TRUE(list) << list.message();
+  EXPECT_EQ(list->text(), std::string("desk observer ") + kPublic + "\n# x\n");
+}
+
+TEST(TrustList, WhatItQuotesIsPlainText) {
+  for (const char* line :
+       {"de\x1bsk master p256:", "desk mas\x1bter p256:", "desk master p2\x1b"}) {
+    const auto list = TrustList::parse(line, "trusted");
+    ASSERT_FALSE(list);
+    EXPECT_EQ(list.message().find('\x1b'), std::string::npos) << list.message();
+  }
+}
+
+TEST(TrustList, ANextKeyStandsBehindTheKeyAndIsLetInToo) {
+  const std::string line = std::string("desk master ") + kPublic + " " + kOther;
+  auto list = TrustList::parse(line + "\n", "trusted");
+  ASSERT_TRUE(list) << list.message();
+  const Trusted both{"desk", Role::kMaster, *parse_key(kPublic), *parse_key(kOther)};
+  EXPECT_EQ(list->entries(), std::vector{both});
+  EXPECT_EQ(line_text(both), line);
+  EXPECT_EQ(list->find(*parse_key(kOther)), list->find("desk"));
+  EXPECT_EQ(both.newest(), *parse_key(kOther));
+  // Nobody else may have it.
+  EXPECT_FALSE(list->add({"ben", Role::kMaster, *parse_key(kOther)}));
+  for (const char* wrong : {kPublic, "p256:x"}) {
+    EXPECT_FALSE(TrustList::parse(std::string("desk master ") + kPublic + " " + wrong, "trusted"));
+  }
+}
+
+TEST(TrustList, ANextKeyComesWithTheKeyAndTakesItsPlace) {
+  const Trusted desk{"desk", Role::kMaster, *parse_key(kPublic)};
+  Trusted both = desk, newer = desk;
+  both.next = newer.key = *parse_key(kOther);
+  TrustList list;
+  ASSERT_TRUE(list.add(desk));
+  EXPECT_FALSE(list.add(newer));  // without the old one it could be anybody's
+  EXPECT_FALSE(list.retire_before(newer.key));
+  ASSERT_TRUE(list.add(both));
+  EXPECT_FALSE(list.retire_before(desk.key));
+  TrustList by_hand = list;
+  EXPECT_EQ(list.retire_before(newer.key), both);
+  EXPECT_EQ(list.entries(), std::vector{newer});
+  EXPECT_EQ(list.text(), line_text(newer) + "\n");
+  EXPECT_FALSE(list.add(desk));  // no way back
+  ASSERT_TRUE(by_hand.add(newer));
+  EXPECT_EQ(by_hand, list);
+}
+
+TEST(Roles, WhoHasSomethingToSayToWhom) {
+  const auto both = [](Role a, Role b) { return meet(a, b) && meet(b, a); };
+  EXPECT_TRUE(both(Role::kSlave, Role::kMaster) && both(Role::kMaster, Role::kOperator) &&
+              both(Role::kMaster, Role::kObserver));
+  for (const Role role : {Role::kMaster, Role::kSlave, Role::kOperator, Role::kObserver}) {
+    EXPECT_FALSE(meet(role, role));
+    EXPECT_FALSE(meet(role, Roles()));
+  }
+  EXPECT_FALSE(meet(Role::kSlave, Role::kOperator) || meet(Role::kObserver, Role::kOperator));
 }
 
 TEST(TrustList, TheSameNameAndKeyGetTheRolesTheyComeWith) {
