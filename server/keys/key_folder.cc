@@ -123,7 +123,7 @@ std::vector<std::string> KeyFolder::waits_for(const OwnEntry& own, const TrustLi
   std::vector<std::string> out;
   for (const Trusted& entry : list.entries()) {
     const auto& done = own.confirmed;
-    if (lead(own.roles, entry.roles) &&
+    if (meet(own.roles, entry.roles) &&
         std::find(done.begin(), done.end(), entry.name) == done.end()) {
       out.push_back(entry.name);
     }

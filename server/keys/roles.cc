@@ -19,16 +19,10 @@ std::optional<Role> parse_role(std::string_view text) noexcept {
   return std::nullopt;
 }
 
-bool lead(Roles a, Roles b) noexcept {
-  return (a.has(Role::kMaster) && b.has(Role::kSlave)) ||
-         (a.has(Role::kSlave) && b.has(Role::kMaster));
-}
-
 bool meet(Roles a, Roles b) noexcept {
-  const auto serves = [](Roles master, Roles other) {
-    return master.has(Role::kMaster) && (other.has(Role::kOperator) || other.has(Role::kObserver));
-  };
-  return lead(a, b) || serves(a, b) || serves(b, a);
+  const Roles masters_other = {Role::kSlave, Role::kOperator, Role::kObserver};
+  return (a.has(Role::kMaster) && b.has_any(masters_other)) ||
+         (b.has(Role::kMaster) && a.has_any(masters_other));
 }
 
 std::string roles_text(Roles roles) {

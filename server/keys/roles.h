@@ -41,8 +41,6 @@ class Roles {
   std::uint8_t bits_ = 0;
 };
 
-// True when an owner of one leads the arm of an owner of the other.
-bool lead(Roles a, Roles b) noexcept;
 // True when owners of these have something to say to each other: a slave and its master, a master
 // and who gives it orders or reads its status.
 bool meet(Roles a, Roles b) noexcept;
