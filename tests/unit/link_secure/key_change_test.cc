@@ -14,21 +14,21 @@ using test::Bytes;
 using test::SecurePair;
 using Problem = DtlsChannel::Problem;
 
-const Bytes kCommand(500, 0x17), kState(540, 0x42);
+const Bytes kThere(500, 0x17), kBack(540, 0x42);
 
 class KeyChange : public ::testing::Test {
  protected:
   void SetUp() override {
     ASSERT_TRUE(pair.connect());
-    ASSERT_TRUE(pair.say(kCommand));
+    ASSERT_TRUE(pair.say(kThere));
     (void)pair.slave.take_opened();
     (void)pair.master.take_opened();
   }
   // Both ends speak every millisecond.
   void run(Nanos time) {
     for (const Nanos end = pair.now + time; pair.now < end;) {
-      sent += pair.master.send(kCommand) ? 1u : 0u;
-      answered += pair.slave.send(kState) ? 1u : 0u;
+      sent += pair.master.send(kThere) ? 1u : 0u;
+      answered += pair.slave.send(kBack) ? 1u : 0u;
       pair.step();
     }
   }
