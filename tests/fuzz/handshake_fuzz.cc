@@ -186,11 +186,11 @@ class Link {
   }
 
   fuzz::Input in_;
+  std::vector<test::MadeUpNet::Datagram> waiting_;
   test::SecurePair pair_;
   const OwnKey next_ = *OwnKey::generate();
   bool honest_ = false;
   std::size_t said_ = 0;
-  std::vector<test::MadeUpNet::Datagram> waiting_;
 };
 
 }  // namespace

@@ -22,7 +22,7 @@ struct Side {
 
   void begin(Pairing::Side side, const char* code) {
     Pairing::Book book{
-        [this](const Trusted&) { return takes ? Status::ok() : Status::error("not\x1b taken"); },
+        [this](const Trusted&) { return takes ? Status::ok() : Status::error("not taken"); },
         [this](const Trusted& entry) {
           if (!writes) return Status::error("not written");
           kept.push_back(entry);
