@@ -137,6 +137,20 @@ TEST_F(Pair, ANameThatHasAnotherKeyIsRefusedAtBothSides) {
   EXPECT_FALSE(std::filesystem::exists(at_desk.trusted_path()));
 }
 
+TEST_F(Pair, PairingAgainTellsTheNextKeyAndKeepsComments) {
+  ASSERT_TRUE(at_desk.create("desk", Role::kMaster));
+  const std::string line = "# by the door\n" + line_text(at_desk.load()->entry()) + "  # on loan\n";
+  folder.write("cell/trusted", line);
+  ASSERT_TRUE(at_desk.create_next());
+  const auto cell = cell_listens();
+  const auto desk = pair_at(at_desk, desk_calls(code));
+  EXPECT_EQ(desk->finish(), 0) << desk->output();
+  EXPECT_EQ(cell->finish(), 0) << cell->output();
+  EXPECT_EQ(at_cell.trusted()->entries(), std::vector{at_desk.load()->entry()});
+  EXPECT_EQ(at_cell.trusted()->text(),
+            "# by the door\n" + line_text(at_desk.load()->entry()) + " # on loan\n");
+}
+
 TEST_F(Pair, WhatIsTypedWrongIsSaidBeforeAnybodyIsCalled) {
   for (const auto& [arguments, exit, says] :
        {std::tuple<std::vector<std::string>, int, const char*>{

@@ -31,7 +31,7 @@ class Pairing {
   };
   // Bytes of the other side. A pairing has 1.5 kB each way; more is somebody else's.
   static constexpr std::size_t kMostBytes = 16 * 1024;
-  static constexpr std::size_t kLongestLine = 512;  // bytes: a key's line has 150 at most
+  static constexpr std::size_t kLongestLine = 512;  // bytes: a key's line has 170 at most
 
   // `own`: how we are to be trusted at the other side. A caller has something to send at once.
   static Result<std::unique_ptr<Pairing>> make(Side side, const PairingCode& code, Trusted own,

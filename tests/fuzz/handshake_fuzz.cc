@@ -1,0 +1,210 @@
+// Both ends of the encrypted link on a network that loses, repeats, reorders, cuts, changes and
+// makes up datagrams, while keys and lists change. The input is a row of acts, each a byte and what
+// it needs.
+#include <malloc.h>
+#include <openssl/crypto.h>
+#include <sys/time.h>
+
+#include <cstdlib>
+#include <set>
+
+#include "tests/fuzz/fixed_random.h"
+#include "tests/fuzz/fuzz_target.h"
+#include "tests/unit/link_secure/made_up_net.h"
+
+namespace handrail {
+
+Nanos test::wall_clock = 1'700'000'000 * kSecond;
+
+namespace {
+
+using fuzz::require;
+using test::Bytes;
+
+// What OpenSSL holds at present. Counted from the program's start on, or not at all.
+std::size_t held = 0;
+void* count_malloc(std::size_t size, const char*, int) {
+  void* out = std::malloc(size);
+  held += out == nullptr ? 0 : ::malloc_usable_size(out);
+  return out;
+}
+void* count_realloc(void* old, std::size_t size, const char*, int) {
+  const std::size_t before = old == nullptr ? 0 : ::malloc_usable_size(old);
+  void* out = std::realloc(old, size);
+  if (out != nullptr || size == 0)
+    held += (out == nullptr ? 0 : ::malloc_usable_size(out)) - before;
+  return out;
+}
+void count_free(void* old, const char*, int) {
+  if (old != nullptr) held -= ::malloc_usable_size(old);
+  std::free(old);
+}
+const bool counted = CRYPTO_set_mem_functions(count_malloc, count_realloc, count_free) == 1;
+
+// Twelve channels at most (a slot each, one that listens, three of the client), each with its
+// buffers and a message of a handshake put together from fragments, which OpenSSL takes up to 100
+// kB of.
+constexpr std::size_t kMostHeld = 12 * 200 * 1024;
+
+class Link {
+ public:
+  explicit Link(fuzz::Bytes bytes) : in_(bytes) {
+    pair_.net.passes = [this](test::MadeUpNet::Datagram& datagram) {
+      if (honest_) return true;
+      if (waiting_.size() == kMostWaiting) waiting_.erase(waiting_.begin());
+      waiting_.push_back(datagram);
+      return false;
+    };
+  }
+
+  void run() {
+    const std::size_t before = held;
+    for (int acts = 0; !in_.empty() && acts < kMostActs; ++acts) {
+      act(in_.take<std::uint8_t>());
+      check();
+      require(!counted || held - std::min(before, held) < kMostHeld, "memory is bounded");
+    }
+    // Whatever it was, two that trust each other come together again.
+    honest_ = true;
+    trust(3);
+    (void)pair_.slave.set_own(pair_.slave_key, std::nullopt);
+    (void)pair_.master.set_own(pair_.master_key, std::nullopt);
+    const std::size_t got = pair_.slave_got.size();
+    for (int ms = 0; ms < kMostMs && (ms < 20 || pair_.slave_got.size() == got); ++ms) {
+      say(1);
+      pair_.step();
+      pair_.net.sent.clear();
+    }
+    check();
+    require(pair_.slave_got.size() > got, "the link comes back");
+  }
+
+ private:
+  static constexpr int kMostActs = 200, kMostMs = 8000;
+  static constexpr std::size_t kMostWaiting = 48;
+
+  void act(std::uint8_t what) {
+    switch (what % 10) {
+      case 0: pass(Nanos{1} << in_.take<std::uint8_t>() % 33); break;  // up to 8 s
+      case 1: pair_.step(); break;
+      case 2: deliver([](Bytes&) {}); break;
+      case 3:
+        deliver([this](Bytes& bytes) {
+          for (int i = in_.take<std::uint8_t>() % 4; i >= 0; --i) {
+            bytes[in_.take<std::uint16_t>() % bytes.size()] = in_.take<std::uint8_t>();
+          }
+        });
+        break;
+      case 4:
+        deliver([this](Bytes& bytes) { bytes.resize(in_.take<std::uint16_t>() % bytes.size()); });
+        break;
+      case 5: {  // two in one datagram
+        const Bytes tail = any_bytes();
+        deliver([&](Bytes& bytes) { bytes.insert(bytes.end(), tail.begin(), tail.end()); });
+        break;
+      }
+      case 6: {
+        const auto place = in_.take<std::uint8_t>();
+        const auto made_up = in_.take_bytes(in_.take<std::uint16_t>() % 2100);
+        const bool to_slave = (place & 1) != 0;
+        const auto& slave = pair_.slave_socket.own();
+        const auto& master = pair_.master_socket.own();
+        const Address from = (place & 2) != 0 ? test::address_of(3, 7) : to_slave ? master : slave;
+        pair_.net.put({from, to_slave ? slave : master, Bytes(made_up.begin(), made_up.end())});
+        break;
+      }
+      case 7:
+        honest_ = true;
+        for (int i = what / 10 % 8; i >= 0; --i) pair_.step();
+        honest_ = false;
+        break;
+      case 8: say(what); break;
+      default: change(in_.take<std::uint8_t>());
+    }
+    pair_.net.sent.clear();
+  }
+  void pass(Nanos time) {
+    pair_.now += time;
+    test::wall_clock += time;
+    pair_.step();
+  }
+  const test::MadeUpNet::Datagram* any() {
+    const auto which = in_.take<std::uint8_t>();
+    return waiting_.empty() ? nullptr : &waiting_[which % waiting_.size()];
+  }
+  Bytes any_bytes() {
+    const auto* datagram = any();
+    return datagram == nullptr ? Bytes() : datagram->bytes;
+  }
+  template <typename Change>
+  void deliver(Change damage) {
+    const auto* found = any();
+    if (found == nullptr) return;
+    auto datagram = *found;
+    damage(datagram.bytes);
+    if (datagram.bytes.size() > 2048) datagram.bytes.resize(2048);
+    if ((in_.take<std::uint8_t>() & 15) == 15) datagram.from = test::address_of(9, 9);
+    pair_.net.put(std::move(datagram));
+  }
+  void say(std::uint8_t what) {
+    ++said_;
+    const Bytes bytes(100, static_cast<std::uint8_t>(said_));
+    (void)((what & 16) != 0 ? pair_.slave.send(bytes) : pair_.master.send(bytes));
+  }
+  void trust(std::uint8_t which) {
+    const OwnKey& stranger = pair_.master_key;
+    pair_.slave.set_trusted(
+        test::trusting({{"desk", Role::kMaster,
+                         ((which & 1) != 0 ? pair_.master_key : pair_.slave_key).public_key(),
+                         (which & 4) != 0 ? std::optional(next_.public_key()) : std::nullopt}}));
+    pair_.master.set_trusted(test::trusting(
+        {{"cell", Role::kSlave, ((which & 2) != 0 ? pair_.slave_key : stranger).public_key(),
+          (which & 8) != 0 ? std::optional(next_.public_key()) : std::nullopt}}));
+  }
+  void change(std::uint8_t what) {
+    const std::optional<OwnKey> next = (what & 16) != 0 ? std::optional(next_) : std::nullopt;
+    if ((what & 32) != 0) (void)pair_.slave.set_own(pair_.slave_key, next);
+    if ((what & 64) != 0) (void)pair_.master.set_own(pair_.master_key, next);
+    if ((what & 128) != 0) trust(what);
+  }
+  void check() {
+    for (const auto* got : {&pair_.slave_got, &pair_.master_got}) {
+      for (const Bytes& bytes : *got) {
+        require(bytes.size() == 100 && std::set(bytes.begin(), bytes.end()).size() == 1,
+                "what arrives was said by the other end");
+      }
+      require(got->size() <= said_, "and once");
+    }
+    const DtlsChannel* leader = pair_.slave.leader();
+    require(leader == nullptr || pair_.slave_context->trusts(leader->peer().key),
+            "who leads is trusted");
+    const DtlsChannel* session = pair_.master.session();
+    require(session == nullptr || pair_.master_context->trusts(session->peer().key),
+            "so is who is called");
+    (void)pair_.slave.take_opened();
+    (void)pair_.master.take_opened();
+  }
+
+  fuzz::Input in_;
+  std::vector<test::MadeUpNet::Datagram> waiting_;
+  test::SecurePair pair_;
+  const OwnKey next_ = *OwnKey::generate();
+  bool honest_ = false;
+  std::size_t said_ = 0;
+};
+
+}  // namespace
+
+HANDRAIL_FUZZ(handshake) {
+  fuzz::fix_random();
+  Link(bytes).run();
+}
+
+}  // namespace handrail
+
+// libssl asks this one: of two of a name the program's own is taken.
+extern "C" int gettimeofday(timeval* now, void*) noexcept {
+  now->tv_sec = handrail::test::wall_clock / handrail::kSecond;
+  now->tv_usec = handrail::test::wall_clock % handrail::kSecond / handrail::kMicrosecond;
+  return 0;
+}
