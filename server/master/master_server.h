@@ -14,6 +14,7 @@ namespace handrail {
 struct MasterServerOptions {
   TransportMaker link;  // the master's end
   std::string operator_socket;
+  std::string slave_at;  // where a slave is looked for
 };
 
 // Mailboxes and desk must outlive the server.
