@@ -138,9 +138,9 @@ Status OperatorClient::connect(Nanos deadline) {
   while (::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
     if (errno != EAGAIN && errno != EINTR) {
       const int cause = errno;
-      return failure(cause == ENOENT         ? "no such socket; start handrail-master"
-                     : cause == ECONNREFUSED ? "nobody listens on the socket; start handrail-master"
-                                             : std::strerror(cause));
+      if (cause == ENOENT) return failure(std::string("no such socket; ") + kStartMaster);
+      if (cause != ECONNREFUSED) return failure(std::strerror(cause));
+      return failure(std::string("nobody listens on the socket; ") + kStartMaster);
     }
     if (cancelled_ != nullptr && cancelled_()) return failure("interrupted");
     if (monotonic_now() >= deadline) return failure("it does not accept connections");

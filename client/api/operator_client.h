@@ -22,6 +22,9 @@ enum ExitCode : int {
   kExitInterrupted = 130,
 };
 
+// How the error ends where nobody serves the socket.
+inline constexpr char kStartMaster[] = "start handrail-master";
+
 // One connection; not thread-safe. After a failed call the connection is closed, and the next call
 // opens a new one.
 class OperatorClient {

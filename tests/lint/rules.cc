@@ -60,8 +60,10 @@ Table program_rows() {
            daemons + Folders{"server/haptic", "server/constraint", "server/kinematics"}},
           {"server/slave", daemons + Folders{"server/follow", "devices/melfa", "devices/net_ft"}},
           {"client/api", kBase + Folders{"proto"}},
+          {"client/doctor", kModel + Folders{"proto", "server/keys", "server/link", "client/api"}},
           {"client/cli",
-           kModel + Folders{"proto", "server/keys", "server/task", "server/scene", "client/api"}},
+           kModel + Folders{"proto", "server/keys", "server/link", "server/link/secure",
+                            "server/task", "server/scene", "client/api", "client/doctor"}},
           {"client/console", kBase + Folders{"proto", "client/api"}}};
 }
 
