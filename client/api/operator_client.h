@@ -23,6 +23,9 @@ enum ExitCode : int {
   kExitInterrupted = 130,
 };
 
+// How the error ends where nobody serves the socket.
+inline constexpr char kStartMaster[] = "start handrail-master";
+
 class MasterStream;
 
 // One connection; not thread-safe. After a failed call the connection is closed, and the next call

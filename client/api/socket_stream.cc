@@ -15,6 +15,7 @@
 #include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
 
+#include "client/api/operator_client.h"
 #include "server/base/clock.h"
 #include "server/base/folder_owner.h"
 #include "server/base/pacer.h"
@@ -66,9 +67,9 @@ Status SocketStream::connect(Nanos deadline) {
   while (::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
     if (errno != EAGAIN && errno != EINTR) {
       const int cause = errno;
-      return failure(cause == ENOENT         ? "no such socket; start handrail-master"
-                     : cause == ECONNREFUSED ? "nobody listens on the socket; start handrail-master"
-                                             : std::strerror(cause));
+      if (cause == ENOENT) return failure(std::string("no such socket; ") + kStartMaster);
+      if (cause != ECONNREFUSED) return failure(std::strerror(cause));
+      return failure(std::string("nobody listens on the socket; ") + kStartMaster);
     }
     if (is_cancelled()) return failure("interrupted");
     if (monotonic_now() >= deadline) return failure("it does not accept connections");

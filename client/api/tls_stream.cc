@@ -68,7 +68,7 @@ class TlsStream final : public MasterStream {
   Result<Endpoints> look_up(const HostPort& where, Nanos deadline) const;
   Status reach(const Endpoints& endpoints, Nanos deadline);
   Status greet(Nanos deadline);
-  std::string problem_of(DtlsChannel::Problem problem) const;
+  std::string problem_with(DtlsChannel::Problem problem) const;
 
   const std::string host_;
   const bool with_next_;
@@ -188,15 +188,16 @@ void TlsStream::was_answered() {
   if (settles) (void)folder_.confirm(attached_.own, attached_.peer.key);
 }
 
-std::string TlsStream::problem_of(DtlsChannel::Problem problem) const {
+std::string TlsStream::problem_with(DtlsChannel::Problem problem) const {
   const bool observer = own_->roles.has(Role::kObserver) && !own_->roles.has(Role::kOperator);
-  return problem_text(problem, attached_.peer, attached_.address, keys_->trusted(), own_->entry(),
-                      {observer ? Role::kObserver : Role::kOperator, Role::kMaster});
+  return problem_of(problem, attached_.peer, attached_.address, keys_->trusted(), own_->entry(),
+                    {observer ? Role::kObserver : Role::kOperator, Role::kMaster})
+      .text();
 }
 
 std::string TlsStream::text_of(const error_code& error) const {
   if (attached_.peer.shown && !attached_.peer.trusted) {
-    return problem_of(DtlsChannel::Problem::kUntrusted);
+    return problem_with(DtlsChannel::Problem::kUntrusted);
   }
   if (error == ssl::error::stream_truncated) return "it closed the connection";
   if (error.category() != boost::asio::error::get_ssl_category()) {
@@ -205,7 +206,7 @@ std::string TlsStream::text_of(const error_code& error) const {
   if (ERR_GET_REASON(static_cast<unsigned long>(error.value())) ==
       SSL_R_SSLV3_ALERT_BAD_CERTIFICATE) {
     refused_ = true;
-    return problem_of(DtlsChannel::Problem::kWeAre);
+    return problem_with(DtlsChannel::Problem::kWeAre);
   }
   return "what is at " + address_text(attached_.address) +
          " does not agree on TLS 1.3 with keys of P-256: expected the operator port of a "

@@ -1,6 +1,7 @@
 #include "client/cli/calibrate_command.h"
 #include "client/cli/command.h"
 #include "client/cli/demo_command.h"
+#include "client/cli/doctor_command.h"
 #include "client/cli/engage_command.h"
 #include "client/cli/hand_command.h"
 #include "client/cli/keys_command.h"
@@ -49,6 +50,10 @@ constexpr Command kCommands[] = {
      run_status,
      {.json = true, .watch = true}},
     {"why", "Why the robot is not where the hand is", run_why, {.json = true, .watch = true}},
+    {"doctor",
+     "What is wrong with keys, link and machine, and what to type",
+     run_doctor,
+     {.json = true}},
     {"engage", "Let the hand drive the arm", run_engage, {.hold = true}},
     {"disengage", "Stop following; the arm holds", run_disengage, {}},
     {"clutch", "on: hand free, arm holds; off: follow again", run_clutch, {.word = "on|off"}},

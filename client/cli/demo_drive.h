@@ -7,7 +7,7 @@
 
 #include "client/api/operator_client.h"
 #include "client/cli/interrupt.h"
-#include "client/cli/machine_cost.h"
+#include "client/doctor/machine_cost.h"
 #include "server/base/spatial.h"
 
 namespace handrail {

@@ -10,6 +10,7 @@
 #include "server/base/own_places.h"
 #include "server/base/plain_text.h"
 #include "server/base/units.h"
+#include "server/base/version.h"
 #include "server/scene/field_check.h"
 
 namespace handrail {
@@ -167,7 +168,7 @@ ExitCode run_cli(const std::vector<std::string>& args, const Console& console) {
       ->type_name("NAME")
       ->check(
           CLI::Validator([](std::string& who) { return operator_name_problem(who); }, "", "name"));
-  app.set_version_flag("--version", "handrail " HANDRAIL_VERSION);
+  app.set_version_flag("--version", std::string("handrail ") + program_version());
   app.footer("Exit: 0 done, 1 refused, 2 usage or bad file, 3 no master, 130 ended by Ctrl-C.");
   std::map<std::string, CLI::App*> groups;
   std::vector<std::pair<CLI::App*, const Command*>> leaves;

@@ -106,6 +106,21 @@ std::string fitted(Screen screen, long most_rows) {
   return out;
 }
 
+// What master and slave are, where it is not the same.
+std::string program_differences(const pb::Status& s) {
+  if (!s.has_slave_program()) return {};
+  const pb::ProgramStatus &master = s.program(), &slave = s.slave_program();
+  const auto says = [](const char* what, const std::string& ours, const std::string& its) {
+    return line("", {std::string("differs: ") + what + ": master " + ours + ", slave " + its});
+  };
+  if (master.wire_version() != slave.wire_version()) {
+    return says("wire version", std::to_string(master.wire_version()),
+                std::to_string(slave.wire_version()));
+  }
+  return master.version() == slave.version() ? std::string()
+                                             : says("version", master.version(), slave.version());
+}
+
 void add_session(const pb::Status& s, Screen& screen) {
   screen.push_back({line("session", {s.state(), labelled("reason:", s.reason())}), 1});
   screen.push_back({line("", {labelled("wanted:", s.desired()), labelled("slave:", s.slave_state()),
@@ -115,6 +130,7 @@ void add_session(const pb::Status& s, Screen& screen) {
   for (const std::string& text : s.interventions()) {
     if (text != s.reason()) also += line("", {"also: " + text});
   }
+  differs = program_differences(s);
   for (const std::string& text : s.hash_mismatch()) differs += line("", {"differs: " + text});
   if (!also.empty()) screen.push_back({also, 6});
   if (s.has_ledger()) screen.push_back({line("why", {why_text(s.ledger())}), 0, 2});
@@ -129,6 +145,7 @@ void add_session(const pb::Status& s, Screen& screen) {
 // With whom, where keys say it.
 std::string peer_text(const pb::PeerStatus& peer) {
   if (!peer.problem().empty()) return line("peer", {peer.problem()});
+  if (!peer.encrypted()) return line("peer", {"no slave has answered at " + peer.place()});
   if (peer.name().empty()) return line("peer", {"encrypted link, no session"});
   return line("peer", {peer.name(), labelled("key", peer.key()), labelled("at", peer.address()),
                        labelled("for", number(peer.age_s(), 0) + " s"), "encrypted"});
@@ -207,7 +224,8 @@ std::string status_text(const pb::Status& s, long most_rows) {
   Screen screen;
   add_session(s, screen);
   screen.push_back({link_text(s), 4, 2});
-  if (s.peer().encrypted()) screen.push_back({peer_text(s.peer()), 2});
+  const bool alone = s.packet_age_ms() < 0.0 && s.peer().has_place() && !s.has_walls();
+  if (s.peer().encrypted() || alone) screen.push_back({peer_text(s.peer()), 2});
   screen.push_back({loop_text(s), 0, 2});
   screen.push_back({line("", {labelled("real time:", s.realtime())}), 5});
   if (s.log_lost() > 0 || s.slave_log_lost()) screen.push_back({line("", {log_text(s)}), 5});

@@ -56,12 +56,36 @@ RealtimeGrant enter_realtime(int priority) {
   return grant;
 }
 
+RealtimePermission realtime_permission(int priority) {
+  const auto limit_of = [](int resource) {
+    rlimit limit{};
+    const bool none = getrlimit(resource, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY;
+    return none ? -1L : static_cast<long>(limit.rlim_cur);
+  };
+  RealtimePermission out;
+  out.lock = may_lock_without_limit();
+  out.most_priority = limit_of(RLIMIT_RTPRIO);
+  const long locked = limit_of(RLIMIT_MEMLOCK);
+  out.most_locked_kb = locked < 0 ? locked : locked / 1024;
+  sched_param before{};
+  const int policy = sched_getscheduler(0);
+  if (policy < 0 || sched_getparam(0, &before) != 0) return out;
+  const sched_param wanted{priority};
+  out.fifo = sched_setscheduler(0, SCHED_FIFO, &wanted) == 0;
+  if (out.fifo) (void)sched_setscheduler(0, policy, &before);
+  return out;
+}
+
+std::string realtime_permission_line(const std::string& user) {
+  return "printf '" + user + " - rtprio 90\\n" + user +
+         " - memlock unlimited\\n' > /etc/security/limits.d/handrail.conf";
+}
+
 std::string realtime_advice(std::initializer_list<RealtimeGrant> grants) {
   const auto enough = [](const RealtimeGrant& grant) { return grant.fifo && grant.memory_locked; };
   if (std::all_of(grants.begin(), grants.end(), enough)) return {};
-  return "not in real time: late cycles are likelier; to be granted it, as root: printf "
-         "'USER - rtprio 90\\nUSER - memlock unlimited\\n' > /etc/security/limits.d/handrail.conf, "
-         "with this user's name for USER, then log in anew";
+  return "not in real time: late cycles are likelier; to be granted it, as root: " +
+         realtime_permission_line("USER") + ", with this user's name for USER, then log in anew";
 }
 
 }  // namespace handrail

@@ -21,6 +21,19 @@ struct RealtimeGrant {
 // at the start of a thread; not real-time safe itself.
 RealtimeGrant enter_realtime(int priority);
 
+// What the system would grant what this process starts.
+struct RealtimePermission {
+  bool fifo = false;        // SCHED_FIFO at the priority that was asked about
+  bool lock = false;        // all of the memory
+  long most_priority = 0;   // the limit on it; -1: none
+  long most_locked_kb = 0;  // the limit on locked memory; -1: none
+};
+// Tries `priority` (1 to 99) for the calling thread, which is then as it was; changes nothing else.
+RealtimePermission realtime_permission(int priority);
+
+// What root types, on one line, so that `user` is granted it from the next log-in on.
+std::string realtime_permission_line(const std::string& user);
+
 // What to do to be granted more, where one of a program's threads lacks what matters; else empty.
 std::string realtime_advice(std::initializer_list<RealtimeGrant> grants);
 

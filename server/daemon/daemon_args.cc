@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/base/output.h"
+#include "server/base/version.h"
 
 namespace handrail {
 namespace {
@@ -88,7 +89,7 @@ std::optional<int> answer_at_once(const Result<DaemonArgs>& args, const std::str
     return end_output(program, 0);
   }
   if (args->version) {
-    std::printf("%s %s\n", program.c_str(), HANDRAIL_VERSION);
+    std::printf("%s %s\n", program.c_str(), program_version());
     return end_output(program, 0);
   }
   return std::nullopt;

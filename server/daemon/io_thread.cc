@@ -17,7 +17,8 @@ void DaemonNews::serve(IoServer& server, const std::string& ready_line,
     notice_.stopping();
     control.request_stop();
   };
-  server.run({end, control.finished, [this](Nanos now, bool runs) { notice_.tick(now, runs); }});
+  server.run({end, control.finished, [this](Nanos now, bool runs) { notice_.tick(now, runs); },
+              control.realtime, io});
 }
 
 }  // namespace handrail

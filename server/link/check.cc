@@ -128,8 +128,8 @@ Reject check(const SlaveState& state) noexcept {
       check_enum(state.state), check_enum(state.reason), check_enum(state.fault),
       check_enum(state.obstacle), check_pose(state.X_ST_command), check_pose(state.X_ST),
       require(state.q_measured.allFinite() && is_finite(state.f_E_S), Reject::kNotFinite),
-      require(state.oldest_applied >= 0, Reject::kRange), check_ledger(state.ledger),
-      check_scene(state.scene));
+      require(state.oldest_applied >= 0 && state.program.calendar >= 0, Reject::kRange),
+      check_ledger(state.ledger), check_scene(state.scene));
 }
 
 }  // namespace handrail

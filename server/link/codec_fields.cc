@@ -201,6 +201,11 @@ void put(const SlaveState& s, pb::SlaveDatagram& m) {
   m.set_applied_sequence(s.applied_sequence);
   m.set_payload_removed(s.payload_removed);
   m.set_log_lost(s.log_lost);
+  m.set_calendar_ns(s.program.calendar);
+  m.set_program(s.program.version);
+  m.set_control_fifo(s.program.realtime.control_fifo);
+  m.set_memory_locked(s.program.realtime.memory_locked);
+  m.set_io_fifo(s.program.realtime.io_fifo);
   put(s.ledger, m);
   put(m.mutable_hashes(), s.hashes);
   m.mutable_scene()->assign(s.scene.data(), length_of(s.scene));
@@ -214,7 +219,9 @@ bool present(const pb::SlaveDatagram& m) {
          m.has_oldest_applied_ns() && m.has_cycles() && m.has_silences() && m.hashes_size() == 4 &&
          m.has_scene() && m.has_applied_sequence() && m.has_payload_removed() &&
          m.stage_offsets_size() == 3 * FollowLedger::kStages && m.has_stage_reasons() &&
-         m.has_limiting_joint() && m.has_engagement_epoch() && m.has_obstacle() && m.has_log_lost();
+         m.has_limiting_joint() && m.has_engagement_epoch() && m.has_obstacle() &&
+         m.has_log_lost() && m.has_calendar_ns() && m.has_program() && m.has_control_fifo() &&
+         m.has_memory_locked() && m.has_io_fifo();
 }
 
 bool take(const pb::SlaveDatagram& m, SlaveState& s) {
@@ -241,6 +248,7 @@ bool take(const pb::SlaveDatagram& m, SlaveState& s) {
   s.applied_sequence = m.applied_sequence();
   s.payload_removed = m.payload_removed();
   s.log_lost = m.log_lost();
+  s.program = {m.calendar_ns(), m.program(), {m.control_fifo(), m.memory_locked(), m.io_fifo()}};
   take(m, s.ledger);
   s.hashes = take_hashes(m.hashes());
   return take_scene(m.scene(), s.scene);

@@ -22,4 +22,9 @@ void seal_frame(DatagramKind kind, std::span<std::uint8_t> datagram) noexcept;
 Reject open_frame(DatagramKind expected, std::span<const std::uint8_t> datagram,
                   std::span<const std::uint8_t>& payload) noexcept;
 
+// Of a datagram that open_frame() refuses for it.
+inline std::uint8_t wire_version_of(std::span<const std::uint8_t> datagram) noexcept {
+  return datagram[4];
+}
+
 }  // namespace handrail

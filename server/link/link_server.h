@@ -140,6 +140,7 @@ class LinkServer {
       transport_->tick(now);
       receive(now);
       log_leader(now);
+      log_version(now);
       hooks_.on_tick(now);
     });
   }
@@ -177,6 +178,14 @@ class LinkServer {
     }
   }
 
+  void log_version(Nanos now) {
+    const int other = snapshot().other_version(now);
+    if (other == std::exchange(said_version_, other) || other == 0) return;
+    hooks_.say(true, "the " + peer_name_ + " speaks wire version " + std::to_string(other) +
+                         ", this program " + std::to_string(kWireVersion) +
+                         ": nothing of it is obeyed; install the same Handrail on both sides");
+  }
+
   const std::string own_loop_, peer_name_;
   const Doorbell& doorbell_;
   boost::asio::io_context io_{1};
@@ -192,6 +201,7 @@ class LinkServer {
   std::uint32_t peer_epoch_ = 0;
   bool speaking_ = false;
   bool said_full_ = false;
+  int said_version_ = 0;  // of the other side; 0: ours, or not heard
 };
 
 }  // namespace handrail

@@ -8,6 +8,10 @@
 
 namespace handrail {
 
+int LinkSnapshot::other_version(Nanos now) const noexcept {
+  return other_wire_at > received_at && now - other_wire_at <= kRefusalStands ? other_wire : 0;
+}
+
 Nanos LinkSnapshot::age(Nanos now) const noexcept {
   return received_at == -kForever ? kForever : std::max<Nanos>(now - received_at, 0);
 }
@@ -100,6 +104,12 @@ void PeerCore::take_echo(const DatagramHeader& header, Nanos now) noexcept {
 
 std::optional<Refusal> PeerCore::refuse(std::uint64_t session, Reject cause,
                                         std::string_view leader, Nanos now) noexcept {
+  // It can read no more of the answer than its version. Nobody's session, so that who can is not
+  // told anything.
+  if (cause == Reject::kVersion) {
+    if (!turns_.take(kOfOtherVersion, now)) return std::nullopt;
+    return Refusal{kOfOtherVersion, false, fixed_text<LeaderName>("another version"), 0};
+  }
   const bool led = cause == Reject::kSessionBusy || cause == Reject::kSessionRetired;
   if (!led || leader.empty() || !turns_.take(session, now)) return std::nullopt;
   return Refusal{session, cause == Reject::kSessionRetired, fixed_text<LeaderName>(leader),
@@ -117,6 +127,11 @@ Reject PeerCore::take(const Refusal& refusal, Nanos now) noexcept {
     snapshot_.round_trip = -1;
   }
   return Reject::kRefused;
+}
+
+void PeerCore::hear_version(std::uint8_t version, Nanos now) noexcept {
+  snapshot_.other_wire = version;
+  snapshot_.other_wire_at = now;
 }
 
 void PeerCore::count(Reject cause) noexcept {

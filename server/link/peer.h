@@ -12,6 +12,7 @@
 #include "server/base/time.h"
 #include "server/link/arrivals.h"
 #include "server/link/codec.h"
+#include "server/link/frame.h"
 #include "server/link/refusal_turns.h"
 #include "server/link/reject.h"
 #include "server/model/link_state.h"
@@ -50,11 +51,15 @@ struct LinkSnapshot {
   std::uint64_t withheld = 0;    // datagrams not sent: nothing true to say, or nobody to lead
   std::uint64_t accepted = 0;
   std::uint64_t rejected = 0;
-  Nanos refused_at = -kForever;  // when the slave last said that another leads it
-  Refusal refusal;               // what it said
+  Nanos refused_at = -kForever;     // when the slave last said that another leads it
+  Refusal refusal;                  // what it said
+  std::uint8_t other_wire = 0;      // the wire version of a datagram that is not of ours, and
+  Nanos other_wire_at = -kForever;  // when the newest came
 
   // The slave lately said that another master leads it, and nothing else since.
   bool refused(Nanos now) const noexcept;
+  // The wire version that the peer lately spoke, and nothing that can be read since; 0: none.
+  int other_version(Nanos now) const noexcept;
   // Time since the last fresh datagram; kForever when there was none in this session or any other.
   Nanos age(Nanos now) const noexcept;
   // Age of the newest own datagram the peer is known to have, however long the way there and back:
@@ -75,13 +80,15 @@ class PeerCore {
 
   // Judges a well-formed datagram from the other side; kNone: it is the newest. Real-time safe.
   Reject accept(const DatagramHeader& header, Nanos now) noexcept;
-  // What the sender of a datagram refused for another session's sake is to be told; none: nothing,
-  // or it is not its turn. `leader`: whose the present session is.
+  // What the sender of a datagram refused for another session's sake, or for its version, is to be
+  // told; none: nothing, or it is not its turn. `leader`: whose the present session is.
   std::optional<Refusal> refuse(std::uint64_t session, Reject cause, std::string_view leader,
                                 Nanos now) noexcept;
   // Takes what we are told when it is about our session. One that was replaced is over: what is
   // sent from then on begins another.
   Reject take(const Refusal& refusal, Nanos now) noexcept;
+  // A datagram was refused for its wire version.
+  void hear_version(std::uint8_t version, Nanos now) noexcept;
   void count(Reject cause) noexcept;
 
   bool can_send() const noexcept { return sequence_ != UINT64_MAX; }
@@ -148,6 +155,7 @@ class LinkPeer {
     if constexpr (kLeads) {
       if (cause == Reject::kKind) cause = on_refusal(bytes, now);
     }
+    if (cause == Reject::kVersion) core_.hear_version(wire_version_of(bytes), now);
     core_.count(cause);
     if (cause == Reject::kNone) newest_ = scratch_;
     return cause;

@@ -23,6 +23,9 @@ inline bool is_leader_name(std::string_view name) noexcept {
          });
 }
 
+// The session that a refusal names whose datagram was of another wire version: nobody's.
+inline constexpr std::uint64_t kOfOtherVersion = UINT64_MAX;
+
 struct Refusal {
   std::uint64_t refused_session = 0;  // of the datagram that was refused
   bool retired = false;               // another took that session's place: it never comes back

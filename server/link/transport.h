@@ -49,9 +49,10 @@ struct LinkIdentity {
   bool encrypted = false;
   std::string name;     // of the peer, in our list of the trusted; empty: no session
   std::string key_id;   // of its key
-  std::string address;  // where it is
+  std::string address;  // where it is, or is looked for
   Nanos age = 0;        // of the session
   std::string problem;  // why there is no session, and what to do; empty: nothing is known
+  std::string next;     // its end: what to do alone
 };
 
 // One that a daemon serves in its IO thread.

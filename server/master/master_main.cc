@@ -145,9 +145,11 @@ OrderDeskOptions desk_of(const pb::MasterConfig& config, const HapticCapabilitie
   OrderDeskOptions out;
   out.identity.device = capabilities.name;
   out.identity.device_simulated = capabilities.simulated;
+  out.identity.loop_warn = LadderSettings().warn_loop;
+  out.identity.loop_limit = milliseconds(config.loop_limit_ms());
   out.presence = presence_of(config, capabilities);
   out.user = own_user_name();
-  out.slave_at = config.has_slave() ? config.slave() : config.link_socket();
+  out.identity.slave_at = config.has_slave() ? config.slave() : config.link_socket();
   return out;
 }
 
@@ -220,7 +222,8 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
   };
   desk_options.loop_scene = loop_scene;
   OrderDesk desk(*boxes, *scene, desk_options);
-  const auto server = make_master_server(*boxes, desk, {*link, config.operator_socket(), *remote});
+  const auto server = make_master_server(
+      *boxes, desk, {*link, config.operator_socket(), desk_options.identity.slave_at, *remote});
   hold_endings();
   if (const Status opened = server->open(); !opened) return fail(opened.message());
   if (const Status opened = (*device)->open(); !opened) return fail(opened.message());

@@ -4,12 +4,16 @@
 
 #include <utility>
 
+#include "server/link/granted.h"
 #include "server/link/link_server.h"
 #include "server/link/session_watch.h"
 #include "server/master/loop_news.h"
 
 namespace handrail {
 namespace {
+
+// Who starts the programs by hand one after the other takes as long.
+constexpr Nanos kAlone = 3 * kSecond;
 
 class MasterServer final : public IoServer {
  public:
@@ -32,6 +36,7 @@ class MasterServer final : public IoServer {
 
   void run(ServerHooks hooks) override {
     alive_ = std::move(hooks.alive);
+    desk_.set_grants(granted(hooks.control, hooks.io));
     const auto end = [on_signal = std::move(hooks.on_signal)] {
       spdlog::info("told to end: disengaging");
       on_signal();
@@ -52,6 +57,7 @@ class MasterServer final : public IoServer {
     desk_.tick(now, loop_, link_.newest(), link_.snapshot());
     if (!loop_.report()) return;
     const HapticReport& report = *loop_.report();
+    if (!report.walls.present) say_alone(now);
     if (alive_) alive_(now, now <= report.good_until);
     const HapticOutput& out = report.out;
     const auto why = [&out](Reason reason) { return reason_text(reason, out.peer_fault); };
@@ -61,6 +67,17 @@ class MasterServer final : public IoServer {
     // Where no robot takes part, a slave is left to another master.
     if (report.walls.present) return link_.keep_silent(now);
     link_.send(now, report.out.link, report.sent_until, report.good_until);
+  }
+
+  // Once, where nothing else says why.
+  void say_alone(Nanos now) {
+    if (alone_since_ == kForever) alone_since_ = now;
+    if (said_alone_ || now - alone_since_ < kAlone) return;
+    said_alone_ = true;
+    if (link_.snapshot().peer_epoch != 0 || link_.snapshot().other_version(now) != 0) return;
+    if (!link_.identity(now).encrypted) {
+      say(true, "no slave has answered at " + options_.slave_at + ": start handrail-slave there");
+    }
   }
 
   static void say(bool bad, const std::string& line) {
@@ -75,6 +92,8 @@ class MasterServer final : public IoServer {
   RemoteOperatorServer remote_{link_.io(), operators_};
   LoopNews loop_;
   SessionWatch session_;
+  Nanos alone_since_ = kForever;
+  bool said_alone_ = false;
   std::function<void(Nanos, bool)> alive_;
 };
 

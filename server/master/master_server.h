@@ -16,6 +16,7 @@ namespace handrail {
 struct MasterServerOptions {
   TransportMaker link;  // the master's end
   std::string operator_socket;
+  std::string slave_at;                                   // where a slave is looked for
   std::optional<RemoteOperatorOptions> remote_operators;  // none: this computer's only
 };
 

@@ -243,8 +243,9 @@ void OrderDesk::take(const OrderAnswer& answer) {
 
 // The loop has taken what was ordered, or refused it.
 void OrderDesk::settle(const OrderAnswer& answer, Pending order) {
-  const bool bad_link =
-      answer.result == Reason::kLinkQuality || answer.result == Reason::kNotConfirmed;
+  const bool bad_link = answer.result == Reason::kLinkQuality ||
+                        answer.result == Reason::kNotConfirmed ||
+                        (answer.result == Reason::kNoPeer && session_on_its_way());
   if (bad_link && order.until == Until::kEngaged && now_ - order.since < kLinkPatience) {
     order.place = Place::kHere;
     pending_.push_back(std::move(order));
@@ -262,7 +263,9 @@ void OrderDesk::settle(const OrderAnswer& answer, Pending order) {
     if (bad_link && report_ && answer.result == Reason::kLinkQuality) {
       text = link_quality_text(report_->out, link_, now_);
     }
-    if (order.until == Until::kEngaged) text += with_colon(link_problem());
+    if (order.until == Until::kEngaged) {
+      text += with_colon(answer.result == Reason::kNoPeer ? unheard() : link_problem());
+    }
     if (order.until == Until::kEngaged && report_ && link_.peer_epoch != 0) {
       for (const std::string& difference : hash_mismatches(report_->out.link, slave_)) {
         text += "; " + difference;

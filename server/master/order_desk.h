@@ -22,7 +22,6 @@ struct OrderDeskOptions {
   MasterIdentity identity;
   Presence presence = Presence::kNone;  // what the configuration wants
   std::string user = "operator";        // who speaks when a request does not say
-  std::string slave_at;                 // where a slave is looked for
   // A scene by name; the error says why there is none. Must not wait: asked again every tick while
   // it gives nothing, as the disk takes its time.
   std::function<std::optional<Result<Scene>>(const std::string& name)> load_scene;
@@ -54,6 +53,7 @@ class OrderDesk : public OperatorHandler {
     options_.identity.link = std::move(link);
   }
   void set_realtime(std::string report) { options_.identity.realtime = std::move(report); }
+  void set_grants(const RealtimeGrants& grants) { options_.identity.grants = grants; }
 
   void handle(const pb::Request& request, std::function<void(pb::Reply)> reply,
               StillWaits waits) override;
@@ -132,6 +132,8 @@ class OrderDesk : public OperatorHandler {
   std::string unheard() const;
   // Why no session over the encrypted link can be had; empty: one is, or nothing is known.
   std::string link_problem() const;
+  // A session over the encrypted link may be had any moment: nothing is known against it.
+  bool session_on_its_way() const;
   bool stop_on_its_way() const;
   void send_reset();
   bool scene_may_change() const;

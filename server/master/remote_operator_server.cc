@@ -341,10 +341,10 @@ void RemoteOperatorServer::refused(const Session& session) {
   if (now < next_line_) return;
   next_line_ = now + kLinePause;
   if (session.shown().shown) {
-    say(true,
-        "refused: " + problem_text(DtlsChannel::Problem::kUntrusted, session.shown(),
-                                   session.from(), keys_->trusted(), options_.keys.own.entry(),
-                                   {Role::kMaster, Role::kOperator}));
+    const LinkProblem problem =
+        problem_of(DtlsChannel::Problem::kUntrusted, session.shown(), session.from(),
+                   keys_->trusted(), options_.keys.own.entry(), {Role::kMaster, Role::kOperator});
+    say(true, "refused: " + problem.text());
   } else {
     say(true, "refused: what is at " + address_text(session.from()) +
                   " shows no key over TLS 1.3 on the operators' port, as `handrail --master` does");

@@ -4,7 +4,10 @@
 
 #include <algorithm>
 
+#include "server/base/clock.h"
 #include "server/base/units.h"
+#include "server/base/version.h"
+#include "server/link/codec.h"
 #include "server/master/set_vector.h"
 #include "server/master/why_report.h"
 
@@ -159,15 +162,52 @@ std::vector<std::string> hash_mismatches(const MasterState& master, const SlaveS
 
 namespace {
 
-void set_peer(const LinkIdentity& link, pb::PeerStatus& out) {
+void set_peer(const LinkIdentity& link, const std::string& slave_at, pb::PeerStatus& out) {
   out.set_encrypted(link.encrypted);
+  out.set_place(slave_at);
+  if (!link.address.empty()) out.set_address(link.address);
   if (!link.name.empty()) {
     out.set_name(link.name);
     out.set_key(link.key_id);
-    out.set_address(link.address);
     out.set_age_s(to_seconds(link.age));
   }
-  if (!link.problem.empty()) out.set_problem(link.problem);
+  if (link.problem.empty()) return;
+  out.set_problem(link.problem);
+  out.set_next(link.next);
+}
+
+void set_program(const ProgramNews& program, Nanos since, pb::ProgramStatus& out) {
+  out.set_version(version_text(program.version));
+  out.set_wire_version(kWireVersion);
+  out.set_calendar_s(to_seconds(program.calendar + since));
+  out.set_control_fifo(program.realtime.control_fifo);
+  out.set_memory_locked(program.realtime.memory_locked);
+  out.set_io_fifo(program.realtime.io_fifo);
+}
+
+// Of the slave as far as it is heard. Its calendar goes on since its newest datagram was sent.
+void set_slave_program(const SlaveState& slave, const LinkSnapshot& link, bool known, Nanos now,
+                       pb::Status& s) {
+  if (const int other = link.other_version(now); other != 0) {
+    s.mutable_slave_program()->set_wire_version(static_cast<std::uint32_t>(other));
+  } else if (known && link.age(now) <= kConfirmedAge) {
+    const Nanos way = std::max<Nanos>(link.round_trip, 0) / 2;
+    set_program(slave.program, link.age(now) + way, *s.mutable_slave_program());
+  }
+}
+
+void set_gate(const MasterIdentity& identity, const HapticOutput& out, pb::LinkGate& gate) {
+  const LinkShares& shares = out.link_shares;
+  gate.set_window_s(to_seconds(out.link_window));
+  gate.set_heard_share(shares.heard);
+  gate.set_held_share(shares.held);
+  gate.set_peer_held_share(shares.peer_held);
+  gate.set_most_held_share(kMostHeld);
+  gate.set_lost_share(shares.lost);
+  gate.set_peer_lost_share(shares.peer_lost);
+  gate.set_most_lost_share(kMostLost);
+  gate.set_loop_warn_ms(milliseconds(identity.loop_warn));
+  gate.set_loop_limit_ms(milliseconds(identity.loop_limit));
 }
 
 }  // namespace
@@ -184,7 +224,11 @@ pb::Status status_report(const MasterIdentity& identity, const HapticReport& rep
   s.set_device(identity.device);
   s.set_device_simulated(identity.device_simulated);
   s.set_realtime(identity.realtime);
-  if (identity.link) set_peer(identity.link(now), *s.mutable_peer());
+  if (identity.link) set_peer(identity.link(now), identity.slave_at, *s.mutable_peer());
+  set_program({calendar_now(), version_code(program_version()), identity.grants}, 0,
+              *s.mutable_program());
+  set_slave_program(slave, link, known, now, s);
+  set_gate(identity, out, *s.mutable_gate());
   s.set_log_lost(identity.log_lost ? identity.log_lost() : 0);
   set_loop(report, s);
   set_link(link, known, now, s);

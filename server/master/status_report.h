@@ -16,6 +16,10 @@ struct MasterIdentity {
   std::string device;
   bool device_simulated = false;
   std::string realtime;  // what the haptic thread got
+  RealtimeGrants grants = {};
+  std::string slave_at = {};  // where a slave is looked for
+  Nanos loop_warn = 0;        // an older loop is said
+  Nanos loop_limit = 0;       // an older one takes the force away
   // Lines of the log that were lost so far; empty: nobody counts.
   std::function<std::uint64_t()> log_lost = {};
   // Who is at the other end of the link; empty: nobody knows.

@@ -44,7 +44,16 @@ void OrderDesk::stop(ReplyTo reply) {
 }
 
 std::string OrderDesk::link_problem() const {
+  if (const int other = link_.other_version(now_); other != 0) {
+    return fmt::format(
+        "the slave speaks wire version {}, this master {}: install the same Handrail on both sides",
+        other, kWireVersion);
+  }
   return options_.identity.link ? options_.identity.link(now_).problem : std::string();
+}
+
+bool OrderDesk::session_on_its_way() const {
+  return options_.identity.link && options_.identity.link(now_).encrypted && link_problem().empty();
 }
 
 std::string OrderDesk::unheard() const {
@@ -57,7 +66,8 @@ std::string OrderDesk::unheard() const {
   if (report_->walls.present) return describe(Reason::kNoArmInScene);
   if (const std::string problem = link_problem(); !problem.empty()) return problem;
   if (link_.peer_epoch == 0) {
-    return "no slave has answered at " + options_.slave_at + ": start handrail-slave there";
+    return "no slave has answered at " + options_.identity.slave_at +
+           ": start handrail-slave there";
   }
   return fmt::format("the slave was last heard {} ms ago, and what it has latched stays",
                      link_.age(now_) / kMillisecond);

@@ -95,6 +95,25 @@ struct FollowLedger {
   std::int8_t joint = -1;  // 0 to 5: the joint that limits; -1: none or all
 };
 
+// What the system grants a daemon of what it asks for.
+struct RealtimeGrants {
+  bool control_fifo = false;   // SCHED_FIFO for the thread that it is there for
+  bool memory_locked = false;  // all of it, now and later
+  bool io_fifo = false;        // SCHED_FIFO for the thread that serves the link
+
+  constexpr bool all() const noexcept { return control_fifo && memory_locked && io_fifo; }
+  friend bool operator==(const RealtimeGrants&, const RealtimeGrants&) = default;
+};
+
+// What a program tells of itself and its computer, for people. Nothing is decided by it.
+struct ProgramNews {
+  Nanos calendar = 0;         // calendar_now() when it was said
+  std::uint32_t version = 0;  // version_code()
+  RealtimeGrants realtime;
+
+  friend bool operator==(const ProgramNews&, const ProgramNews&) = default;
+};
+
 // Slave to master.
 struct SlaveState {
   SessionState state = SessionState::kOff;
@@ -122,6 +141,7 @@ struct SlaveState {
   FollowLedger ledger;
   SectionHashes hashes;
   SceneName scene{};
+  ProgramNews program;
 };
 
 }  // namespace handrail

@@ -2,8 +2,12 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <utility>
 
+#include "server/base/clock.h"
+#include "server/base/version.h"
+#include "server/link/granted.h"
 #include "server/link/link_server.h"
 #include "server/link/session_watch.h"
 #include "server/session/session.h"
@@ -26,6 +30,7 @@ class SlaveServer final : public IoServer {
 
   void run(ServerHooks hooks) override {
     alive_ = std::move(hooks.alive);
+    program_.realtime = granted(hooks.control, hooks.io);
     link_.run({[this](Nanos now) { hear(now); }, [this](Nanos now) { tick(now); },
                std::move(hooks.on_signal), std::move(hooks.finished), say});
   }
@@ -50,6 +55,8 @@ class SlaveServer final : public IoServer {
       say(told.state == SessionState::kFault, *line);
     }
     told.log_lost = options_.log_lost && options_.log_lost() > 0;
+    told.program = program_;
+    told.program.calendar = std::max<Nanos>(calendar_now(), 0);
     if (scene_missing_ && told.state == SessionState::kOff) told.reason = Reason::kSceneNotLoaded;
     link_.send(now, told, report_.good_until, report_.good_until);
   }
@@ -105,14 +112,17 @@ class SlaveServer final : public IoServer {
     // The master has gone on to another.
     if (first_difference(link_.newest(), tried_) != Reason::kNone) return;
     scene_missing_ = !*loaded;
-    if (!*loaded) {
-      if (loaded->message() != scene_problem_) {
-        spdlog::error("the master's scene '{}' cannot be loaded: {}", name, loaded->message());
-      }
-      scene_problem_ = loaded->message();
-      return;
+    const Reason still = *loaded ? first_difference(link_.newest(), **loaded) : Reason::kNone;
+    std::string problem;
+    if (!*loaded) problem = "cannot be loaded: " + loaded->message();
+    if (still != Reason::kNone) {
+      problem = std::string("is another than the file of that name here: ") + describe(still);
     }
-    scene_problem_.clear();
+    if (!problem.empty() && problem != scene_problem_) {
+      spdlog::error("the master's scene '{}' {}", name, problem);
+    }
+    scene_problem_ = problem;
+    if (!*loaded) return;
     if (name != text_of(report_.state.scene)) {
       spdlog::info("scene '{}', as the master has it", name);
     }
@@ -134,6 +144,7 @@ class SlaveServer final : public IoServer {
   SlaveServerOptions options_;
   LinkServer<SlaveState, MasterState> link_{"robot", "master", boxes_.doorbell};
   SlaveReport report_;
+  ProgramNews program_{0, version_code(program_version()), {}};
   bool known_ = false;  // the robot loop has spoken
   SessionWatch session_;
   ConnectionWatch connection_{options_.robot};

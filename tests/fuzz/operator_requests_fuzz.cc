@@ -30,7 +30,7 @@ class Desk {
  public:
   explicit Desk(fuzz::Bytes bytes) : in_(bytes) {
     OrderDeskOptions options;
-    options.slave_at = "127.0.0.1:47002";
+    options.identity.slave_at = "127.0.0.1:47002";
     options.load_scene = [this](const std::string& name) { return load(name); };
     options.loop_scene = [](const Scene& scene) {
       return LoopScene{haptic_settings(scene, HapticCapabilities())};

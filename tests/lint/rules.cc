@@ -61,8 +61,10 @@ Table program_rows() {
            daemons + Folders{"server/haptic", "server/constraint", "server/kinematics"}},
           {"server/slave", daemons + Folders{"server/follow", "devices/melfa", "devices/net_ft"}},
           {"client/api", kBase + Folders{"proto", "server/keys", "server/link/secure"}},
+          {"client/doctor", kModel + Folders{"proto", "server/keys", "server/link", "client/api"}},
           {"client/cli", kModel + Folders{"proto", "server/keys", "server/keys/pairing",
-                                          "server/task", "server/scene", "client/api"}},
+                                          "server/link", "server/link/secure", "server/task",
+                                          "server/scene", "client/api", "client/doctor"}},
           {"client/console", kBase + Folders{"proto", "client/api"}}};
 }
 

@@ -2,62 +2,17 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
-#include <cstdlib>
 #include <filesystem>
 #include <sstream>
 
-#include "server/keys/key_folder.h"
-#include "tests/loopback/whole_cell.h"
+#include "tests/loopback/secure_cell.h"
 
 namespace handrail {
 namespace {
 
-class SecureCell : public WholeCell {
+// With what a change of keys needs.
+class ChangedKeys : public SecureCell {
  protected:
-  void SetUp() override {
-    make_keys();
-    start_rig();
-    launch_secure_slave();
-    launch_secure_master();
-  }
-  void TearDown() override { ::unsetenv("HANDRAIL_KEYS"); }
-
-  void make_keys() {
-    const auto cell = at_slave.create("cell", Role::kSlave);
-    const auto desk = at_master.create("desk", Role::kMaster);
-    ASSERT_TRUE(cell && desk);
-    TrustList masters, slaves;
-    ASSERT_TRUE(masters.add(desk->entry()) && slaves.add(cell->entry()));
-    ASSERT_TRUE(at_slave.save(masters, "a test") && at_master.save(slaves, "a test"));
-  }
-  std::unique_ptr<Program> launch_with(const std::string& keys, const std::string& name,
-                                       const std::string& config, const std::string& link) {
-    ::setenv("HANDRAIL_KEYS", keys.c_str(), 1);
-    return std::make_unique<Program>(
-        folder, name,
-        std::vector<std::string>{"--config", folder.write(name + ".cfg", config), "--link", link});
-  }
-  void launch_secure_slave() {
-    slave = launch_with(slave_keys, "handrail-slave",
-                        "link_port: " + std::to_string(link_port) +
-                            " robot { port: " + std::to_string(robot_port) +
-                            " } force_sensor { port: " + std::to_string(sensor_port) + " }",
-                        "127.0.0.1");
-    link_port = slave->number_after("READY link=127.0.0.1:");
-  }
-  void launch_secure_master(const std::string& more = {}) {
-    // A hand without tremor and drift, so that it comes to rest.
-    master =
-        launch_with(master_keys, "handrail-master",
-                    more + "operator_socket: '" + socket() +
-                        "' device { hand { tremor_rms_mm: 0 drift_rms_mm: 0 drift_rms_deg: 0 } }",
-                    "localhost:" + std::to_string(link_port));
-    (void)master->after("READY link=any:");
-  }
-  bool connected() {
-    return eventually([](const pb::Status& s) { return s.has_tip() && !s.peer().name().empty(); });
-  }
-
   // `handrail keys ...` of one side's user: its exit code.
   int keys_order(const std::string& keys, std::vector<std::string> words) {
     ::setenv("HANDRAIL_KEYS", keys.c_str(), 1);
@@ -93,10 +48,6 @@ class SecureCell : public WholeCell {
   }
 
   std::string said;  // by the last keys_order()
-  const std::string slave_keys = folder.path() + "/slave-keys";
-  const std::string master_keys = folder.path() + "/master-keys";
-  KeyFolder at_slave{slave_keys}, at_master{master_keys};
-  int link_port = 0;
 };
 
 TEST_F(SecureCell, TheHandDrivesTheArmAndTheStatusSaysWhoIsThere) {
@@ -111,6 +62,12 @@ TEST_F(SecureCell, TheHandDrivesTheArmAndTheStatusSaysWhoIsThere) {
   EXPECT_EQ(peer.address(), "127.0.0.1:" + std::to_string(link_port));
   EXPECT_TRUE(slave->after("encrypted session with desk, key ")
                   .starts_with(key_id(at_master.load()->key.public_key())));
+}
+
+// As one line after the other is typed, or read from a file.
+TEST_F(SecureCell, AnEngageRightAfterTheStartWaitsForTheSession) {
+  order("engage: true");
+  EXPECT_TRUE(slave_reaches("engaged"));
 }
 
 TEST_F(SecureCell, AKeyThatIsRemovedStopsTheArmAndIsNotLetInAgainUntilItIsTrusted) {
@@ -129,7 +86,7 @@ TEST_F(SecureCell, AKeyThatIsRemovedStopsTheArmAndIsNotLetInAgainUntilItIsTruste
   EXPECT_TRUE(slave_reaches("fault"));
 }
 
-TEST_F(SecureCell, EachSidesKeyIsChangedWhileTheArmFollowsAndTheOldOnesEnd) {
+TEST_F(ChangedKeys, EachSidesKeyIsChangedWhileTheArmFollowsAndTheOldOnesEnd) {
   ASSERT_TRUE(connected());
   order("engage: true");
   ASSERT_TRUE(slave_reaches("engaged"));
@@ -157,7 +114,7 @@ TEST_F(SecureCell, EachSidesKeyIsChangedWhileTheArmFollowsAndTheOldOnesEnd) {
   EXPECT_GT((mm(move_hand("10, 0, 0").tip()) - before).norm(), 10.0);
 }
 
-TEST_F(SecureCell, ALostKeyIsMadeAnewAtTheMachineAndSaid) {
+TEST_F(ChangedKeys, ALostKeyIsMadeAnewAtTheMachineAndSaid) {
   ASSERT_TRUE(connected());
   std::filesystem::remove(at_slave.key_path());
   (void)slave->after("; the key read before stays in use");

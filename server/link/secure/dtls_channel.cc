@@ -10,6 +10,7 @@
 
 #include "server/base/time.h"
 #include "server/link/codec.h"
+#include "server/link/secure/record.h"
 
 namespace handrail {
 
@@ -45,7 +46,7 @@ struct DtlsWire {
       case BIO_CTRL_FLUSH: return 1;
       case BIO_CTRL_DGRAM_SET_PEEK_MODE: channel(bio).peek_ = number != 0; return 1;
       case BIO_CTRL_DGRAM_QUERY_MTU:
-      case BIO_CTRL_DGRAM_GET_FALLBACK_MTU: return DtlsChannel::kMtu;
+      case BIO_CTRL_DGRAM_GET_FALLBACK_MTU: return kLongestHandshake;
       default: return 0;
     }
   }
@@ -95,7 +96,7 @@ DtlsChannel::DtlsChannel(const DtlsContext& context, DatagramSocket& socket, con
   }
   BIO_set_data(wire, this);
   SSL_set_bio(ssl_, wire, wire);
-  SSL_set_mtu(ssl_, kMtu);
+  SSL_set_mtu(ssl_, kLongestHandshake);
   DtlsContext::attach(ssl_, &attached_);
   if (!context.show(ssl_, own)) {
     problem_ = Problem::kNoAgreement;

@@ -36,9 +36,6 @@ class DtlsChannel {
   // loss each way 19 of 20 handshakes then take less than one second (secure_link_test). A longer
   // round trip costs datagrams, not the handshake.
   static constexpr Nanos kRetransmit = 50 * kMillisecond;
-  // Handshake datagrams are no longer: what IPv6 carries everywhere (1280) without its headers.
-  static constexpr long kMtu = 1280 - 40 - 8;
-
   // A client begins with the first tick(), a server by listen(). Null: there is no memory.
   // `own`: which of our keys a client shows; a server shows the one that it is asked for.
   static std::unique_ptr<DtlsChannel> make(const DtlsContext& context, DatagramSocket& socket,

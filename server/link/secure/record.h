@@ -16,6 +16,9 @@ enum class RecordType : std::uint8_t { kAlert = 21, kHandshake = 22, kData = 23 
 
 inline constexpr std::size_t kSealing = 8 + 16;  // nonce and tag of AES-GCM (RFC 5288)
 
+// Datagrams of a handshake are no longer: what IPv6 carries everywhere (1280) without its headers.
+inline constexpr std::size_t kLongestHandshake = 1280 - 40 - 8;
+
 // True when a datagram is a row of whole records of DTLS 1.0 or 1.2, those from epoch 1 on no
 // shorter than sealed ones are. OpenSSL ends a session at a shorter one, which anybody can forge;
 // it is to see none. Real-time safe, like all here.

@@ -20,9 +20,16 @@ std::string those_trusted(const TrustList& trusted, Roles roles);
 // "cell, key 3f2a-91bc-07de-55a1, at 192.0.2.7:47002".
 std::string session_text(const TrustList& trusted, const PublicKey& key, const Address& at);
 
+// Why there is no session, and what to do about it.
+struct LinkProblem {
+  std::string fact;  // empty: nothing is known
+  std::string next;
+  std::string text() const { return fact.empty() ? fact : fact + ": " + next; }
+};
+
 // Why what was called or has called at `at` is not let in, or does not let us in, and what to type
 // where. `own`: our key, as it is called.
-std::string problem_text(DtlsChannel::Problem problem, const PeerKey& shown, const Address& at,
-                         const TrustList& trusted, const Trusted& own, LinkRoles roles);
+LinkProblem problem_of(DtlsChannel::Problem problem, const PeerKey& shown, const Address& at,
+                       const TrustList& trusted, const Trusted& own, LinkRoles roles);
 
 }  // namespace handrail

@@ -20,10 +20,12 @@ constexpr Nanos kStrangerPause = 10 * kSecond;
 // ... when it is the same key again. Chosen.
 constexpr Nanos kSameStrangerPause = 600 * kSecond;
 
-LinkIdentity no_session(const std::string& problem) {
+LinkIdentity no_session(const LinkProblem& problem, std::string address) {
   LinkIdentity out;
   out.encrypted = true;
-  out.problem = problem;
+  out.address = std::move(address);
+  out.problem = problem.text();
+  out.next = problem.next;
   return out;
 }
 
@@ -87,9 +89,9 @@ class SecureTransport : public ServedTransport {
     said_key_ = channel->peer().key;
     say(false, what + session_text(options_.trusted, said_key_, said_at_));
   }
-  std::string problem_of(Problem problem, const PeerKey& shown, const Address& at,
-                         LinkRoles roles) const {
-    return problem_text(problem, shown, at, options_.trusted, options_.own.entry(), roles);
+  LinkProblem why_not(Problem problem, const PeerKey& shown, const Address& at,
+                      LinkRoles roles) const {
+    return problem_of(problem, shown, at, options_.trusted, options_.own.entry(), roles);
   }
 
   const KeyChange changes_{[this](bool bad, const std::string& line) { say(bad, line); },
@@ -136,17 +138,19 @@ class ListeningTransport final : public SecureTransport<SecureServer> {
     said_stranger_ = refused.peer.key;
     same_again_ = now + kSameStrangerPause;
     next_line_ = now + kStrangerPause;
-    say(true, "refused: " + problem_of(refused.problem, refused.peer, refused.from,
-                                       {Role::kSlave, Role::kMaster}));
+    say(true, "refused: " + why_not(refused.problem, refused.peer, refused.from,
+                                    {Role::kSlave, Role::kMaster})
+                                .text());
   }
   LinkIdentity identity(Nanos now) const override {
     const DtlsChannel* leader = end_.leader();
-    if (leader == nullptr) return no_session({});
+    if (leader == nullptr) return no_session({}, {});
     return {true,
             std::string(end_.peer_name()),
             key_id(leader->peer().key),
             address_text(leader->address()),
             now - end_.leader_since(),
+            {},
             {}};
   }
 
@@ -171,41 +175,49 @@ class CallingTransport final : public SecureTransport<SecureClient> {
     if (end_.calls() && now >= look_up_at_) {
       look_up_at_ = now + kLookUpAgain;
       resolver_.ask(slave_, [this](const Result<std::vector<Address>>& found) {
-        lookup_ = found ? std::string() : "slave " + found.message();
+        lookup_ = found ? LinkProblem()
+                        : LinkProblem{"slave " + found.message(),
+                                      "start the master with the name or the address that the "
+                                      "slave's computer has"};
         if (found) end_.set_addresses(*found);
       });
     }
     end_.tick(now);
     take_keys(now);
     say_session("encrypted session with ", end_.session());
-    const std::string problem = problem_now();
-    if (problem == problem_) return;
-    problem_ = problem;
-    if (!problem_.empty()) say(true, problem_);
+    LinkProblem problem = problem_now();
+    if (problem.text() == problem_.text()) return;
+    problem_ = std::move(problem);
+    if (!problem_.fact.empty()) say(true, problem_.text());
   }
   LinkIdentity identity(Nanos now) const override {
     const DtlsChannel* session = end_.session();
-    if (session == nullptr) return no_session(problem_);
+    if (session == nullptr) return no_session(problem_, called());
     return {true,
             std::string(end_.peer_name()),
             key_id(session->peer().key),
             address_text(session->address()),
             now - end_.session_since(),
-            problem_};
+            problem_.text(),
+            problem_.next};
   }
 
  private:
-  std::string problem_now() const {
+  // Where the slave is looked for; empty while its name has no address.
+  std::string called() const {
+    return end_.tried().port == 0 ? std::string() : address_text(end_.tried());
+  }
+  LinkProblem problem_now() const {
     if (!end_.calls()) return {};
-    if (!lookup_.empty()) return lookup_;
-    return problem_of(end_.problem(), end_.refused(), end_.tried(), {Role::kMaster, Role::kSlave});
+    if (!lookup_.fact.empty()) return lookup_;
+    return why_not(end_.problem(), end_.refused(), end_.tried(), {Role::kMaster, Role::kSlave});
   }
 
   HostPort slave_;
   PeerResolver resolver_;
   Nanos look_up_at_ = -kForever;
-  std::string lookup_;   // why the name gives no address
-  std::string problem_;  // said last
+  LinkProblem lookup_;   // why the name gives no address
+  LinkProblem problem_;  // said last
 };
 
 Result<std::shared_ptr<DtlsContext>> context_of(const SecureLinkOptions& options,

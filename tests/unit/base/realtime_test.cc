@@ -41,6 +41,23 @@ TEST(EnterRealtime, ARefusedPriorityIsSaidAndTheThreadGoesOn) {
   });
 }
 
+TEST(RealtimePermission, IsWhatAThreadWouldGetAndChangesNothing) {
+  in_thread([] {
+    const RealtimePermission may = realtime_permission(10);
+    EXPECT_EQ(sched_getscheduler(0), SCHED_OTHER) << "as it was";
+    EXPECT_FALSE(realtime_permission(1000).fifo) << "there is no such priority";
+    const RealtimeGrant got = enter_realtime(10);
+    EXPECT_EQ(may.fifo, got.fifo);
+    EXPECT_TRUE(may.lock || !got.memory_locked);
+  });
+}
+
+TEST(RealtimePermission, TheLineForRootNamesTheUserTwice) {
+  EXPECT_EQ(realtime_permission_line("eve"),
+            "printf 'eve - rtprio 90\\neve - memlock unlimited\\n' > "
+            "/etc/security/limits.d/handrail.conf");
+}
+
 TEST(RealtimeAdvice, IsGivenWhereAnyThreadLacksWhatMatters) {
   RealtimeGrant all, no_fifo, no_memory;
   all.fifo = all.memory_locked = no_fifo.memory_locked = no_memory.fifo = true;

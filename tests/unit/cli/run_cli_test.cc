@@ -41,6 +41,19 @@ TEST(Cli, PrintsHelpForEveryCommand) {
   }
 }
 
+// Whatever this computer is like: the findings are judged in tests/unit/doctor.
+TEST(Cli, DoctorGoesOnWithoutAMasterAndItsExitCodeIsWhatItFound) {
+  const CliRun run = without_master({"doctor"});
+  EXPECT_NE(run.out.find("/nowhere/operator.sock: no such socket"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("realtime.shell: "), std::string::npos) << run.out;
+  const bool none = run.out.find("\n0 problems, ") != std::string::npos;
+  EXPECT_EQ(run.code, none ? kExitDone : kExitRefused) << run.out;
+  const CliRun json = without_master({"doctor", "--json"});
+  EXPECT_EQ(json.code, run.code);
+  EXPECT_NE(json.out.find("\"check\": \"programs.master\""), std::string::npos) << json.out;
+  EXPECT_EQ(without_master({"doctor", "all"}).code, kExitUsage);
+}
+
 TEST(Cli, AnUnknownCommandIsNamedWithTheNearest) {
   const std::pair<std::vector<std::string>, std::string> cases[] = {
       {{"statsu"}, "handrail: no command 'statsu'; did you mean 'status'?\n"},

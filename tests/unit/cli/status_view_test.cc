@@ -41,6 +41,19 @@ TEST(StatusView, ShowsStateReasonLinkLoopToolsAndForces) {
   EXPECT_THAT(text, HasSubstr("tip            350.00  -150.50   429.00"));
 }
 
+TEST(StatusView, ProgramsThatDifferAreNamedWithBothVersions) {
+  pb::Status s = engaged();
+  s.mutable_program()->set_version("0.2.0");
+  s.mutable_program()->set_wire_version(8);
+  *s.mutable_slave_program() = s.program();
+  EXPECT_THAT(status_text(s), testing::Not(HasSubstr("differs")));
+  s.mutable_slave_program()->set_version("0.1.0");
+  EXPECT_THAT(status_text(s), HasSubstr("differs: version: master 0.2.0, slave 0.1.0"));
+  s.mutable_slave_program()->Clear();
+  s.mutable_slave_program()->set_wire_version(9);
+  EXPECT_THAT(status_text(s), HasSubstr("differs: wire version: master 8, slave 9"));
+}
+
 // All that a master can say while nothing is wrong but the hand being slowed.
 pb::Status usual() {
   pb::Status s = engaged();

@@ -161,6 +161,9 @@ TEST(Check, SceneNamesAreLettersDigitsDashesAndUnderscores) {
 
 TEST(Check, NegativeSpansAreRefused) {
   SlaveState s;
+  s.program.calendar = -1;
+  EXPECT_EQ(check(s), Reject::kRange);
+  s.program.calendar = 0;
   s.oldest_applied = -1;
   EXPECT_EQ(check(s), Reject::kRange);
 }

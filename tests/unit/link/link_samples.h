@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "server/base/version.h"
 #include "server/link/codec.h"
 #include "server/model/link_state.h"
 
@@ -89,6 +90,7 @@ inline SlaveState sample_slave() {
   s.ledger.joint = 4;
   s.hashes = sample_hashes();
   s.scene = scene_name("linear-movement");
+  s.program = {1'700'000'000'250'000'000, version_code("1.2.3"), {true, false, true}};
   return s;
 }
 
@@ -156,7 +158,7 @@ inline bool same(const SlaveState& a, const SlaveState& b) {
          a.orientation_tool_epoch == b.orientation_tool_epoch &&
          a.oldest_applied == b.oldest_applied && a.cycles == b.cycles && a.silences == b.silences &&
          a.applied_sequence == b.applied_sequence && same(a.ledger, b.ledger) &&
-         same(a.hashes, b.hashes) && a.scene == b.scene;
+         same(a.hashes, b.hashes) && a.scene == b.scene && a.program == b.program;
 }
 
 }  // namespace handrail

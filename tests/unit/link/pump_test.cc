@@ -100,6 +100,35 @@ TEST_F(PumpTest, WhoIsRefusedForAnotherIsToldNotOftenAndInFewerBytes) {
   EXPECT_LT(net.answered.back().size(), datagram(sample_header(8, 1), sample_master()).size());
 }
 
+// A master of another version learns no more than that.
+TEST_F(PumpTest, AnotherWireVersionMovesNothingAndIsToldOursNotOften) {
+  auto other = datagram(sample_header(7, 1), sample_master());
+  other[4] = kWireVersion + 1;
+  for (int ms = 0; ms < 400; ++ms) {
+    net.waiting.push_back({other});
+    EXPECT_FALSE(pump.receive(kPumpStart + ms * kMillisecond));
+  }
+  const Nanos now = kPumpStart + 400 * kMillisecond;
+  EXPECT_EQ(rejected(Reject::kVersion), 400u);
+  EXPECT_EQ(net.adopted, 0);
+  EXPECT_EQ(peer.snapshot().peer_epoch, 0u);
+  EXPECT_EQ(peer.snapshot().other_version(now), kWireVersion + 1);
+  ASSERT_EQ(net.answered.size(), 2u) << "one in 200 ms";
+  EXPECT_LT(net.answered[0].size(), other.size());
+  MasterPeer master{9};
+  for (auto answer : net.answered) {
+    EXPECT_NE(master.on_datagram(answer, now), Reject::kRefused) << "of nobody's session";
+    answer[4] = kWireVersion + 1;  // as a master of that version sees ours
+    EXPECT_EQ(master.on_datagram(answer, now), Reject::kVersion);
+  }
+  EXPECT_EQ(master.snapshot().other_version(now), kWireVersion + 1);
+  EXPECT_EQ(master.snapshot().other_version(now + kSecond), kWireVersion + 1);
+  EXPECT_EQ(master.snapshot().other_version(now + kSecond + 1), 0) << "not for ever";
+  arrive(1);
+  EXPECT_TRUE(pump.receive(now + 1));
+  EXPECT_EQ(peer.snapshot().other_version(now + 1), 0) << "one of ours has come since";
+}
+
 TEST_F(PumpTest, StrangersAreCountedAndNotRead) {
   arrive(1, false);
   EXPECT_FALSE(pump.receive(kPumpStart));
@@ -149,7 +178,7 @@ TEST_F(PumpTest, SendsWhatIsDueAndNoMore) {
   for (Nanos t = 0; t < 10 * kMillisecond; t += kMillisecond / 4) {
     pump.send(kPumpStart + t, sample_slave());
   }
-  EXPECT_EQ(net.sent, std::vector<std::size_t>(10, 512));
+  EXPECT_EQ(net.sent, std::vector<std::size_t>(10, 537));
 }
 
 TEST_F(PumpTest, AStateThatIsNoLongerTrueIsNotSentAndDoesNotHurryTheSchedule) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <random>
 
+#include "server/link/codec.h"
 #include "tests/support/no_allocation.h"
 #include "tests/unit/link_secure/made_up_net.h"
 
@@ -45,9 +46,9 @@ TEST(SecureLink, NothingOfWhatIsSaidCanBeReadOnTheWire) {
 TEST(SecureLink, ADatagramFitsIntoWhatIpv6CarriesEverywhere) {
   SecurePair pair;
   ASSERT_TRUE(pair.connect());
-  ASSERT_TRUE(pair.say(Bytes(548, 1)));
+  ASSERT_TRUE(pair.say(Bytes(kMaxDatagram, 1)));
   for (const auto& datagram : pair.net.sent) EXPECT_LE(datagram.bytes.size() + 48, 1280u);
-  EXPECT_EQ(pair.net.sent.back().bytes.size(), 548u + 37u);
+  EXPECT_EQ(pair.net.sent.back().bytes.size(), kMaxDatagram + 37u);
 }
 
 TEST(SecureLink, AKeyThatTheSlaveDoesNotKnowIsRefusedAndBothSidesSayWhose) {

@@ -22,7 +22,7 @@ class DeskBench : public ::testing::Test {
   DeskBench() {
     for (const char* name : {"first", "second"}) scenes[name].name = name;
     OrderDeskOptions options;
-    options.slave_at = "/run/link.sock";
+    options.identity.slave_at = "/run/link.sock";
     options.load_scene = [this](const std::string& name) -> std::optional<Result<Scene>> {
       if (disk_waits) return std::nullopt;
       if (!scenes.contains(name)) return Status::error("no scene '" + name + "'");

@@ -5,7 +5,10 @@
 
 #include <cmath>
 
+#include "server/base/clock.h"
 #include "server/base/units.h"
+#include "server/base/version.h"
+#include "server/link/codec.h"
 
 namespace handrail {
 namespace {
@@ -85,6 +88,67 @@ TEST_F(StatusReportTest, NamesTheMasterThatLeadsTheSlave) {
   EXPECT_EQ(status().reason(), "the slave is led by another master (process 4711, for 12 s)");
   link.received_at = now;
   EXPECT_EQ(status().reason(), describe(Reason::kLinkLost));
+}
+
+TEST_F(StatusReportTest, SaysWhatBothProgramsAreAndWhatTheirThreadsHave) {
+  identity.grants = {true, false, true};
+  slave.program = {1000 * kSecond, version_code("1.2.3"), {false, true, false}};
+  link.round_trip = 6 * kMillisecond;
+  const pb::ProgramStatus own = status().program(), its = status().slave_program();
+  EXPECT_EQ(own.version(), program_version());
+  EXPECT_EQ(own.wire_version(), kWireVersion);
+  EXPECT_NEAR(own.calendar_s(), to_seconds(calendar_now()), 60.0);
+  EXPECT_TRUE(own.control_fifo() && own.io_fifo());
+  EXPECT_FALSE(own.memory_locked());
+  EXPECT_EQ(its.version(), "1.2.3");
+  EXPECT_EQ(its.wire_version(), kWireVersion);
+  EXPECT_NEAR(its.calendar_s(), 1000.005, 1e-9) << "2 ms since it came, 3 ms on the way";
+  EXPECT_FALSE(its.control_fifo() || its.io_fifo());
+  EXPECT_TRUE(its.memory_locked());
+}
+
+TEST_F(StatusReportTest, OfASlaveThatIsNotHeardOrOfAnotherVersionNothingElseIsKnown) {
+  link.peer_epoch = 0;
+  EXPECT_FALSE(status().has_slave_program());
+  link.other_wire = 9;
+  link.other_wire_at = now - kMillisecond;
+  EXPECT_EQ(status().slave_program().wire_version(), 9u);
+  EXPECT_FALSE(status().slave_program().has_version());
+  link.peer_epoch = 1;
+  link.received_at = now - 13 * kSecond;
+  link.other_wire_at = -kForever;
+  EXPECT_FALSE(status().has_slave_program()) << "silent for too long";
+}
+
+TEST_F(StatusReportTest, WhatAnEngageAsksStandsBesideWhatWasMeasured) {
+  identity.loop_warn = 100 * kMillisecond;
+  identity.loop_limit = 600 * kMillisecond;
+  report.out.link_window = 2 * kSecond;
+  report.out.link_shares = {0.01, 0.02, 0.03, 0.04, 0.5};
+  const pb::LinkGate gate = status().gate();
+  EXPECT_EQ(gate.window_s(), 2.0);
+  EXPECT_EQ(gate.heard_share(), 0.5);
+  EXPECT_EQ(gate.held_share(), 0.01);
+  EXPECT_EQ(gate.peer_held_share(), 0.02);
+  EXPECT_EQ(gate.most_held_share(), 0.09);
+  EXPECT_EQ(gate.lost_share(), 0.03);
+  EXPECT_EQ(gate.peer_lost_share(), 0.04);
+  EXPECT_EQ(gate.most_lost_share(), 0.25);
+  EXPECT_NEAR(gate.loop_warn_ms(), 100.0, 1e-9);
+  EXPECT_NEAR(gate.loop_limit_ms(), 600.0, 1e-9);
+}
+
+TEST_F(StatusReportTest, WhereASlaveIsLookedForIsSaidWithAndWithoutASession) {
+  identity.slave_at = "arm.example";
+  LinkIdentity peer{true, "", "", "", 0, "nobody is there: start it", "start it"};
+  identity.link = [&peer](Nanos) { return peer; };
+  EXPECT_EQ(status().peer().place(), "arm.example");
+  EXPECT_EQ(status().peer().problem(), "nobody is there: start it");
+  EXPECT_EQ(status().peer().next(), "start it");
+  EXPECT_FALSE(status().peer().has_address()) << "the name has none";
+  peer.address = "192.0.2.7:47002";
+  EXPECT_EQ(status().peer().address(), "192.0.2.7:47002");
+  EXPECT_FALSE(status().peer().has_name());
 }
 
 TEST_F(StatusReportTest, ASceneOfWallsHasNoSlave) {

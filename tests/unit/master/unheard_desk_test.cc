@@ -42,6 +42,33 @@ TEST_F(UnheardDeskTest, WithASlaveThatAnotherMasterLeadsEveryAnswerNamesIt) {
   EXPECT_EQ(text(answer), "done: " + who + "then engage");
 }
 
+TEST_F(UnheardDeskTest, AnEngageWaitsForASessionThatIsOnItsWayAndNoLongerThanItIs) {
+  connected = false;
+  link.peer_epoch = 0;
+  LinkIdentity peer;
+  peer.encrypted = true;
+  desk->set_link([&peer](Nanos) { return peer; });
+  tick();
+  const Answer waits = ask("engage: true");
+  loop(Reason::kNoPeer);
+  tick();
+  EXPECT_FALSE(waits->has_value());
+  peer.problem = "nobody answers: start it";
+  tick(20 * kMillisecond);
+  loop(Reason::kNoPeer);
+  tick();
+  EXPECT_EQ(text(waits),
+            std::string("refused: ") + describe(Reason::kNoPeer) + ": " + peer.problem);
+  peer.encrypted = false;
+  peer.problem.clear();
+  const Answer plain = ask("engage: true");
+  loop(Reason::kNoPeer);
+  tick();
+  EXPECT_EQ(text(plain),
+            std::string("refused: ") + describe(Reason::kNoPeer) +
+                ": no slave has answered at /run/link.sock: start handrail-slave there");
+}
+
 TEST_F(UnheardDeskTest, WithoutAnArmInTheSceneNobodyIsWaitedFor) {
   report.walls.present = true;
   tick();

@@ -1,4 +1,4 @@
-#include "client/cli/machine_cost.h"
+#include "client/doctor/machine_cost.h"
 
 #include <unistd.h>
 

@@ -1,0 +1,12 @@
+// handrail doctor
+#pragma once
+
+#include "client/cli/command.h"
+
+namespace handrail {
+
+// Looks at keys, programs, link, real time and clocks, and says what is wrong and what to type.
+// Reads only. kExitDone: no problem; kExitRefused: some.
+ExitCode run_doctor(const Options& options, const Console& console);
+
+}  // namespace handrail
