@@ -18,12 +18,12 @@ LinkProblem untrusted(const PeerKey& shown, const std::string& at, const TrustLi
             "if that is meant, type here: " +
                 line_to_type({known->name, roles.other, known->key, known->next})};
   }
-  return {"what is at " + at + " shows key " + key_id(shown.key) +
-              ", which is not trusted here (as " + other + ": " +
-              those_trusted(trusted, roles.other) + ")",
-          "a stranger; or if it is a key of yours, `handrail keys remove` the old name first if it "
-          "has one, and type here: " +
-              line_to_type("NAME", roles.other, shown.key)};
+  return {
+      "what is at " + at + " shows key " + key_id(shown.key) + ", which is not trusted here (as " +
+          other + ": " + those_trusted(trusted, roles.other) + ")",
+      "a stranger; or if it is a key of yours, type here what `handrail keys show` prints there, "
+      "such as: " +
+          line_to_type({"NAME", roles.other, shown.key})};
 }
 
 }  // namespace
