@@ -11,8 +11,10 @@ using State = DtlsChannel::State;
 void SecureClient::set_trusted(TrustList trusted) {
   context_.set_trusted(std::move(trusted));
   newer_at_ = now_;
-  for (auto* channel : {&session_, &before_}) {
-    if (*channel != nullptr && !context_.trusts((*channel)->peer().key)) channel->reset();
+  // An attempt may have looked at the list already, and not again before it opens.
+  for (auto* channel : {&session_, &before_, &attempt_}) {
+    if (*channel == nullptr || !(*channel)->peer().shown) continue;
+    if (!context_.trusts((*channel)->peer().key)) channel->reset();
   }
 }
 

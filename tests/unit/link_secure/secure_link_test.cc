@@ -93,6 +93,26 @@ TEST(SecureLink, AKeyThatIsTakenOffTheListEndsItsSessionAtOnce) {
   EXPECT_EQ(pair.master.session(), nullptr);  // it was told
 }
 
+TEST(SecureLink, AKeyThatIsTakenOffTheListDuringItsHandshakeOpensNoSession) {
+  // After each number of datagrams that have passed.
+  int opened = 0;
+  for (int passed = 0; passed < 12; ++passed) {
+    SecurePair pair;
+    int left = passed;
+    pair.net.passes = [&](auto&) { return left-- > 0; };
+    for (int i = 0; i < 20; ++i) pair.step();
+    opened += pair.master.session() != nullptr ? 1 : 0;
+    pair.master.set_trusted(TrustList());
+    EXPECT_EQ(pair.master.session(), nullptr);
+    pair.net.passes = [](auto&) { return true; };
+    for (int i = 0; i < 300; ++i) {
+      pair.step();
+      ASSERT_EQ(pair.master.session(), nullptr) << passed;
+    }
+  }
+  EXPECT_GT(opened, 0);
+}
+
 TEST(SecureLink, TheSessionSurvivesAChangeOfTheMastersAddress) {
   SecurePair pair;
   ASSERT_TRUE(pair.connect());
