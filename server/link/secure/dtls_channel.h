@@ -11,6 +11,7 @@
 #include "server/base/time.h"
 #include "server/link/secure/datagram_socket.h"
 #include "server/link/secure/dtls_context.h"
+#include "server/link/secure/record_opener.h"
 
 namespace handrail {
 
@@ -53,7 +54,7 @@ class DtlsChannel {
   bool listen(std::span<const std::uint8_t> datagram, const Address& from) noexcept;
 
   // Takes one datagram of `from`, and returns how many bytes of `plain` it held; 0: none, or they
-  // were not the other side's, or came before.
+  // were not the other side's, came before, or are too late for the link too.
   std::size_t take(std::span<const std::uint8_t> datagram, const Address& from,
                    std::span<std::uint8_t> plain) noexcept;
   // False: it is not open, or the socket did not take it.
@@ -83,6 +84,7 @@ class DtlsChannel {
   Problem problem_ = Problem::kNone;
   DtlsContext::Attached attached_;
   Address from_;
+  RecordOpener opener_;
   std::span<const std::uint8_t> waiting_;  // the datagram that OpenSSL is to read
   bool peek_ = false;                      // ... and to leave where it is
   bool sent_ = false;                      // the socket took what was written last
