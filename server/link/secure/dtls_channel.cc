@@ -71,8 +71,14 @@ struct DtlsWire {
 
 namespace {
 
-unsigned int retransmit_us(SSL*, unsigned int) {
-  return static_cast<unsigned int>(DtlsChannel::kRetransmit / kMicrosecond);
+// After `before` [us], 0 at a flight's first. OpenSSL counts how often, but does not say: the last
+// digits do.
+unsigned int retransmit_us(SSL*, unsigned int before) {
+  constexpr auto kFirst = static_cast<unsigned int>(DtlsChannel::kRetransmit / kMicrosecond);
+  constexpr auto kLast = static_cast<unsigned int>(DtlsChannel::kSlowestRetransmit / kMicrosecond);
+  if (before < kFirst) return kFirst;
+  if (before < kFirst + DtlsChannel::kQuickRetransmits - 1) return before + 1;
+  return std::min(2 * (before / kFirst * kFirst), kLast);
 }
 
 // Other than by forging, nobody who is let in sends more in one datagram than a link's datagram.

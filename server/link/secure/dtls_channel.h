@@ -34,9 +34,12 @@ class DtlsChannel {
     kNoAgreement  // anything else: another protocol, another version, broken bytes
   };
   // A flight that is not answered is sent again after so long, in place of DTLS's second: at 30 %
-  // loss each way 19 of 20 handshakes then take less than one second (secure_link_test). A longer
-  // round trip costs datagrams, not the handshake.
+  // loss each way 19 of 20 handshakes then take less than one second (secure_link_test). After some
+  // of these it waits twice as long each time: OpenSSL gives up after twelve, which so are 5 s, and
+  // a longer round trip costs datagrams, not the handshake.
   static constexpr Nanos kRetransmit = 50 * kMillisecond;
+  static constexpr unsigned kQuickRetransmits = 6;
+  static constexpr Nanos kSlowestRetransmit = 1600 * kMillisecond;
   // Handshake datagrams are no longer: what IPv6 carries everywhere (1280) without its headers.
   static constexpr long kMtu = 1280 - 40 - 8;
 

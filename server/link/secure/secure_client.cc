@@ -1,5 +1,6 @@
 #include "server/link/secure/secure_client.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "server/link/secure/record.h"
@@ -14,7 +15,14 @@ void SecureClient::set_trusted(TrustList trusted) {
 }
 
 bool SecureClient::calls() const noexcept {
-  return session_ == nullptr || (asking_ != kForever && now_ - asking_ > kUnanswered);
+  const Nanos most = serves_ ? kUnanswered : kFarthest;
+  return session_ == nullptr || (asking_ != kForever && now_ - asking_ > most);
+}
+
+Nanos SecureClient::patience() const noexcept {
+  if (answered_) return kFarthest;
+  const std::size_t rounds = silent_ / std::max<std::size_t>(addresses_.size(), 1);
+  return std::min(kFirstPatience << std::min<std::size_t>(rounds, 8), kFarthest);
 }
 
 void SecureClient::tick(Nanos now) noexcept {
@@ -22,12 +30,13 @@ void SecureClient::tick(Nanos now) noexcept {
   if (attempt_ == nullptr && calls() && !addresses_.empty() && now >= not_before_) {
     tried_ = addresses_[next_address_++ % addresses_.size()];
     attempt_ = DtlsChannel::make(context_, socket_, tried_);
-    began_ = now;
+    heard_ = now;
+    answered_ = false;
     ++counts_.attempts;
   }
   if (attempt_ == nullptr) return;
   attempt_->tick();
-  if (attempt_->state() == State::kHandshake && now - began_ > kLongestAttempt) {
+  if (attempt_->state() == State::kHandshake && now - heard_ > patience()) {
     failed(DtlsChannel::Problem::kNoAnswer);
   }
   settle();
@@ -44,6 +53,7 @@ void SecureClient::failed(DtlsChannel::Problem problem) noexcept {
     refused_ = attempt_->peer();
   }
   unanswered_ = silent;
+  silent_ = answered_ ? 0 : silent_ + 1;
   attempt_.reset();
 }
 
@@ -53,6 +63,8 @@ void SecureClient::settle() noexcept {
     session_ = std::move(attempt_);
     since_ = now_;
     asking_ = kForever;
+    serves_ = false;
+    silent_ = 0;
     problem_ = DtlsChannel::Problem::kNone;
     unanswered_ = false;
     ++counts_.sessions;
@@ -70,6 +82,8 @@ std::optional<Transport::Arrival> SecureClient::receive(std::span<std::uint8_t> 
   };
   const bool record = is_records(bytes);
   if (record && from(attempt_) && !is_data(bytes)) {
+    heard_ = now_;
+    answered_ = true;
     (void)attempt_->take(bytes, arrival->from, buffer);
     settle();
     return Arrival{0, false, true};
@@ -78,6 +92,7 @@ std::optional<Transport::Arrival> SecureClient::receive(std::span<std::uint8_t> 
     const std::size_t size = session_->take(bytes, arrival->from, buffer);
     if (size != 0) {
       asking_ = kForever;
+      serves_ = true;
       return Arrival{size, true};
     }
     // Ended by the other side, in order: another one is made.
