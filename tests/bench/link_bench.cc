@@ -2,17 +2,14 @@
 // back through the plain link's sockets, beside the same over UDP.
 #include <array>
 #include <cstdlib>
-#include <utility>
 // Boost 1.74 uses std::exchange without including it.
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
 
 #include "server/link/peer.h"
-#include "server/link/secure/secure_client.h"
-#include "server/link/secure/secure_server.h"
-#include "server/link/secure/udp_socket.h"
 #include "server/link/unix_transport.h"
 #include "tests/bench/percentile.h"
+#include "tests/bench/secure_keys.h"
 #include "tests/support/temp_folder.h"
 #include "tests/unit/link/link_samples.h"
 
@@ -94,24 +91,16 @@ struct UdpThereAndBack {
 
 // Both ends of an encrypted session over UDP.
 struct SecureThereAndBack {
+  SecureKeys keys;
   boost::asio::io_context io;
-  OwnKey slave_key = *OwnKey::generate(), master_key = *OwnKey::generate();
   UdpSocket slave_socket{io}, master_socket{io};
-  std::unique_ptr<DtlsContext> slave_context =
-      context(slave_key, {"desk", Role::kMaster, master_key.public_key()},
-              DtlsContext::Side::kServer, Role::kMaster);
-  std::unique_ptr<DtlsContext> master_context =
-      context(master_key, {"cell", Role::kSlave, slave_key.public_key()},
-              DtlsContext::Side::kClient, Role::kSlave);
-  SecureServer slave{*slave_context, slave_socket};
-  SecureClient master{*master_context, master_socket};
+  SecureServer slave{*keys.slave_context, slave_socket};
+  SecureClient master{*keys.master_context, master_socket};
   Datagram bytes{};
 
   SecureThereAndBack() {
     if (!slave_socket.open("127.0.0.1", 0) || !master_socket.open("127.0.0.1", 0)) std::abort();
-    const boost::asio::ip::udp::endpoint at(boost::asio::ip::address_v4::loopback(),
-                                            slave_socket.port());
-    master.set_addresses({address_of(at)});
+    master.set_addresses({loopback_address(slave_socket.port())});
     for (Nanos now = 0; master.session() == nullptr; now += kMillisecond) {
       if (now > kSecond) std::abort();
       master.tick(now);
@@ -121,12 +110,6 @@ struct SecureThereAndBack {
         (void)master.receive(bytes);
       }
     }
-  }
-  static std::unique_ptr<DtlsContext> context(const OwnKey& key, const Trusted& other,
-                                              DtlsContext::Side side, Role wanted) {
-    TrustList trusted;
-    if (!trusted.add(other)) std::abort();
-    return std::move(*DtlsContext::make(key, trusted, side, wanted));
   }
   std::size_t operator()() { return there_and_back_of(master, slave, bytes); }
 };

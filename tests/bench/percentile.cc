@@ -21,7 +21,9 @@ struct Comparison {
   std::string name;
   std::string peer;
   double factor = 1.0;
-  bool late = false;
+  double Summary::*ours = &Summary::median;
+  double Summary::*peers = &Summary::median;
+  const char* what = "";
 };
 
 // Filled by the benchmarks, in this thread; a benchmark runs several times and the last one counts.
@@ -32,6 +34,11 @@ std::map<std::string, Line>& lines() {
 
 std::vector<Comparison>& comparisons() {
   static std::vector<Comparison> all;
+  return all;
+}
+
+std::vector<std::string>& remarks() {
+  static std::vector<std::string> all;
   return all;
 }
 
@@ -79,28 +86,39 @@ Summary Samples::summary() const {
   const auto per_call = [this](double ns) {
     return std::max(0.0, ns - clock_cost_ns()) / calls_per_sample_;
   };
-  return {per_call(at_share(values, 0.5)), per_call(at_share(values, 0.999)),
-          per_call(at_share(values, 1.0))};
+  return {per_call(at_share(values, 0.5)), per_call(at_share(values, 0.99)),
+          per_call(at_share(values, 0.999)), per_call(at_share(values, 1.0))};
 }
 
 void record(benchmark::State& state, const std::string& name, const Samples& samples,
             double target_ns) {
   const Summary s = samples.summary();
   state.counters["median_ns"] = s.median;
+  state.counters["p99_ns"] = s.p99;
   state.counters["p999_ns"] = s.p999;
   state.counters["worst_ns"] = s.worst;
   const int calls = samples.calls_per_sample();
   state.SetLabel(calls == 1 ? "each call timed"
                             : "percentiles of the mean of " + std::to_string(calls) + " calls");
-  lines()[name] = {s, calls, target_ns};
+  put(name, samples, target_ns);
 }
 
+void put(const std::string& name, const Samples& samples, double target_ns) {
+  lines()[name] = {samples.summary(), samples.calls_per_sample(), target_ns};
+}
+
+void remark(const std::string& line) { remarks().push_back(line); }
+
 void compare(const std::string& name, const std::string& peer, double factor) {
-  comparisons().push_back({name, peer, factor, false});
+  comparisons().push_back({name, peer, factor});
+}
+
+void compare_99(const std::string& name, const std::string& peer, double factor) {
+  comparisons().push_back({name, peer, factor, &Summary::p99, &Summary::p99, " 99 %"});
 }
 
 void compare_late(const std::string& name, const std::string& peer, double factor) {
-  comparisons().push_back({name, peer, factor, true});
+  comparisons().push_back({name, peer, factor, &Summary::p999, &Summary::median, " 99.9 %"});
 }
 
 void add_context() {
@@ -115,11 +133,11 @@ void add_context() {
 }
 
 void print_table(std::FILE* out) {
-  std::fprintf(out, "\n%-34s %6s %10s %10s %10s  %s\n", "time per call [ns]", "batch", "median",
-               "99.9 %", "worst", "target for the median");
+  std::fprintf(out, "\n%-34s %6s %10s %10s %10s %10s  %s\n", "time per call [ns]", "batch",
+               "median", "99 %", "99.9 %", "worst", "target for the median");
   for (const auto& [name, line] : lines()) {
-    std::fprintf(out, "%-34s %6d %10.1f %10.1f %10.1f", name.c_str(), line.calls_per_sample,
-                 line.summary.median, line.summary.p999, line.summary.worst);
+    std::fprintf(out, "%-34s %6d %10.1f %10.1f %10.1f %10.1f", name.c_str(), line.calls_per_sample,
+                 line.summary.median, line.summary.p99, line.summary.p999, line.summary.worst);
     if (line.target_ns > 0.0) {
       std::fprintf(out, "  <= %.0f: %s", line.target_ns,
                    verdict(line.summary.median, line.target_ns));
@@ -129,11 +147,11 @@ void print_table(std::FILE* out) {
   for (const Comparison& c : comparisons()) {
     const auto ours = lines().find(c.name), peer = lines().find(c.peer);
     if (ours == lines().end() || peer == lines().end()) continue;
-    const Summary& summary = ours->second.summary;
-    const double ratio = (c.late ? summary.p999 : summary.median) / peer->second.summary.median;
-    std::fprintf(out, "%s%s / %s = %.3f  <= %.3f: %s\n", c.name.c_str(), c.late ? " 99.9 %" : "",
-                 c.peer.c_str(), ratio, c.factor, verdict(ratio, c.factor));
+    const double ratio = ours->second.summary.*c.ours / (peer->second.summary.*c.peers);
+    std::fprintf(out, "%s%s / %s = %.3f  <= %.3f: %s\n", c.name.c_str(), c.what, c.peer.c_str(),
+                 ratio, c.factor, verdict(ratio, c.factor));
   }
+  for (const std::string& line : remarks()) std::fprintf(out, "%s\n", line.c_str());
 }
 
 }  // namespace handrail::bench

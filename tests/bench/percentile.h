@@ -1,4 +1,4 @@
-// Median, 99.9 % and worst time of a call, beside Google Benchmark's mean, and the table of
+// Median, 99 %, 99.9 % and worst time of a call, beside Google Benchmark's mean, and the table of
 // targets.
 #pragma once
 
@@ -16,6 +16,7 @@ namespace handrail::bench {
 // Time of one call [ns].
 struct Summary {
   double median = 0.0;
+  double p99 = 0.0;
   double p999 = 0.0;
   double worst = 0.0;
 };
@@ -51,8 +52,9 @@ class Samples {
 // Median of two adjacent clock readings [ns], measured once.
 double clock_cost_ns();
 
-// Runs f for as long as Google Benchmark asks, then sets the counters median_ns, p999_ns, worst_ns
-// and the label, and puts the summary under `name` for the table at the end. `target_ns` 0: none.
+// Runs f for as long as Google Benchmark asks, then sets the counters median_ns, p99_ns, p999_ns,
+// worst_ns and the label, and puts the summary under `name` for the table at the end. `target_ns`
+// 0: none.
 void record(benchmark::State& state, const std::string& name, const Samples& samples,
             double target_ns = 0.0);
 
@@ -66,9 +68,16 @@ void run(benchmark::State& state, const std::string& name, int calls_per_sample,
   record(state, name, samples, target_ns);
 }
 
+// Puts what was measured under `name` in the table.
+void put(const std::string& name, const Samples& samples, double target_ns = 0.0);
+// A line below the table, of what was not measured and why.
+void remark(const std::string& line);
+
 // A further line for the table: `median` of `name` is to stay within `factor` times that of `peer`,
 // both of this run. Lines whose names were not measured are left out.
 void compare(const std::string& name, const std::string& peer, double factor);
+// The same for the 99 % of both.
+void compare_99(const std::string& name, const std::string& peer, double factor);
 // The same for the 99.9 % of `name`, beside the peer's median.
 void compare_late(const std::string& name, const std::string& peer, double factor);
 

@@ -71,8 +71,14 @@ struct DtlsWire {
 
 namespace {
 
-unsigned int retransmit_us(SSL*, unsigned int) {
-  return static_cast<unsigned int>(DtlsChannel::kRetransmit / kMicrosecond);
+// After `before` [us], 0 at a flight's first. OpenSSL counts how often, but does not say: the last
+// digits do.
+unsigned int retransmit_us(SSL*, unsigned int before) {
+  constexpr auto kFirst = static_cast<unsigned int>(DtlsChannel::kRetransmit / kMicrosecond);
+  constexpr auto kLast = static_cast<unsigned int>(DtlsChannel::kSlowestRetransmit / kMicrosecond);
+  if (before < kFirst) return kFirst;
+  if (before < kFirst + DtlsChannel::kQuickRetransmits - 1) return before + 1;
+  return std::min(2 * (before / kFirst * kFirst), kLast);
 }
 
 // Other than by forging, nobody who is let in sends more in one datagram than a link's datagram.
@@ -131,26 +137,27 @@ bool DtlsChannel::listen(std::span<const std::uint8_t> datagram, const Address& 
 
 std::size_t DtlsChannel::take(std::span<const std::uint8_t> datagram, const Address& from,
                               std::span<std::uint8_t> plain) noexcept {
+  if (state_ == State::kOpen && is_data(datagram)) {
+    const std::size_t size = is_one_data(datagram) ? opener_.open(datagram, plain) : 0;
+    if (size != 0) from_ = from;
+    return size;
+  }
   waiting_ = datagram;
   if (state_ == State::kHandshake) go_on();
-  std::size_t out = 0;
   if (state_ == State::kOpen) {
-    ERR_clear_error();
-    const int size = SSL_read(ssl_, plain.data(), static_cast<int>(plain.size()));
-    if (size > 0) {
-      out = static_cast<std::size_t>(size);
-      from_ = from;
-      // One datagram of the link in one of UDP: more is not taken for another.
-      std::array<std::uint8_t, kScratch> rest;
-      for (int i = 0; i < 64 && SSL_has_pending(ssl_) == 1; ++i) {
-        if (SSL_read(ssl_, rest.data(), static_cast<int>(rest.size())) <= 0) break;
-      }
-    } else {
+    // What is no data: an alert, the handshake's last flight again. What else it may hold counts as
+    // lost.
+    std::array<std::uint8_t, kScratch> none;
+    for (int i = 0; i < 64; ++i) {
+      ERR_clear_error();
+      const int size = SSL_read(ssl_, none.data(), static_cast<int>(none.size()));
+      if (size > 0) continue;
       end(size);
+      break;
     }
   }
   waiting_ = {};
-  return out;
+  return 0;
 }
 
 bool DtlsChannel::send(std::span<const std::uint8_t> plain) noexcept {
@@ -184,7 +191,9 @@ void DtlsChannel::go_on() noexcept {
   ERR_clear_error();
   const int result = SSL_do_handshake(ssl_);
   if (result == 1) {
-    state_ = State::kOpen;
+    const bool opens = opener_.begin(ssl_);
+    state_ = opens ? State::kOpen : State::kClosed;
+    if (!opens) problem_ = Problem::kNoAgreement;
   } else {
     end(result);
   }

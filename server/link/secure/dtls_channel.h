@@ -11,6 +11,7 @@
 #include "server/base/time.h"
 #include "server/link/secure/datagram_socket.h"
 #include "server/link/secure/dtls_context.h"
+#include "server/link/secure/record_opener.h"
 
 namespace handrail {
 
@@ -33,9 +34,13 @@ class DtlsChannel {
     kNoAgreement  // anything else: another protocol, another version, broken bytes
   };
   // A flight that is not answered is sent again after so long, in place of DTLS's second: at 30 %
-  // loss each way 19 of 20 handshakes then take less than one second (secure_link_test). A longer
-  // round trip costs datagrams, not the handshake.
+  // loss each way 19 of 20 handshakes then take less than one second (secure_link_test). After some
+  // of these it waits twice as long each time: OpenSSL gives up after twelve, which so are 5 s, and
+  // a longer round trip costs datagrams, not the handshake.
   static constexpr Nanos kRetransmit = 50 * kMillisecond;
+  static constexpr unsigned kQuickRetransmits = 6;
+  static constexpr Nanos kSlowestRetransmit = 1600 * kMillisecond;
+
   // A client begins with the first tick(), a server by listen(). Null: there is no memory.
   // `own`: which of our keys a client shows; a server shows the one that it is asked for.
   static std::unique_ptr<DtlsChannel> make(const DtlsContext& context, DatagramSocket& socket,
@@ -53,7 +58,7 @@ class DtlsChannel {
   bool listen(std::span<const std::uint8_t> datagram, const Address& from) noexcept;
 
   // Takes one datagram of `from`, and returns how many bytes of `plain` it held; 0: none, or they
-  // were not the other side's, or came before.
+  // were not the other side's, came before, or are too late for the link too.
   std::size_t take(std::span<const std::uint8_t> datagram, const Address& from,
                    std::span<std::uint8_t> plain) noexcept;
   // False: it is not open, or the socket did not take it.
@@ -85,6 +90,7 @@ class DtlsChannel {
   Problem problem_ = Problem::kNone;
   DtlsContext::Attached attached_;
   Address from_;
+  RecordOpener opener_;
   std::span<const std::uint8_t> waiting_;  // the datagram that OpenSSL is to read
   bool peek_ = false;                      // ... and to leave where it is
   bool sent_ = false;                      // the socket took what was written last

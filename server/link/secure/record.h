@@ -41,6 +41,12 @@ inline bool is_data(std::span<const std::uint8_t> bytes) noexcept {
   return bytes[0] == static_cast<std::uint8_t>(RecordType::kData);
 }
 
+// A data record and nothing else, as every datagram of the link is.
+inline bool is_one_data(std::span<const std::uint8_t> bytes) noexcept {
+  return is_data(bytes) &&
+         bytes.size() == kRecordHeader + (std::size_t{bytes[11]} << 8 | bytes[12]);
+}
+
 // The random number by which one attempt of a client is told from its next, of a ClientHello that
 // is not encrypted; none: it is something else.
 inline std::optional<std::array<std::uint8_t, 32>> client_random(

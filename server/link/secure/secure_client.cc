@@ -1,5 +1,6 @@
 #include "server/link/secure/secure_client.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "server/link/secure/record.h"
@@ -31,7 +32,14 @@ bool SecureClient::wants_newer() const noexcept {
 }
 
 bool SecureClient::calls() const noexcept {
-  return session_ == nullptr || (asking_ != kForever && now_ - asking_ > kUnanswered);
+  const Nanos most = serves_ ? kUnanswered : kFarthest;
+  return session_ == nullptr || (asking_ != kForever && now_ - asking_ > most);
+}
+
+Nanos SecureClient::patience() const noexcept {
+  if (answered_) return kFarthest;
+  const std::size_t rounds = silent_ / std::max<std::size_t>(addresses_.size(), 1);
+  return std::min(kFirstPatience << std::min<std::size_t>(rounds, 8), kFarthest);
 }
 
 void SecureClient::tick(Nanos now) noexcept {
@@ -42,7 +50,7 @@ void SecureClient::tick(Nanos now) noexcept {
   }
   if (attempt_ == nullptr) return;
   attempt_->tick();
-  if (attempt_->state() == State::kHandshake && now - began_ > kLongestAttempt) {
+  if (attempt_->state() == State::kHandshake && now - heard_ > patience()) {
     failed(DtlsChannel::Problem::kNoAnswer);
   }
   settle();
@@ -54,7 +62,8 @@ void SecureClient::begin(bool calling) noexcept {
   if (calling) tried_ = addresses_[next_address_++ % addresses_.size()];
   attempt_ = DtlsChannel::make(context_, socket_, beside_ ? session_->address() : tried_,
                                beside_ || try_next_ ? Own::kNext : Own::kKey);
-  began_ = now_;
+  heard_ = now_;
+  answered_ = false;
   ++counts_.attempts;
 }
 
@@ -76,6 +85,7 @@ void SecureClient::failed(DtlsChannel::Problem problem) noexcept {
     refused_ = attempt_->peer();
   }
   unanswered_ = silent;
+  silent_ = answered_ ? 0 : silent_ + 1;
   attempt_.reset();
 }
 
@@ -91,6 +101,8 @@ void SecureClient::settle() noexcept {
     opened_ = SessionKeys{session_->own(), session_->peer().key};
     since_ = now_;
     asking_ = kForever;
+    serves_ = false;
+    silent_ = 0;
     problem_ = DtlsChannel::Problem::kNone;
     unanswered_ = false;
     ++counts_.sessions;
@@ -108,6 +120,8 @@ std::optional<Transport::Arrival> SecureClient::receive(std::span<std::uint8_t> 
   };
   const bool record = is_records(bytes);
   if (record && from(attempt_) && !is_data(bytes)) {
+    heard_ = now_;
+    answered_ = true;
     (void)attempt_->take(bytes, arrival->from, buffer);
     settle();
     return Arrival{0, false, true};
@@ -117,6 +131,7 @@ std::optional<Transport::Arrival> SecureClient::receive(std::span<std::uint8_t> 
     if (size != 0) {
       asking_ = kForever;
       before_.reset();
+      serves_ = true;
       return Arrival{size, true};
     }
     // Ended by the other side, in order: another one is made.

@@ -22,11 +22,15 @@ namespace handrail {
 class SecureClient final : public Transport {
  public:
   // What is sent and not answered for so long calls for another session: then the other side has
-  // closed ours (proto/WIRE.md, ages).
+  // closed ours (proto/WIRE.md, ages). One that has never answered may be as far away as kFarthest.
   static constexpr Nanos kUnanswered = kSecond;
-  // An attempt that takes longer is over: DTLS gives up after 0.6 s of its own clock, which is the
-  // calendar and may leap.
-  static constexpr Nanos kLongestAttempt = kSecond;
+  // An attempt that nobody answers is over after so long, so that the next address is tried; twice
+  // as long once all were, up to kFarthest, for who is far away. One that is answered is over after
+  // so long without more of it. By the caller's clock: OpenSSL's is the calendar, and may leap.
+  static constexpr Nanos kFirstPatience = kSecond;
+  // The longest round trip over which there is a session, with something to spare: the link is for
+  // half of it (server/lab/RESULTS.md).
+  static constexpr Nanos kFarthest = 4 * kSecond;
   // After a refusal, which only a person can change.
   static constexpr Nanos kRefusedPause = kSecond;
   // How often a newer key is tried beside a session that serves. Chosen: who has typed the line at
@@ -75,6 +79,7 @@ class SecureClient final : public Transport {
   void begin(bool calling) noexcept;
   // This side or the other has a newer key than the session's.
   bool wants_newer() const noexcept;
+  Nanos patience() const noexcept;
   void settle() noexcept;  // what became of the attempt
   void failed(DtlsChannel::Problem problem) noexcept;
 
@@ -88,7 +93,10 @@ class SecureClient final : public Transport {
   std::array<std::uint8_t, 2048> wire_{};
   Nanos now_ = 0;
   Nanos since_ = 0;
-  Nanos began_ = 0;          // the attempt
+  Nanos heard_ = 0;          // of the attempt, or when it began
+  bool answered_ = false;    // the attempt
+  bool serves_ = false;      // the session has answered what was sent
+  std::size_t silent_ = 0;   // attempts in a row that nobody answered
   Nanos asking_ = kForever;  // since when what was sent has not been answered
   Nanos not_before_ = -kForever;
   DtlsChannel::Problem problem_ = DtlsChannel::Problem::kNone;

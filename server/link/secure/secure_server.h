@@ -20,9 +20,9 @@ namespace handrail {
 // session is dropped, and answered by a cookie at most, which is smaller. One thread at a time.
 class SecureServer final : public Transport {
  public:
-  // A handshake that takes longer is over: DTLS gives up after 0.6 s of its own clock, which is the
-  // calendar and may leap.
-  static constexpr Nanos kLongestHandshake = 2 * kSecond;
+  // A handshake that takes longer is over: a round trip and what is lost of it. By the caller's
+  // clock: OpenSSL's is the calendar, and may leap.
+  static constexpr Nanos kLongestHandshake = 4 * kSecond;
   // Sessions and handshakes at a time: one that leads, one that takes its place, and some that are
   // told so. Chosen; a datagram of nobody is tried with each, a microsecond for one.
   static constexpr int kSlots = 8;

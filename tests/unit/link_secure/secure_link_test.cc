@@ -4,6 +4,7 @@
 #include <sys/time.h>
 
 #include <algorithm>
+#include <map>
 #include <random>
 
 #include "server/link/codec.h"
@@ -141,6 +142,8 @@ TEST(SecureLink, ASlaveThatWasStartedAnewIsFoundAgain) {
   SecurePair pair;
   ASSERT_TRUE(pair.connect());
   ASSERT_TRUE(pair.say(kCommand));
+  ASSERT_TRUE(pair.slave.send(kState));
+  pair.step();
   SecureServer second(*pair.slave_context, pair.slave_socket);
   std::vector<Bytes> got;
   int strangers = 0, steps = 0;
@@ -225,6 +228,34 @@ TEST(SecureLink, AtThirtyPercentLossEachWayAHandshakeTakesLessThanASecondInNinet
   std::sort(took.begin(), took.end());
   EXPECT_LE(took[94], 1000) << "seed " << seed << ": median " << took[50] << " ms, worst "
                             << took[99] << " ms";
+}
+
+// Three round trips, and the time that the first of them was not waited for.
+TEST(SecureLink, AFarSlaveGetsASessionAndKeepsIt) {
+  for (const Nanos one_way : {20, 100, 200, 300, 500, 600, 1000, 1500}) {
+    SecurePair pair;
+    std::multimap<Nanos, test::MadeUpNet::Datagram> under_way;
+    pair.net.passes = [&](auto& d) {
+      under_way.emplace(pair.now + one_way * kMillisecond, d);
+      return false;
+    };
+    const auto step = [&] {
+      while (!under_way.empty() && under_way.begin()->first <= pair.now) {
+        pair.net.put(under_way.begin()->second);
+        under_way.erase(under_way.begin());
+      }
+      (void)pair.master.send(kCommand);
+      (void)pair.slave.send(kState);
+      pair.step();
+    };
+    Nanos took = 0;
+    for (; took < 30'000 && pair.master_got.empty(); ++took) step();
+    EXPECT_LE(took, 8 * one_way + 4000) << one_way << " ms each way";
+    for (int ms = 0; ms < 10'000; ++ms) step();
+    EXPECT_EQ(pair.master.counts().sessions, 1u) << one_way << " ms each way";
+    EXPECT_GT(pair.master_got.size(), 9000u) << one_way << " ms each way";
+    pair.net.passes = [](auto&) { return true; };  // at its end the pair says so
+  }
 }
 
 TEST(SecureLink, AnAttemptSurvivesACalendarThatLeapsByYears) {
