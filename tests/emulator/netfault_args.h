@@ -19,6 +19,7 @@ struct NetfaultArgs {
   Until until = Until::kAny;
   std::string orders;  // as OrderDesk::open() takes it
   std::string taps;    // as Emulator::record() takes it; empty: none
+  std::size_t tap_bytes = kLongestPacket;  // of each packet
   bool json = false;
   bool help = false;
 };
