@@ -25,7 +25,7 @@ std::uint32_t checksum(std::span<const std::uint8_t> datagram) {
 void seal_frame(DatagramKind kind, std::span<std::uint8_t> datagram) noexcept {
   const std::size_t length = datagram.size() - kFrameBytes;
   std::copy(kMagic.begin(), kMagic.end(), datagram.begin());
-  datagram[4] = kWireVersion;
+  datagram[kVersionAt] = kWireVersion;
   datagram[5] = static_cast<std::uint8_t>(kind);
   datagram[6] = static_cast<std::uint8_t>(length);
   datagram[7] = static_cast<std::uint8_t>(length >> 8);
@@ -37,7 +37,7 @@ Reject open_frame(DatagramKind expected, std::span<const std::uint8_t> datagram,
                   std::span<const std::uint8_t>& payload) noexcept {
   if (datagram.size() < kFrameBytes || datagram.size() > kMaxDatagram) return Reject::kSize;
   if (!std::equal(kMagic.begin(), kMagic.end(), datagram.begin())) return Reject::kMagic;
-  if (datagram[4] != kWireVersion) return Reject::kVersion;
+  if (datagram[kVersionAt] != kWireVersion) return Reject::kVersion;
   if (datagram[5] != static_cast<std::uint8_t>(expected)) return Reject::kKind;
   const std::size_t length = datagram[6] + std::size_t{256} * datagram[7];
   if (length != datagram.size() - kFrameBytes) return Reject::kLength;

@@ -13,6 +13,7 @@ namespace handrail {
 enum class DatagramKind : std::uint8_t { kMaster = 1, kSlave = 2, kRefusal = 3 };
 
 inline constexpr std::size_t kFrameBytes = 12;
+inline constexpr std::size_t kVersionAt = 4;  // offset of the version
 
 // Completes a frame whose payload already stands behind the first kFrameBytes of `datagram`.
 // Real-time safe.

@@ -111,6 +111,8 @@ class LinkServer {
   }
 
  private:
+  static constexpr Nanos kVersionPause = 10 * kSecond;  // chosen: a line that a person still sees
+
   // The peer's own schedule wakes us, so that every wake-up finds a datagram due.
   void wait_for_tick(Nanos now) {
     const Nanos next =
@@ -157,12 +159,24 @@ class LinkServer {
   }
 
   void receive(Nanos now) {
-    if (!pump_->receive(now)) return;
+    const bool news = pump_->receive(now);
+    say_version(now);
+    if (!news) return;
     if (snapshot().peer_epoch != peer_epoch_) {
       peer_epoch_ = snapshot().peer_epoch;
       hooks_.say(false, peer_name_ + " connected, session " + std::to_string(peer_epoch_));
     }
     hooks_.on_news(now);
+  }
+
+  // A peer that may speak here, and cannot be understood.
+  void say_version(Nanos now) {
+    const int other = pump_->take_other_version();
+    if (other == 0 || now < next_version_line_) return;
+    next_version_line_ = now + kVersionPause;
+    hooks_.say(true, "the " + peer_name_ + " speaks version " + std::to_string(other) +
+                         " of the link, this program version " + std::to_string(kWireVersion) +
+                         ": nothing of it is obeyed; both sides need the same Handrail");
   }
 
   void log_leader(Nanos now) {
@@ -190,6 +204,7 @@ class LinkServer {
   LeaderWatch leader_;
   Hooks hooks_;
   std::uint32_t peer_epoch_ = 0;
+  Nanos next_version_line_ = -kForever;
   bool speaking_ = false;
   bool said_full_ = false;
 };

@@ -4,9 +4,11 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 
 #include "server/base/deletable.h"
 #include "server/base/time.h"
+#include "server/link/frame.h"
 #include "server/link/peer.h"
 #include "server/link/transport.h"
 
@@ -45,6 +47,7 @@ class LinkPump {
       } else {
         const Reject cause = peer_.on_datagram(std::span(buffer_).first(arrival->size), now);
         if (cause == Reject::kNone) transport_.adopt_sender();
+        if (cause == Reject::kVersion) other_version_ = buffer_[kVersionAt];
         changed = changed || cause == Reject::kNone || cause == Reject::kRefused;
         const std::size_t size = peer_.refuse(cause, transport_.peer_name(), now, buffer_);
         if (size != 0) (void)transport_.answer(std::span(buffer_).first(size));
@@ -52,6 +55,10 @@ class LinkPump {
     }
     return changed;
   }
+
+  // Of the wire contract, that the peer said last where it is not ours; 0: it has not. From now on
+  // forgotten.
+  int take_other_version() noexcept { return std::exchange(other_version_, 0); }
 
   // Sends `state` if a datagram is due, until `sent_until`: a loop that stands still falls silent,
   // and the other side's ladder does the rest.
@@ -69,6 +76,7 @@ class LinkPump {
   std::array<std::uint8_t, kMaxDatagram + 1> buffer_{};  // one more shows what is too long
   Nanos last_receive_ = -kForever;
   bool dropping_ = false;
+  int other_version_ = 0;
 };
 
 }  // namespace handrail

@@ -16,8 +16,7 @@ std::vector<TipAt> tips_of(const TapFile& tap, Nanos from, Nanos to) {
   std::vector<TipAt> out;
   for (const TapRecord& r : tap.records) {
     if (r.at < from || r.at > to) continue;
-    out.push_back(
-        {r.at, forward(ArmGeometry(), Eigen::Map<const JointVector>(r.target.data())).p});
+    out.push_back({r.at, forward(ArmGeometry(), Eigen::Map<const JointVector>(r.target.data())).p});
   }
   return out;
 }

@@ -44,14 +44,23 @@ Bed::~Bed() = default;
 Status Bed::start() {
   folder_.write("storm.scene", storm::scene_text());
   if (Status made = make_keys(); !made) return made;
-  std::vector<std::string> words = {"--seed",      std::to_string(options_.seed % 1'000'000'000),
-                                    "--json",      "--tap",
-                                    folder(),      "--tap-bytes",
-                                    std::to_string(options_.tap_bytes), "--share",
-                                    folder(),      "--share",
-                                    HANDRAIL_BUILD_DIR, "--output",
-                                    folder(),      "--orders",
-                                    folder() + "/orders", "--mtu", std::to_string(options_.mtu)};
+  std::vector<std::string> words = {"--seed",
+                                    std::to_string(options_.seed % 1'000'000'000),
+                                    "--json",
+                                    "--tap",
+                                    folder(),
+                                    "--tap-bytes",
+                                    std::to_string(options_.tap_bytes),
+                                    "--share",
+                                    folder(),
+                                    "--share",
+                                    HANDRAIL_BUILD_DIR,
+                                    "--output",
+                                    folder(),
+                                    "--orders",
+                                    folder() + "/orders",
+                                    "--mtu",
+                                    std::to_string(options_.mtu)};
   if (!options_.network.empty()) {
     words.insert(words.end(), {"--network", folder_.write("network", options_.network)});
   }
@@ -96,7 +105,8 @@ std::string Bed::config(Who who) {
   const std::string scene = fmt::format("scene: 'storm' scene_path: '{}'", folder());
   switch (who) {
     case Who::kRig:
-      return fmt::format("repeatability_mm: 0 seed: {} tap: '{}'", options_.seed % 1'000'000, tap());
+      return fmt::format("repeatability_mm: 0 seed: {} tap: '{}'", options_.seed % 1'000'000,
+                         tap());
     case Who::kSlave: return scene;
     default:
       return fmt::format("operator_socket: '{}/operator/operator.sock' {} {} {}", folder(), scene,
@@ -194,11 +204,10 @@ bool Bed::led() {
 
 bool Bed::engage(Nanos patience) {
   const Nanos give_up = monotonic_now() + patience;
-  std::string said;
   while (!over() && monotonic_now() < give_up) {
     (void)order("reset: true");
     story_.engages.push_back({monotonic_now(), kForever});
-    const bool done = order("engage: true", &said);
+    const bool done = order("engage: true", &engage_said_);
     const Nanos until = monotonic_now() + kSecond;
     bool is_led = false;
     while (done && !(is_led = led()) && monotonic_now() < until) wait(kTick);

@@ -25,11 +25,11 @@ using storm::Who;
 
 struct BedOptions {
   std::uint64_t seed = 1;
-  std::string network;         // as a file of the emulator's; empty: clear
-  int tap_bytes = kTapBytes;   // of each packet
-  int mtu = 1500;              // of both sides [bytes]
-  std::string master, slave;   // what stands before the program, as "env NAME=VALUE"
-  std::string master_config;   // beside the usual
+  std::string network;        // as a file of the emulator's; empty: clear
+  int tap_bytes = kTapBytes;  // of each packet
+  int mtu = 1500;             // of both sides [bytes]
+  std::string master, slave;  // what stands before the program, as "env NAME=VALUE"
+  std::string master_config;  // beside the usual
   bool (*interrupted)() = nullptr;
 };
 
@@ -39,7 +39,7 @@ struct BedVerdict {
   storm::Figures limits;
   LinkVerdict link;
   WireTruth truth;
-  std::string report;                // of the emulator, as JSON
+  std::string report;                               // of the emulator, as JSON
   std::optional<std::uint64_t> accepted, rejected;  // as the slave's last words have it
   std::uint64_t fresh = 0;  // states that arrived as the newest since the slave's newest start
 };
@@ -77,6 +77,8 @@ class Bed {
   bool order(const std::string& text, std::string* said = nullptr);
   // Resets and engages, until the arm is led; false: not within `patience`.
   bool engage(Nanos patience = 15 * kSecond);
+  // What the last order to engage was answered; empty: it was done.
+  const std::string& engage_said() const { return engage_said_; }
   // A program on near engages, by `line` of a shell, and holds it as long as it runs.
   bool engage_by(const std::string& name, const std::string& line);
   bool led();
@@ -123,6 +125,7 @@ class Bed {
   std::array<int, 3> starts_{};
   std::array<std::string, 3> keys_;
   std::vector<std::string> problems_;
+  std::string engage_said_;
   bool dash_to_far_ = true;
   Nanos start_ = 0, slave_start_ = 0;
 };

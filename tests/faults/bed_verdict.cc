@@ -64,8 +64,9 @@ BedVerdict Bed::finish() {
   out.limits = storm::judge_tap(*tap_file, {}, found);
   out.link = judge_link(*tap_file, *truth, story_, lateness);
   found.insert(found.end(), out.link.violations.begin(), out.link.violations.end());
-  std::stable_sort(found.begin(), found.end(),
-                   [](const storm::Violation& a, const storm::Violation& b) { return a.at < b.at; });
+  std::stable_sort(
+      found.begin(), found.end(),
+      [](const storm::Violation& a, const storm::Violation& b) { return a.at < b.at; });
   for (const storm::Violation& v : found) add(v);
   return out;
 }

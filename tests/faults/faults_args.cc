@@ -62,18 +62,23 @@ Result<FaultsArgs> read_faults_args(const std::vector<std::string>& words) {
 }
 
 std::string faults_usage() {
-  return "usage: tests/faults/run [--quick|--full] [--seed N] [--resume] [--json] [--list] [ROW...]\n"
+  return "usage: tests/faults/run [--quick|--full] [--seed N] [--resume] [--json] [--list] "
+         "[ROW...]\n"
          "\n"
-         "Rig and slave on one side of an emulated network, master on the other, an encrypted link\n"
-         "between; what a row puts in, and what a judge makes of the rig's tap. A line a row. Exit\n"
+         "Rig and slave on one side of an emulated network, master on the other, an encrypted "
+         "link\n"
+         "between; what a row puts in, and what a judge makes of the rig's tap. A line a row. "
+         "Exit\n"
          "codes: 0 nothing failed, 1 something did, 2 usage, 130 stopped.\n"
          "\n"
          "  --quick          all rows in ten minutes (the default)\n"
          "  --full           the levels and spans of the matrix\n"
          "  --seed N         drawn and printed when absent\n"
-         "  --resume         without the rows that passed at this commit, in this form, at the seed\n"
+         "  --resume         without the rows that passed at this commit, in this form, at the "
+         "seed\n"
          "                   if one is given\n"
-         "  --results FOLDER where results are kept, build/faults; what a row that failed leaves is\n"
+         "  --results FOLDER where results are kept, build/faults; what a row that failed leaves "
+         "is\n"
          "                   in kept/ there\n"
          "  --json           a line of JSON a row\n"
          "  --list           the rows\n";

@@ -49,7 +49,8 @@ Result<SeenSession> see_session(const std::string& path) {
 
 Bytes record_of(std::uint8_t type, std::uint64_t epoch_and_sequence, const Bytes& body) {
   Bytes out = {type, 0xfe, 0xfd};
-  for (int i = 7; i >= 0; --i) out.push_back(static_cast<std::uint8_t>(epoch_and_sequence >> (8 * i)));
+  for (int i = 7; i >= 0; --i)
+    out.push_back(static_cast<std::uint8_t>(epoch_and_sequence >> (8 * i)));
   out.push_back(static_cast<std::uint8_t>(body.size() >> 8));
   out.push_back(static_cast<std::uint8_t>(body.size()));
   out.insert(out.end(), body.begin(), body.end());

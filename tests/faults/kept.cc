@@ -49,7 +49,7 @@ std::optional<std::uint64_t> KeptResults::passed(const std::string& row,
     std::string line;
     std::ifstream file(entry.path());
     std::getline(file, line);
-    const bool good = line.find(std::string(" ") + name_of(Outcome::kPassed) + " ") != line.npos;
+    const bool good = line.starts_with(fmt::format("{:4} {} ", row, name_of(Outcome::kPassed)));
     if (good && (!seed || *seed == of)) return of;
   }
   return std::nullopt;

@@ -31,8 +31,8 @@ class LatenessLog {
   Nanos longest_ = 0;
 };
 
-// A thread on each processor that wants to wake every millisecond, with the priority of the daemons'
-// IO threads where that is granted: what keeps it waiting keeps them waiting.
+// A thread on each processor that wants to wake every millisecond, with the priority of the
+// daemons' IO threads where that is granted: what keeps it waiting keeps them waiting.
 class LatenessProbe {
  public:
   LatenessProbe();

@@ -16,7 +16,7 @@ constexpr Nanos kOneCause = 200 * kMillisecond;
 // How long before a command a machine's lateness can still have its effect: the time of a stop.
 constexpr Nanos kLookBack = 300 * kMillisecond;
 constexpr double kStandingStep = 1e-6;  // float32 tells no smaller one [rad]
-constexpr int kStandingCycles = 14;  // that a command train outlives without an answer
+constexpr int kStandingCycles = 14;     // that a command train outlives without an answer
 // The master notices with its next tick, a millisecond, and its state is a millisecond old.
 constexpr Nanos kNotices = 2 * kMillisecond;
 
@@ -47,13 +47,14 @@ class Speaker {
 
  private:
   void deliver(const FreshState& fresh, HeardMaster& heard, AuditReport& report) {
-    const auto starts = std::upper_bound(story_.master_starts.begin(), story_.master_starts.end(),
-                                         fresh.sent);
+    const auto starts =
+        std::upper_bound(story_.master_starts.begin(), story_.master_starts.end(), fresh.sent);
     const auto incarnation = static_cast<std::uint32_t>(starts - story_.master_starts.begin());
     const bool asked = engaging(fresh.at);
     follow_news(fresh.sent, asked);
     // An engagement that an order may begin: it is told twice, as one that begins and one that is.
-    if (asked) tell(2 * fresh.number, incarnation, SessionState::kAligning, fresh.at, heard, report);
+    if (asked)
+      tell(2 * fresh.number, incarnation, SessionState::kAligning, fresh.at, heard, report);
     tell(2 * fresh.number + 1, incarnation, leads_ ? SessionState::kEngaged : SessionState::kHold,
          fresh.at, heard, report);
   }
@@ -101,9 +102,14 @@ class Judge {
         lateness_(lateness),
         speaker_(truth, story, lateness),
         stops_(period),
-        joints_(limits_of(period)) {}
+        joints_(limits_of(period)) {
+    heard_.must_stop(0);  // nobody has engaged
+  }
 
-  void place(const JointVector& q) { q_ = q; (void)joints_.commanded(q, ignored_); }
+  void place(const JointVector& q) {
+    q_ = q;
+    (void)joints_.commanded(q, ignored_);
+  }
 
   void cycle(const TapRecord& r) {
     const bool accepted = r.has(kTapAccepted);
@@ -165,10 +171,10 @@ class Judge {
     stops_.moved_unled(at - late, was_at_rest, out_.report);
     if (out_.report.total() == before) return;
     if (last_violation_ < 0 || at - last_violation_ > kOneCause) {
-      out_.violations.push_back(
-          {at, fmt::format("{}; beside the bound {:.1f} ms were granted",
-                           was_at_rest ? "moved while nobody led it" : "still moving after its stop",
-                           1e3 * to_seconds(late))});
+      out_.violations.push_back({at, fmt::format("{}; beside the bound {:.1f} ms were granted",
+                                                 was_at_rest ? "moved while nobody led it"
+                                                             : "still moving after its stop",
+                                                 1e3 * to_seconds(late))});
     }
     last_violation_ = at;
   }

@@ -19,19 +19,19 @@ struct Span {
 
 // What was done, as far as the network does not tell.
 struct Story {
-  std::vector<Span> engages;          // each from the operator's order to its answer, ascending
-  std::vector<Nanos> master_starts;   // ascending
-  std::vector<Nanos> must_stop;       // from then on the arm must, until an operator engages
+  std::vector<Span> engages;         // each from the operator's order to its answer, ascending
+  std::vector<Nanos> master_starts;  // ascending
+  std::vector<Nanos> must_stop;      // from then on the arm must, until an operator engages
 };
 
 struct LinkVerdict {
-  AuditReport report;                       // of breaches: kUnled and kLateStop
-  std::vector<storm::Violation> violations; // one a cause
-  Nanos lateness = 0;                       // the worst that was granted
-  std::uint64_t held = 0;                   // cycles that a moving arm got nothing in
-  std::uint64_t short_gaps = 0;             // without news of over 20 ms, up to 200 ms, at the slave
-  std::uint64_t trips = 0;                  // gaps of over 20 ms beside the machine's own lateness
-  std::uint64_t long_gaps = 0;              // about 200 ms or more, at either side: may latch
+  AuditReport report;                        // of breaches: kUnled and kLateStop
+  std::vector<storm::Violation> violations;  // one a cause
+  Nanos lateness = 0;                        // the worst that was granted
+  std::uint64_t held = 0;                    // cycles that a moving arm got nothing in
+  std::uint64_t short_gaps = 0;  // without news of over 20 ms, up to 200 ms, at the slave
+  std::uint64_t trips = 0;       // gaps of over 20 ms beside the machine's own lateness
+  std::uint64_t long_gaps = 0;   // about 200 ms or more, at either side: may latch
   Nanos longest_gap = 0;
 };
 

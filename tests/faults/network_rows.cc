@@ -77,10 +77,11 @@ RowResult n1(const RowRun& run) {
       run.full ? std::vector<double>{0.01, 0.05, 0.1, 0.2, 0.3} : std::vector<double>{0.1, 0.3};
   for (const double loss : losses) {
     const Driven driven = drive_over(trial, fmt::format("both {{ loss: {} }}", loss), span);
-    trial.measure(fmt::format("{:.0f} %: error {:.2f} mm (clean {:.2f}), longest gap {:.1f} ms, {} "
-                              "latched",
-                              100.0 * loss, driven.error / kMm, clean.error / kMm,
-                              1e3 * to_seconds(driven.verdict.link.longest_gap), driven.latched));
+    trial.measure(
+        fmt::format("{:.0f} %: error {:.2f} mm (clean {:.2f}), longest gap {:.1f} ms, {} "
+                    "latched",
+                    100.0 * loss, driven.error / kMm, clean.error / kMm,
+                    1e3 * to_seconds(driven.verdict.link.longest_gap), driven.latched));
     trial.check(driven.latched == 0, fmt::format("{:.0f} %: latched", 100.0 * loss));
     if (loss > 0.1) continue;
     trial.check(driven.verdict.link.trips == 0,
@@ -98,16 +99,16 @@ RowResult n2(const RowRun& run) {
   if (!bed) return trial.result();
   std::uint64_t latched = 0;
   for (const int mean : {2, 5, 10, 50, 200}) {
-    const std::string faults = fmt::format("both {{ burst_leave: {} burst_enter: {} }}", 1.0 / mean,
-                                           0.05 / 0.95 / mean);
+    const std::string faults =
+        fmt::format("both {{ burst_leave: {} burst_enter: {} }}", 1.0 / mean, 0.05 / 0.95 / mean);
     latched += drive_on(*bed, run.full ? 60 * kSecond : 5 * kSecond, faults);
   }
   const BedVerdict verdict = trial.end(std::move(bed));
   judge_acceptance(trial, verdict);
-  trial.measure(fmt::format("{} gaps of 20 to 200 ms, {} of about 200 ms or more at either side, {} "
-                            "latched, {} stops went on by themselves",
-                            verdict.link.short_gaps, verdict.link.long_gaps, latched,
-                            verdict.link.report.resumed));
+  trial.measure(fmt::format(
+      "{} gaps of 20 to 200 ms, {} of about 200 ms or more at either side, {} "
+      "latched, {} stops went on by themselves",
+      verdict.link.short_gaps, verdict.link.long_gaps, latched, verdict.link.report.resumed));
   trial.check(verdict.link.short_gaps > 0 && verdict.link.report.resumed > 0,
               "no gap stopped the arm and let it go on");
   trial.check(latched <= verdict.link.long_gaps, "a gap below 200 ms latched");
@@ -139,7 +140,8 @@ RowResult n3(const RowRun& run) {
       }
     });
     loop /= std::max(seen, 1);
-    trial.measure(fmt::format("{} ms: loop age {:.1f} ms, warned {} of {}", delay, loop, warned, seen));
+    trial.measure(
+        fmt::format("{} ms: loop age {:.1f} ms, warned {} of {}", delay, loop, warned, seen));
     trial.check(bad == 0, fmt::format("{} ms: latched", delay));
     trial.check(std::abs(loop - 2.0 * delay) <= 0.05 * 2.0 * delay + 3.0,
                 fmt::format("{} ms: another loop age is shown", delay));
@@ -181,7 +183,8 @@ RowResult n13(const RowRun& run) {
   for (const char* name : {"netcode", "harsh"}) {
     const LinkFaults way = find_network(name)->way;
     const std::string faults = fmt::format(
-        "both {{ delay_ms: {} jitter_ms: {} loss: {} duplicate: {} reorder: {} reorder_by_ms: {} }}",
+        "both {{ delay_ms: {} jitter_ms: {} loss: {} duplicate: {} reorder: {} reorder_by_ms: {} "
+        "}}",
         1e3 * to_seconds(way.delay), 1e3 * to_seconds(way.jitter), way.loss, way.duplicate,
         way.reorder, 1e3 * to_seconds(way.reorder_by));
     const Driven driven = drive_over(trial, faults, span);

@@ -43,8 +43,11 @@ RowResult n9(const RowRun& run) {
               "beyond 200 ms no motion until engage; heard again within 1 s, at 30 % loss 2 s");
   auto bed = trial.bed();
   if (!bed) return trial.result();
-  std::vector<Outage> outages = {{10 * kMillisecond}, {21 * kMillisecond}, {100 * kMillisecond},
-                                 {kSecond},           {3 * kSecond, 0, 0.3}};
+  std::vector<Outage> outages = {{10 * kMillisecond},
+                                 {21 * kMillisecond},
+                                 {100 * kMillisecond},
+                                 {kSecond},
+                                 {3 * kSecond, 0, 0.3}};
   if (run.full) outages.insert(outages.end(), {{60 * kSecond, 0, 0.0}, {60 * kSecond, 0, 0.3}});
   for (Outage& outage : outages) {
     bed->drive(kSecond);
@@ -75,9 +78,10 @@ RowResult n9(const RowRun& run) {
 }
 
 RowResult n10(const RowRun& run) {
-  Trial trial(run, "one way dark for a second, each in turn, in motion",
-              "the slave stops; the force on the hand is gone, as the status has it, within 50 ms and "
-              "what asking takes");
+  Trial trial(
+      run, "one way dark for a second, each in turn, in motion",
+      "the slave stops; the force on the hand is gone, as the status has it, within 50 ms and "
+      "what asking takes");
   auto bed = trial.bed();
   if (!bed) return trial.result();
   Nanos slowest = 0;
@@ -93,8 +97,8 @@ RowResult n10(const RowRun& run) {
       const Nanos before = monotonic_now();
       const auto now = bed->status();
       // But for the cue that says so, which is no force of tool or spring.
-      const bool none = now && now->spring_force().magnitude_n() < 1e-3 &&
-                        now->tool_force().magnitude_n() < 1e-3;
+      const bool none =
+          now && now->spring_force().magnitude_n() < 1e-3 && now->tool_force().magnitude_n() < 1e-3;
       if (none) gone = before;
       asked = before;
     }
@@ -134,10 +138,11 @@ RowResult n12(const RowRun& run) {
   judge_acceptance(trial, verdict);
   Nanos slowest = 0;
   for (const Nanos at : changes) slowest = std::max(slowest, heard_again(verdict.truth, at));
-  trial.measure(fmt::format("{} changes: heard again after {:.0f} ms at most, longest gap {:.0f} ms, {} "
-                            "latched; datagrams up to {} bytes",
-                            changes.size(), in_ms(slowest), in_ms(verdict.link.longest_gap), latched,
-                            verdict.truth.longest));
+  trial.measure(
+      fmt::format("{} changes: heard again after {:.0f} ms at most, longest gap {:.0f} ms, {} "
+                  "latched; datagrams up to {} bytes",
+                  changes.size(), in_ms(slowest), in_ms(verdict.link.longest_gap), latched,
+                  verdict.truth.longest));
   trial.check(trial.over() || slowest <= kSecond, "heard again too late");
   trial.check(verdict.truth.longest <= kLargest, "a longer datagram");
   return trial.result();

@@ -27,13 +27,11 @@ namespace {
 using namespace handrail;
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr std::size_t kVersionAt = 4, kKindAt = 5;
+constexpr std::size_t kKindAt = 5;
 constexpr std::uint16_t kLinkPort = 47002;
 constexpr Nanos kPatience = 10 * kSecond;  // for a session
 
-void reseal(Bytes& datagram) {
-  seal_frame(static_cast<DatagramKind>(datagram[kKindAt]), datagram);
-}
+void reseal(Bytes& datagram) { seal_frame(static_cast<DatagramKind>(datagram[kKindAt]), datagram); }
 
 const std::map<std::string, std::function<void(Bytes&)>>& variants() {
   static const std::map<std::string, std::function<void(Bytes&)>> all = {
@@ -91,6 +89,7 @@ class Peer {
   }
   // A millisecond of its life.
   void turn() {
+    io_.restart();  // it stops whenever it has nothing to wait for
     io_.poll();
     transport_->tick(monotonic_now());
     Bytes buffer(2048);

@@ -21,7 +21,8 @@ double speed_at(const TapFile& tap, Nanos at) {
     if (r.at < at - 3 * tap.period || r.at > at + tap.period) continue;
     for (int k = 0; k < kJoints; ++k) {
       const auto joint = static_cast<std::size_t>(k);
-      const double speed = std::abs(r.target[joint] - before.target[joint]) / to_seconds(tap.period);
+      const double speed =
+          std::abs(r.target[joint] - before.target[joint]) / to_seconds(tap.period);
       out = std::max(out, speed / rv2a_limits().max_speed[k]);
     }
   }
@@ -84,7 +85,8 @@ Struck strike(Trial& trial, Bed& bed, int number, Nanos longest) {
 }  // namespace
 
 RowResult p1(const RowRun& run) {
-  Trial trial(run, "the master at full speed: SIGSTOP for 5 ms to 10 s (quick: 1 s), SIGKILL, SIGSEGV",
+  Trial trial(run,
+              "the master at full speed: SIGSTOP for 5 ms to 10 s (quick: 1 s), SIGKILL, SIGSEGV",
               "0 old commands after SIGCONT, nothing moves until engage");
   const int blows = run.full ? 200 : 8, of_a_bed = 40;
   int done = 0, after_long = 0, kills = 0;
@@ -95,8 +97,10 @@ RowResult p1(const RowRun& run) {
     std::vector<Struck> all;
     for (int i = 0; i < of_a_bed && done < blows && !bed->over(); ++i, ++done) {
       all.push_back(strike(trial, *bed, done, run.full ? 10 * kSecond : kSecond));
-      if (all.back().blow != Blow::kStop) ++kills;
-      else if (all.back().span > 200 * kMillisecond) ++after_long;
+      if (all.back().blow != Blow::kStop)
+        ++kills;
+      else if (all.back().span > 200 * kMillisecond)
+        ++after_long;
     }
     const auto tap = handrail::read_tap(bed->tap());
     const BedVerdict verdict = trial.end(std::move(bed));
@@ -107,9 +111,10 @@ RowResult p1(const RowRun& run) {
   }
   std::sort(speeds.begin(), speeds.end());
   const double median = speeds.empty() ? 0.0 : speeds[speeds.size() / 2];
-  trial.measure(fmt::format("{} blows, {} of them ends, {} pauses over 200 ms; joint speed then {:.2f} "
-                            "of the limit (median), {:.2f} at most",
-                            done, kills, after_long, median, speeds.empty() ? 0.0 : speeds.back()));
+  trial.measure(
+      fmt::format("{} blows, {} of them ends, {} pauses over 200 ms; joint speed then {:.2f} "
+                  "of the limit (median), {:.2f} at most",
+                  done, kills, after_long, median, speeds.empty() ? 0.0 : speeds.back()));
   trial.check(trial.over() || median > 0.1, "the arm was not in motion");
   return trial.result();
 }
@@ -117,8 +122,9 @@ RowResult p1(const RowRun& run) {
 RowResult p2(const RowRun& run) {
   constexpr Nanos kLastTarget = 30 * kMillisecond;
   constexpr Nanos kShown = 100 * kMillisecond;
-  Trial trial(run, "the slave killed at full speed, and started again",
-              "no target 30 ms later; the master shows it within 100 ms; the slave comes up stopped");
+  Trial trial(
+      run, "the slave killed at full speed, and started again",
+      "no target 30 ms later; the master shows it within 100 ms; the slave comes up stopped");
   auto bed = trial.bed();
   if (!bed) return trial.result();
   std::vector<Nanos> kills;
@@ -131,7 +137,8 @@ RowResult p2(const RowRun& run) {
     Nanos shown = kForever;
     while (shown == kForever && monotonic_now() < kills.back() + 2 * kSecond) {
       const auto now = bed->status();
-      if (now && (now->state() != "engaged" || now->packet_age_ms() > 20.0)) shown = monotonic_now();
+      if (now && (now->state() != "engaged" || now->packet_age_ms() > 20.0))
+        shown = monotonic_now();
     }
     shown_worst = std::max(shown_worst, shown - kills.back());
     bed->wait(300 * kMillisecond);
@@ -157,13 +164,13 @@ RowResult p2(const RowRun& run) {
 }
 
 RowResult p3(const RowRun& run) {
-  Trial trial(run, "command lines killed: that watch, and that hold an engagement",
-              "no gap over 20 ms from those that watch; the arm stops 200 ms after one that held");
+  Trial trial(
+      run, "command lines killed: that watch, and that hold an engagement",
+      "no gap over 20 ms from those that watch; the arm rests half a second after one that held");
   auto bed = trial.bed();
   if (!bed) return trial.result();
   const std::string socket = bed->folder() + "/operator/operator.sock";
-  const std::string cli =
-      fmt::format("exec {}/handrail --socket {} ", HANDRAIL_BIN_DIR, socket);
+  const std::string cli = fmt::format("exec {}/handrail --socket {} ", HANDRAIL_BIN_DIR, socket);
   const int times = run.full ? 50 : 8;
   for (int i = 0; i < times && !bed->over(); ++i) {
     const std::string name = fmt::format("watch{}", i);
@@ -178,8 +185,8 @@ RowResult p3(const RowRun& run) {
   }
   const BedVerdict watched = trial.end(std::move(bed));
   judge_acceptance(trial, watched);
-  trial.measure(fmt::format("{} watching killed: {} gaps beside the machine's", times,
-                            watched.link.trips));
+  trial.measure(
+      fmt::format("{} watching killed: {} gaps beside the machine's", times, watched.link.trips));
   trial.check(watched.link.trips == 0, "a gap");
   // The engagement of one that holds it ends with it.
   BedOptions options;
@@ -197,7 +204,8 @@ RowResult p3(const RowRun& run) {
     }
     get_going(*bed);
     (void)bed->emulator("signal near " + name + " KILL");
-    bed->must_stop(monotonic_now() + 250 * kMillisecond);
+    // Unheard for 200 ms the master's command stands still, and the arm comes up to it.
+    bed->must_stop(monotonic_now() + 500 * kMillisecond);
     bed->wait(kSecond);
     trial.check(bed->over() || !bed->led(), "led by nobody");
   }
@@ -207,19 +215,25 @@ RowResult p3(const RowRun& run) {
 }
 
 RowResult p4(const RowRun& run) {
-  Trial trial(run, "eight programs that never rest on either side; daemons with real time, and refused "
-                   "it",
-              "refused: one warning that says so; overruns are counted");
+  Trial trial(run, "eight programs that never rest; daemons with real time, and refused it",
+              "with it: engaged; refused: one warning, and engaged or told why not; overruns are "
+              "counted");
   for (const bool refused : {false, true}) {
     BedOptions options;
     if (refused) options.master = options.slave = "setpriv --bounding-set -sys_nice";
-    auto bed = trial.bed(options);
+    auto bed = trial.bed(options, true);
     if (!bed) return trial.result();
     for (const char* side : {"near", "far"}) {
       for (int i = 0; i < 4; ++i) {
         (void)bed->run(side, fmt::format("busy{}", i), "while :; do :; done");
       }
     }
+    const bool engaged = bed->engage();
+    const std::string told = bed->engage_said();
+    const bool real_time =
+        bed->printed(Who::kMaster).find("ordinary scheduling") == std::string::npos;
+    trial.check(trial.over() || engaged || (!real_time && !told.empty()),
+                "not engaged, though in real time, or without a word: " + told);
     std::uint64_t overruns = 0, ticks = 0;
     double late = 0.0;
     bed->drive(run.full ? 60 * kSecond : 5 * kSecond, [&](const pb::Status& s) {
@@ -230,15 +244,17 @@ RowResult p4(const RowRun& run) {
     const std::string log = bed->printed(Who::kMaster);
     const BedVerdict verdict = trial.end(std::move(bed));
     judge_acceptance(trial, verdict);
-    trial.measure(fmt::format("real time {}: {} overruns of {} ticks, worst {:.1f} ms, {} gaps of 20 to "
-                              "200 ms",
-                              refused ? "refused" : "asked for", overruns, ticks, 1e-3 * late,
-                              verdict.link.short_gaps));
+    trial.measure(
+        fmt::format("real time {}: {}; {} overruns of {} ticks, worst {:.1f} ms, {} gaps of 20 "
+                    "to 200 ms, {} longer",
+                    real_time ? "granted" : "refused", engaged ? "engaged" : "not engaged, " + told,
+                    overruns, ticks, 1e-3 * late, verdict.link.short_gaps, verdict.link.long_gaps));
     trial.check(trial.over() || (late < 1000.0) == (overruns == 0), "overruns are not counted");
-    std::size_t warnings = 0;
-    for (std::size_t at = 0; (at = log.find("[warning]", at)) != log.npos; ++at) ++warnings;
-    if (refused) trial.check(trial.over() || warnings >= 1, "no warning that real time was refused");
-    trial.check(warnings <= 3, fmt::format("{} warnings", warnings));
+    const std::size_t first = log.find("[warning] not in real time");
+    const bool warned = first != log.npos,
+               again = log.find("not in real time", first + 20) != log.npos;
+    trial.check(trial.over() || warned == !real_time, "warned otherwise than it was granted");
+    trial.check(!warned || !again, "warned more than once");
   }
   return trial.result();
 }

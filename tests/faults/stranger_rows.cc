@@ -29,10 +29,10 @@ int count_of(const std::string& text, const std::string& part) {
 // slave's list gives its key; none: it is not in it.
 struct Caller {
   const char* name;
-  bool trusted;        // the slave's list has it
-  Roles roles;         // there
-  bool removed;        // and has it no more
-  const char* refused; // part of what it is told
+  bool trusted;         // the slave's list has it
+  Roles roles;          // there
+  bool removed;         // and has it no more
+  const char* refused;  // part of what it is told
 };
 
 void call(Trial& trial, Bed& bed, const Caller& caller) {
@@ -53,9 +53,10 @@ void call(Trial& trial, Bed& bed, const Caller& caller) {
     bed.drive(1200 * kMillisecond);
   }
   const std::string config = bed.folder() + "/" + caller.name + ".cfg";
-  std::ofstream(config) << fmt::format("operator_socket: '{}/{}.socket/op.sock' scene: 'storm' "
-                                       "scene_path: '{}'",
-                                       bed.folder(), caller.name, bed.folder());
+  std::ofstream(config) << fmt::format(
+      "operator_socket: '{}/{}.socket/op.sock' scene: 'storm' "
+      "scene_path: '{}'",
+      bed.folder(), caller.name, bed.folder());
   const Status ran =
       bed.run("near", caller.name,
               fmt::format("HANDRAIL_KEYS={} exec {}/handrail-master --config {} --link 10.77.0.2",
@@ -71,7 +72,8 @@ void call(Trial& trial, Bed& bed, const Caller& caller) {
 }
 
 // OpenSSL's client with these arguments; nothing may come of it.
-void call_by_openssl(Trial& trial, Bed& bed, const std::string& name, const std::string& arguments) {
+void call_by_openssl(Trial& trial, Bed& bed, const std::string& name,
+                     const std::string& arguments) {
   const Status ran = bed.run(
       "near", name,
       fmt::format("sleep 2 | timeout 2 openssl s_client -connect {} {}", kSlaveAt, arguments));
@@ -103,8 +105,8 @@ void judge_answers(Trial& trial, const std::string& path) {
     answered += of[1];
     more += of[1] > of[0] ? 1 : 0;
   }
-  trial.measure(fmt::format("{} bytes from {} spoofed sources, {} bytes to them", asked, bytes.size(),
-                            answered));
+  trial.measure(fmt::format("{} bytes from {} spoofed sources, {} bytes to them", asked,
+                            bytes.size(), answered));
   trial.check(more == 0, fmt::format("{} sources were sent more than they sent", more));
 }
 
@@ -141,10 +143,11 @@ void send_all(Bed& bed, const std::string& side, const std::string& path, int co
 
 RowResult x3(const RowRun& run) {
   const int hellos = run.full ? 100'000 : 20'000;
-  Trial trial(run,
-              "no certificate, unknown key, removed key, key with another role, DTLS 1.0, no cipher; "
-              "hellos with an overheard cookie and without, from spoofed sources",
-              "none let in, each that can be told is told why; no answer larger than the question");
+  Trial trial(
+      run,
+      "no certificate, unknown key, removed key, key with another role, DTLS 1.0, no cipher; "
+      "hellos with an overheard cookie and without, from spoofed sources",
+      "none let in, each that can be told is told why; no answer larger than the question");
   BedOptions whole;
   whole.tap_bytes = 1500;
   auto bed = trial.bed(whole);
@@ -189,8 +192,8 @@ Bytes forgery(Random& random, const SeenSession& seen, bool to_slave, int i) {
   const auto& to = to_slave ? seen.slave : seen.master;
   constexpr std::uint64_t kEpoch = std::uint64_t{1} << 48;
   constexpr std::uint64_t kAhead = 100'000;  // of the sequence, at most
-  const std::uint64_t next = (i % 3 == 0 ? 0 : kEpoch) | ((seen.record & (kEpoch - 1)) +
-                                                          random.bits() % kAhead);
+  const std::uint64_t next =
+      (i % 3 == 0 ? 0 : kEpoch) | ((seen.record & (kEpoch - 1)) + random.bits() % kAhead);
   Bytes payload;
   switch (i % 5) {
     // A state, a close in plain, a fatal alert, a change of ciphers, a hello's answer.
@@ -239,9 +242,9 @@ void swap_key(Trial& trial, Bed& bed) {
   const auto now = bed.status();
   const std::string told = now ? now->peer().problem() : "no master answers";
   const std::string shown = key_id(key->key.public_key());
-  trial.check(told.find(shown) != told.npos &&
-                  told.find(key_id(before->key.public_key())) != told.npos,
-              "a swapped key is not shown beside the one that is trusted: " + told);
+  trial.check(
+      told.find(shown) != told.npos && told.find(key_id(before->key.public_key())) != told.npos,
+      "a swapped key is not shown beside the one that is trusted: " + told);
   std::string said;
   trial.check(!bed.order("engage: true", &said), "engaged with a swapped key");
   bed.signal(Who::kSlave, "TERM");
@@ -255,10 +258,11 @@ void swap_key(Trial& trial, Bed& bed) {
 
 RowResult x4(const RowRun& run) {
   const int count = run.full ? 100'000 : 20'000;
-  Trial trial(run,
-              "forged states, alerts, handshakes and plain stops and resets from the master's address "
-              "and the slave's, in the present session; then another key at the slave's place",
-              "no effect: led throughout; both keys shown, no session with the other");
+  Trial trial(
+      run,
+      "forged states, alerts, handshakes and plain stops and resets from the master's address "
+      "and the slave's, in the present session; then another key at the slave's place",
+      "no effect: led throughout; both keys shown, no session with the other");
   BedOptions whole;
   whole.tap_bytes = 1500;
   auto bed = trial.bed(whole);
@@ -303,17 +307,18 @@ RowResult x5(const RowRun& run) {
     if (!bed) return trial.result();
     double before = 0.0, after = 0.0;
     bed->drive(2 * kSecond, [&](const pb::Status& s) { before = s.loop_lateness_us().p999(); });
-    const auto done = bed->emulator(fmt::format("flood far 192.0.2.9:4000 {} {} {} 200", kSlaveAt,
-                                                rate, seconds));
+    const auto done = bed->emulator(
+        fmt::format("flood far 192.0.2.9:4000 {} {} {} 200", kSlaveAt, rate, seconds));
     if (!done) bed->problem(done.message());
     bed->drive(from_seconds(seconds + 1.0),
                [&](const pb::Status& s) { after = s.loop_lateness_us().p999(); });
     const bool led = bed->led() || (rate > 20'000 && bed->engage());
     const BedVerdict verdict = trial.end(std::move(bed));
     judge_acceptance(trial, verdict);
-    trial.measure(fmt::format("{}/s: {} rejected, {} gaps beside the machine's, haptic loop late p99.9 "
-                              "{:.0f} us before and {:.0f} with it",
-                              rate, verdict.rejected.value_or(0), verdict.link.trips, before, after));
+    trial.measure(
+        fmt::format("{}/s: {} rejected, {} gaps beside the machine's, haptic loop late p99.9 "
+                    "{:.0f} us before and {:.0f} with it",
+                    rate, verdict.rejected.value_or(0), verdict.link.trips, before, after));
     trial.check(trial.over() || led, fmt::format("{}/s: not led", rate));
     if (rate > 20'000) continue;
     trial.check(verdict.link.trips == 0, fmt::format("{}/s: a gap", rate));

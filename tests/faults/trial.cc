@@ -29,7 +29,8 @@ std::unique_ptr<Bed> Trial::bed(BedOptions options, bool idle) {
   const Status started = out->start();
   std::string why = started ? "" : started.message();
   if (started && !idle && !out->engage(30 * kSecond)) {
-    why = "cannot be engaged: " + out->printed(Who::kMaster) + out->printed(Who::kSlave);
+    why = "cannot be engaged: " + out->engage_said() + out->printed(Who::kMaster) +
+          out->printed(Who::kSlave);
   }
   if (why.empty()) return out;
   if (!over()) found_.push_back("no start: " + why);
@@ -64,16 +65,17 @@ RowResult Trial::result() const {
         in_ms(lateness_));
   }
   if (limits_.targets > 0) {
-    out.measured += fmt::format(
-        "; of {} targets {} beyond a limit (jerk {:.2f}), {} cycles held, {} halts", limits_.targets,
-        limits_.breaches, limits_.jerk, limits_.held, limits_.halts);
+    out.measured +=
+        fmt::format("; of {} targets {} beyond a limit (jerk {:.2f}), {} cycles held, {} halts",
+                    limits_.targets, limits_.breaches, limits_.jerk, limits_.held, limits_.halts);
   }
   if (over()) {
     out.outcome = Outcome::kStopped;
   } else if (!found_.empty()) {
     out.outcome = Outcome::kFailed;
     const auto told = std::min(found_.size(), kMostFound);
-    out.why = fmt::format("{}", fmt::join(found_.begin(), found_.begin() + static_cast<std::ptrdiff_t>(told), " | "));
+    out.why = fmt::format(
+        "{}", fmt::join(found_.begin(), found_.begin() + static_cast<std::ptrdiff_t>(told), " | "));
     if (told < found_.size()) out.why += fmt::format(" | and {} more", found_.size() - told);
   } else if (!skipped_.empty()) {
     out.outcome = Outcome::kSkipped;
@@ -90,9 +92,9 @@ void Trial::keep(const Bed& bed) const {
   std::filesystem::create_directories(to, error);
   for (const auto& entry : std::filesystem::directory_iterator(bed.folder(), error)) {
     if (!entry.is_regular_file()) continue;
-    std::filesystem::copy_file(
-        entry.path(), to / fmt::format("{}-{}", beds_, entry.path().filename().string()),
-        std::filesystem::copy_options::overwrite_existing, error);
+    std::filesystem::copy_file(entry.path(),
+                               to / fmt::format("{}-{}", beds_, entry.path().filename().string()),
+                               std::filesystem::copy_options::overwrite_existing, error);
   }
   std::ofstream story(to / "found.txt");
   for (const std::string& line : found_) story << line << "\n";
@@ -105,7 +107,8 @@ void judge_acceptance(Trial& trial, const BedVerdict& verdict) {
     return;
   }
   trial.measure(fmt::format(
-      "{} accepted of {} fresh; {} overtaken, {} duplicated, {} replayed, {} corrupted, {} injected",
+      "{} accepted of {} fresh; {} overtaken, {} duplicated, {} replayed, {} corrupted, {} "
+      "injected",
       *verdict.accepted, fresh, verdict.truth.overtaken,
       verdict.truth.delivered(Origin::kDuplicate), verdict.truth.delivered(Origin::kReplay),
       verdict.truth.delivered(Origin::kCorrupt), verdict.truth.delivered(Origin::kInjected)));

@@ -18,11 +18,12 @@ std::uint64_t number_after(const std::string& text, const std::string& name) {
 }  // namespace
 
 RowResult x10(const RowRun& run) {
-  Trial trial(run,
-              "the master's own key in a program that says an older and a newer version, an unknown "
-              "field, kind and a cut message; then what it may say",
-              "each refused by its cause, all of what is sound accepted, no motion; the log names both "
-              "versions");
+  Trial trial(
+      run,
+      "the master's own key in a program that says an older and a newer version, an unknown "
+      "field, kind and a cut message; then what it may say",
+      "each refused by its cause, all of what is sound accepted, no motion; the log names both "
+      "versions");
   auto bed = trial.bed();
   if (!bed) return trial.result();
   bed->drive(500 * kMillisecond);
@@ -55,10 +56,10 @@ RowResult x10(const RowRun& run) {
     const char* variants[2];
     const char* text;
   };
-  for (const Cause& cause :
-       {Cause{{"older=", "newer="}, "another protocol version "},
-        Cause{{"field=", nullptr}, "unknown field or enum value "},
-        Cause{{"kind=", nullptr}, "wrong direction "}, Cause{{"short=", nullptr}, "malformed payload "}}) {
+  for (const Cause& cause : {Cause{{"older=", "newer="}, "another protocol version "},
+                             Cause{{"field=", nullptr}, "unknown field or enum value "},
+                             Cause{{"kind=", nullptr}, "wrong direction "},
+                             Cause{{"short=", nullptr}, "malformed payload "}}) {
     std::uint64_t wanted = 0;
     for (const char* variant : cause.variants) {
       if (variant != nullptr) wanted += number_after(sent, variant);

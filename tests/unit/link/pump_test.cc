@@ -57,6 +57,19 @@ class PumpTest : public ::testing::Test {
   LinkPump<SlaveState, MasterState> pump{net, peer};
 };
 
+TEST_F(PumpTest, KnowsThatAPeerSpeaksAnotherVersionUntilItIsTaken) {
+  arrive(1);
+  (void)pump.receive(kPumpStart);
+  EXPECT_EQ(pump.take_other_version(), 0);
+  for (const bool from_peer : {false, true}) {
+    arrive(2, from_peer);
+    net.waiting.back().bytes[kVersionAt] = 6;
+    EXPECT_FALSE(pump.receive(kPumpStart + kMillisecond));
+    EXPECT_EQ(pump.take_other_version(), from_peer ? 6 : 0) << "only of who may speak here";
+  }
+  EXPECT_EQ(pump.take_other_version(), 0);
+}
+
 TEST_F(PumpTest, TakesEverythingThatWaitsAndKeepsTheNewest) {
   for (const std::uint64_t n : {1, 3, 2}) arrive(n);
   EXPECT_TRUE(pump.receive(kPumpStart));
