@@ -36,7 +36,8 @@ bool left(const std::string& state) { return state == "off" || state == "fault";
 Bed::Bed(const BedOptions& options)
     : options_(options),
       random_(options.seed ^ 0xbedULL),
-      client_(folder_.path() + "/operator/operator.sock", {}, options.interrupted) {}
+      client_(folder_.path() + "/operator/operator.sock", {}, options.interrupted),
+      probe_(options.real_time) {}
 
 // The emulator takes with it whatever runs on its sides.
 Bed::~Bed() = default;

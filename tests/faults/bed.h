@@ -27,6 +27,7 @@ struct BedOptions {
   std::uint64_t seed = 1;
   std::string network;        // as a file of the emulator's; empty: clear
   int tap_bytes = kTapBytes;  // of each packet
+  bool real_time = true;      // the daemons ask for it
   int mtu = 1500;             // of both sides [bytes]
   std::string master, slave;  // what stands before the program, as "env NAME=VALUE"
   std::string master_config;  // beside the usual

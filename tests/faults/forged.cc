@@ -10,10 +10,9 @@ namespace {
 
 // Offsets in a datagram of DTLS 1.2: record header 13, handshake header 12, version 2, random 32.
 constexpr std::size_t kRecordHeader = 13, kSessionId = 13 + 12 + 2 + 32;
-constexpr std::uint8_t kHandshake = 22, kApplicationData = 23, kClientHello = 1;
-constexpr std::size_t kUdpHeader = 8;
+constexpr std::uint8_t kHandshake = 22, kClientHello = 1;
 
-std::uint64_t number_at(const std::uint8_t* at, std::size_t size) {
+std::uint64_t big_endian(const std::uint8_t* at, std::size_t size) {
   std::uint64_t out = 0;
   for (std::size_t i = 0; i < size; ++i) out = out << 8 | at[i];
   return out;
@@ -34,7 +33,7 @@ Result<SeenSession> see_session(const std::string& path) {
     if (payload[0] == kApplicationData) {
       out.master = emulator::source_of(r.packet, *layout);
       out.slave = to;
-      out.record = number_at(payload.data() + 3, 8);
+      out.record = big_endian(payload.data() + 3, 8);
     } else if (payload[0] == kHandshake && payload[kRecordHeader] == kClientHello) {
       const std::size_t cookie = kSessionId + 1 + payload[kSessionId];
       const bool has_cookie = cookie < payload.size() && payload[cookie] != 0;

@@ -34,7 +34,7 @@ Nanos LatenessLog::worst(Nanos from, Nanos to) const {
 
 Nanos LatenessLog::worst() const { return longest_; }
 
-LatenessProbe::LatenessProbe() {
+LatenessProbe::LatenessProbe(bool real_time) : real_time_(real_time) {
   const unsigned processors = std::max(1u, std::thread::hardware_concurrency());
   for (unsigned i = 0; i < processors; ++i) {
     threads_.push_back(std::make_unique<Thread>());
@@ -56,7 +56,7 @@ void LatenessProbe::run(Thread& thread, unsigned processor) {
   CPU_SET(processor, &only);
   (void)::pthread_setaffinity_np(::pthread_self(), sizeof only, &only);
   const sched_param priority{.sched_priority = kIoPriority};
-  (void)::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &priority);
+  if (real_time_) (void)::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &priority);
   Nanos due = monotonic_now();
   while (!ended_) {
     sleep_until(due += kMillisecond);

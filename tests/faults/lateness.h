@@ -31,11 +31,11 @@ class LatenessLog {
   Nanos longest_ = 0;
 };
 
-// A thread on each processor that wants to wake every millisecond, with the priority of the
-// daemons' IO threads where that is granted: what keeps it waiting keeps them waiting.
+// A thread on each processor that wants to wake every millisecond: what keeps it waiting keeps the
+// daemons waiting. `real_time`: with the priority of their IO threads, where that is granted.
 class LatenessProbe {
  public:
-  LatenessProbe();
+  explicit LatenessProbe(bool real_time = true);
   ~LatenessProbe();
   LatenessProbe(const LatenessProbe&) = delete;
   LatenessProbe& operator=(const LatenessProbe&) = delete;
@@ -50,6 +50,7 @@ class LatenessProbe {
   };
   void run(Thread& thread, unsigned processor);
 
+  bool real_time_;
   std::atomic<bool> ended_{false};
   std::vector<std::unique_ptr<Thread>> threads_;
 };

@@ -9,8 +9,6 @@
 namespace handrail::faults::rows {
 namespace {
 
-double in_ms(Nanos span) { return 1e3 * to_seconds(span); }
-
 // How long after `from` the slave, and the master, heard ten in a row no more than 20 ms apart; the
 // later of the two. kForever: never.
 Nanos heard_again(const WireTruth& truth, Nanos from) {

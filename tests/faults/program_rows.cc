@@ -11,8 +11,6 @@
 namespace handrail::faults::rows {
 namespace {
 
-double in_ms(Nanos span) { return 1e3 * to_seconds(span); }
-
 // Joint speed of the targets around a moment, the largest of any joint as a share of its limit.
 double speed_at(const TapFile& tap, Nanos at) {
   double out = 0.0;
@@ -221,6 +219,7 @@ RowResult p4(const RowRun& run) {
   for (const bool refused : {false, true}) {
     BedOptions options;
     if (refused) options.master = options.slave = "setpriv --bounding-set -sys_nice";
+    options.real_time = !refused;
     auto bed = trial.bed(options, true);
     if (!bed) return trial.result();
     for (const char* side : {"near", "far"}) {

@@ -13,8 +13,6 @@ constexpr const char* kEverywhere =
     "joint limits; each stop in its bound; no motion unled; every program ends well";
 constexpr std::size_t kMostFound = 6;  // that are told
 
-double in_ms(Nanos span) { return 1e3 * to_seconds(span); }
-
 }  // namespace
 
 Trial::Trial(const RowRun& run, std::string done, std::string asked)
@@ -49,7 +47,7 @@ BedVerdict Trial::end(std::unique_ptr<Bed> bed) {
   stops_ += audit.stops;
   lateness_ = std::max(lateness_, out.link.lateness);
   found_.insert(found_.end(), out.violations.begin(), out.violations.end());
-  if (!out.violations.empty()) keep(*bed);
+  keep(*bed);
   return out;
 }
 
@@ -81,23 +79,33 @@ RowResult Trial::result() const {
     out.outcome = Outcome::kSkipped;
     out.why = skipped_;
   }
+  keep_if(out.outcome == Outcome::kFailed);
   return out;
 }
 
 // Configurations, outputs and taps; no keys.
 void Trial::keep(const Bed& bed) const {
+  constexpr std::uintmax_t kMost = 200 << 20;  // of a file [bytes]
   if (run_.keep.empty()) return;
   const std::filesystem::path to = run_.keep;
   std::error_code error;
   std::filesystem::create_directories(to, error);
   for (const auto& entry : std::filesystem::directory_iterator(bed.folder(), error)) {
-    if (!entry.is_regular_file()) continue;
+    if (!entry.is_regular_file() || entry.file_size() > kMost) continue;
     std::filesystem::copy_file(entry.path(),
                                to / fmt::format("{}-{}", beds_, entry.path().filename().string()),
                                std::filesystem::copy_options::overwrite_existing, error);
   }
-  std::ofstream story(to / "found.txt");
-  for (const std::string& line : found_) story << line << "\n";
+}
+
+void Trial::keep_if(bool failed) const {
+  if (run_.keep.empty()) return;
+  const std::filesystem::path in = run_.keep;
+  std::error_code error;
+  if (!failed) std::filesystem::remove_all(in, error);
+  if (!failed) return;
+  std::ofstream found(in / "found.txt");
+  for (const std::string& line : found_) found << line << "\n";
 }
 
 void judge_acceptance(Trial& trial, const BedVerdict& verdict) {

@@ -10,6 +10,8 @@
 
 namespace handrail::faults {
 
+inline double in_ms(Nanos span) { return 1e3 * to_seconds(span); }
+
 class Trial {
  public:
   // What every row asks beside its own: kEverywhere.
@@ -36,7 +38,9 @@ class Trial {
   std::uint64_t beds() const { return beds_; }
 
  private:
+  // What a bed leaves, until the row is over; then only of one that failed.
   void keep(const Bed& bed) const;
+  void keep_if(bool failed) const;
 
   RowRun run_;
   std::string done_, asked_, skipped_;

@@ -11,8 +11,7 @@ namespace {
 
 using emulator::TapRecord;
 
-constexpr std::uint8_t kIpv4 = 4, kUdp = 17, kApplicationData = 23;
-constexpr std::size_t kUdpHeader = 8;
+constexpr std::uint8_t kIpv4 = 4, kUdp = 17;
 
 struct Datagram {
   std::uint16_t from = 0, to = 0;  // ports

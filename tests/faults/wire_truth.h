@@ -32,7 +32,9 @@ struct WireTruth {
 };
 
 inline constexpr std::uint16_t kLinkPort = 47002;  // of slaves, when their configuration says none
-inline constexpr int kTapBytes = 64;               // of each packet: IP, UDP and a record's header
+inline constexpr std::uint8_t kApplicationData = 23;  // the type of a record of DTLS
+inline constexpr std::size_t kUdpHeader = 8;          // [bytes]
+inline constexpr int kTapBytes = 64;  // of each packet: IP, UDP and a record's header
 
 // Reads near.pcap and far.pcap of `folder`. Only what carries a state counts as one: application
 // data of DTLS over IPv4.
