@@ -68,9 +68,10 @@ class WireTruthTest : public ::testing::Test {
     far_tap->delivered(packet(true, 23), 2, Origin::kReplay, 70);
     far_tap->delivered(packet(true, 23), 0, Origin::kInjected, 71);
     far_tap->sent(packet(false, 23, 500), 1, 80);
-    near_tap->delivered(packet(false, 23, 500), 1, Origin::kGenuine, 85);
-    near_tap->delivered(packet(false, 23), 1, Origin::kReplay, 86);
-    near_tap->delivered(packet(false, 22), 2, Origin::kGenuine, 87);
+    near_tap->delivered(packet(false, 23, 500), 2, Origin::kGenuine, 85);
+    near_tap->delivered(packet(false, 23), 3, Origin::kReplay, 86);
+    near_tap->delivered(packet(false, 22), 4, Origin::kGenuine, 87);
+    near_tap->delivered(packet(false, 23), 1, Origin::kGenuine, 88);  // overtaken
     ASSERT_TRUE(near_tap->close() && far_tap->close());
   }
   TempFolder folder;

@@ -18,6 +18,9 @@ class FaultRow : public NetfaultTest {
 };
 
 TEST_F(FaultRow, AMasterWhoseClockIsFarAheadIsNotNoticed) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "stops are judged to the millisecond: programs with checks put in are too slow";
+#endif
   const std::string said = row({"C2", "--seed", "3", "--results", folder_.path()}, 0);
   EXPECT_THAT(said, ::testing::AnyOf(HasSubstr("C2   PASS"), HasSubstr("C2   SKIPPED")));
   EXPECT_THAT(said, HasSubstr("seed 3"));
