@@ -43,9 +43,13 @@ Status Emulator::start(const EmulatorOptions& options) {
   return Status::ok();
 }
 
-Status Emulator::record(const std::string& folder) {
+void Emulator::flush_taps() {
+  for (Tap& log : taps_) log.flush();
+}
+
+Status Emulator::record(const std::string& folder, std::size_t most) {
   for (const Side which : kSides) {
-    auto opened = Tap::open(folder + "/" + name_of(which) + ".pcap");
+    auto opened = Tap::open(folder + "/" + name_of(which) + ".pcap", most);
     if (!opened) return opened.status();
     taps_.push_back(std::move(*opened));
   }

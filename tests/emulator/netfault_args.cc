@@ -18,7 +18,7 @@ constexpr int kLeastMtu = 1280;  // IPv6's [bytes]
 
 const std::vector<std::string> kNames = {"--network", "--set",    "--seed", "--until",
                                          "--orders",  "--output", "--tap",  "--share",
-                                         "--mtu",     "--json",   "--help"};
+                                         "--mtu",     "--json",   "--help", "--tap-bytes"};
 
 Status unexpected(const std::string& name, const std::string& value, const std::string& expected) {
   return Status::error(name + " '" + value + "': expected " + expected);
@@ -68,6 +68,11 @@ Status read_option(const std::string& name, const std::string& value, NetfaultAr
   if (name == "--seed") {
     seeded = read_whole(value, options.seed);
     return seeded ? Status::ok() : unexpected(name, value, "a whole number from 0 on");
+  }
+  if (name == "--tap-bytes") {
+    const bool good =
+        read_whole(value, out.tap_bytes) && out.tap_bytes >= 1 && out.tap_bytes <= kLongestPacket;
+    return good ? Status::ok() : unexpected(name, value, fmt::format("1 to {}", kLongestPacket));
   }
   if (name == "--mtu") {
     const bool good = read_whole(value, options.mtu) && options.mtu >= kLeastMtu &&
@@ -164,6 +169,7 @@ std::string usage() {
       "  --output FOLDER      what the commands print goes to near-main.out and far-main.out "
       "there\n"
       "  --tap FOLDER         every packet goes to near.pcap and far.pcap there\n"
+      "  --tap-bytes N        of each packet; all of them when absent\n"
       "  --share FOLDER       is seen by both sides as it is; may be given again\n"
       "  --mtu BYTES          of both sides, {} to {} (default)\n"
       "  --json               what the network did in one line\n\n"

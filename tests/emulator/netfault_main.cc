@@ -132,7 +132,7 @@ int run(const std::vector<std::string>& words) {
                     kNotHere);
   }
   if (!args->taps.empty()) {
-    if (const Status taps = emulator.record(args->taps); !taps) {
+    if (const Status taps = emulator.record(args->taps, args->tap_bytes); !taps) {
       return complain(taps.message(), kUsage);
     }
   }

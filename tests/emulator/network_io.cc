@@ -24,6 +24,7 @@ void put_way(const pb::Network::Way& in, LinkFaults& out) {
   if (in.has_replay()) out.replay = in.replay();
   if (in.has_corrupt()) out.corrupt = in.corrupt();
   if (in.has_corrupt_bits()) out.corrupt_bits = in.corrupt_bits();
+  if (in.has_corrupt_copies()) out.corrupt_copies = in.corrupt_copies();
   if (in.has_rate_kbit_s()) out.rate_bps = static_cast<std::int64_t>(in.rate_kbit_s() * 1e3);
   if (in.has_queue_ms()) out.queue = in_ms(in.queue_ms());
 }

@@ -28,7 +28,7 @@ const char* const kOrders =
     "  flood SIDE FROM TO PER_SECOND SECONDS BYTES   of junk\n"
     "  replay SIDE TAP PER_SECOND    what was delivered to the side in a tap, again\n"
     "  reflect SIDE TAP PER_SECOND   what the side sent in a tap, back to it\n"
-    "  report                   what happened so far, as --json\n"
+    "  report                   what happened so far, as --json; the taps have it, too\n"
     "  end                      the run\n";
 
 namespace {
@@ -255,7 +255,10 @@ Result<std::string> Orders::obey(const std::string& verb, std::string_view rest)
   if (verb == "inject") return answer(inject(rest));
   if (verb == "flood") return answer(flood(rest));
   if (verb == "replay" || verb == "reflect") return answer(replay(rest, verb == "reflect"));
-  if (verb == "report") return to_json(emulator_.report());
+  if (verb == "report") {
+    emulator_.flush_taps();
+    return to_json(emulator_.report());
+  }
   if (verb == "roam") emulator_.network().roam();
   if (verb == "end") ended_ = true;
   if (verb == "roam" || verb == "end") return std::string();

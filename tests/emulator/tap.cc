@@ -1,5 +1,6 @@
 #include "tests/emulator/tap.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -30,8 +31,8 @@ Status cannot_use(const std::string& path, const char* what) {
 
 }  // namespace
 
-Result<Tap> Tap::open(const std::string& path) {
-  Tap out(path);
+Result<Tap> Tap::open(const std::string& path, std::size_t most) {
+  Tap out(path, most);
   out.file_.reset(std::fopen(path.c_str(), "wbe"));
   if (!out.file_) return cannot_use(path, "write");
   std::setvbuf(out.file_.get(), nullptr, _IOFBF, kBuffer);
@@ -60,11 +61,13 @@ void Tap::put(char what, std::span<const std::uint8_t> packet, std::uint64_t num
               Nanos at) {
   std::array<std::uint8_t, kRecord + kTapHeader> header{};
   std::uint8_t* to = header.data();
-  const auto size = kTapHeader + packet.size();
+  const std::size_t whole = kTapHeader + packet.size();
+  packet = packet.first(std::min(packet.size(), most_));
+  const std::size_t size = kTapHeader + packet.size();
   put_number(static_cast<std::uint64_t>(at / kSecond), 4, to);
   put_number(static_cast<std::uint64_t>(at % kSecond), 4, to);
   put_number(size, 4, to);
-  put_number(size, 4, to);
+  put_number(whole, 4, to);
   *to++ = static_cast<std::uint8_t>(what);
   *to++ = static_cast<std::uint8_t>(origin);
   put_number(0, 6, to);
@@ -80,7 +83,7 @@ Status Tap::close() {
   return Status::ok();
 }
 
-Result<std::vector<TapRecord>> read_tap(const std::string& path) {
+Status scan_tap(const std::string& path, const std::function<void(TapRecord& record)>& see) {
   std::ifstream file(path, std::ios::binary);
   std::array<std::uint8_t, kFileHeader> start{};
   if (!file) return cannot_use(path, "read");
@@ -92,15 +95,15 @@ Result<std::vector<TapRecord>> read_tap(const std::string& path) {
       number_at(start.data() + 20, 4) != kUserLink) {
     return Status::error(path + ": not a tap of the link emulator");
   }
-  std::vector<TapRecord> out;
+  std::uint64_t seen = 0;
+  TapRecord record;
   std::array<std::uint8_t, kRecord + kTapHeader> header{};
   while (read(header.data(), header.size())) {
     const std::uint64_t size = number_at(header.data() + 8, 4);
     if (size < kTapHeader || size > kLongestRecord) {
-      return Status::error(path + ": record " + std::to_string(out.size() + 1) + " has " +
+      return Status::error(path + ": record " + std::to_string(seen + 1) + " has " +
                            std::to_string(size) + " bytes");
     }
-    TapRecord record;
     record.at = static_cast<Nanos>(number_at(header.data(), 4)) * kSecond +
                 static_cast<Nanos>(number_at(header.data() + 4, 4));
     record.sent = header[kRecord] == 'S';
@@ -108,8 +111,17 @@ Result<std::vector<TapRecord>> read_tap(const std::string& path) {
     record.number = number_at(header.data() + kRecord + 8, 8);
     record.packet.resize(size - kTapHeader);
     if (!read(record.packet.data(), record.packet.size())) break;
-    out.push_back(std::move(record));
+    ++seen;
+    see(record);
   }
+  return Status::ok();
+}
+
+Result<std::vector<TapRecord>> read_tap(const std::string& path) {
+  std::vector<TapRecord> out;
+  const Status read =
+      scan_tap(path, [&out](TapRecord& record) { out.push_back(std::move(record)); });
+  if (!read) return read;
   return out;
 }
 

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <cstdio>
+#include <functional>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -24,17 +26,21 @@ struct TapRecord {
   bool sent = false;  // else delivered
   Origin origin = Origin::kGenuine;
   std::uint64_t number = 0;
-  std::vector<std::uint8_t> packet;
+  std::vector<std::uint8_t> packet;  // its beginning, where the tap keeps no more
 };
 
 // Not real-time safe: the disk may hold the writer up.
 class Tap {
  public:
-  static Result<Tap> open(const std::string& path);
+  // `most`: bytes of each packet that are kept; the pcap has how long it was.
+  static Result<Tap> open(const std::string& path,
+                          std::size_t most = std::numeric_limits<std::size_t>::max());
 
   void sent(std::span<const std::uint8_t> packet, std::uint64_t number, Nanos at);
   void delivered(std::span<const std::uint8_t> packet, std::uint64_t number, Origin origin,
                  Nanos at);
+  // Readers see everything so far.
+  void flush() { std::fflush(file_.get()); }
   // Everything is in the file; an error where the disk did not take it.
   Status close();
 
@@ -42,16 +48,19 @@ class Tap {
   struct Closes {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
-  explicit Tap(std::string path) : path_(std::move(path)) {}
+  Tap(std::string path, std::size_t most) : path_(std::move(path)), most_(most) {}
   void put(char what, std::span<const std::uint8_t> packet, std::uint64_t number, Origin origin,
            Nanos at);
 
   std::string path_;
+  std::size_t most_;
   std::unique_ptr<std::FILE, Closes> file_;
 };
 
-// All records of a tap's file. One that ends in the middle of a record, as after a kill, gives
-// those before it.
+// Each record of a tap's file in turn. One that ends in the middle of a record, as after a kill or
+// while it is written, gives those before it.
+Status scan_tap(const std::string& path, const std::function<void(TapRecord& record)>& see);
+// All of them.
 Result<std::vector<TapRecord>> read_tap(const std::string& path);
 
 }  // namespace handrail::emulator

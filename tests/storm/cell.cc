@@ -14,12 +14,6 @@ namespace {
 
 constexpr Nanos kStartPatience = 20 * kSecond;  // for a program to start or end on a busy machine
 
-// A fast hand with little smoothing.
-std::string scene() {
-  return fmt::format(
-      "name: 'storm' mapping {{ scale: {} }} smoother {{ form: LENGTH samples: 40 }}\n", kScale);
-}
-
 int number_after(const std::string& output, const std::string& part) {
   const std::size_t at = output.find(part);
   return at == std::string::npos ? 0 : std::atoi(output.c_str() + at + part.size());
@@ -29,7 +23,7 @@ int number_after(const std::string& output, const std::string& part) {
 
 Cell::Cell(const Sequence& sequence, bool as_shipped)
     : sequence_(sequence), as_shipped_(as_shipped) {
-  folder_.write("storm.scene", scene());
+  folder_.write("storm.scene", scene_text());
 }
 
 Status Cell::start(Who who) {
@@ -58,8 +52,7 @@ Status Cell::start(Who who) {
 
 std::string Cell::config(Who who) {
   std::string scene = fmt::format("scene: 'storm' scene_path: '{}'", folder_.path());
-  std::string hand =
-      "device { hand { reaction_ms: 0 tremor_rms_mm: 0 drift_rms_mm: 0 drift_rms_deg: 0 } }";
+  std::string hand = kSteadyDevice;
   if (as_shipped_) {
     scene = fmt::format("scene_path: '{}'", folder_.path());
     hand = "";

@@ -36,6 +36,14 @@ std::string order(const Vec3& way_M, const Vec3& turn_M, double seconds) {
 
 }  // namespace
 
+const char* const kSteadyDevice =
+    "device { hand { reaction_ms: 0 tremor_rms_mm: 0 drift_rms_mm: 0 drift_rms_deg: 0 } }";
+
+std::string scene_text() {
+  return fmt::format(
+      "name: 'storm' mapping {{ scale: {} }} smoother {{ form: LENGTH samples: 40 }}\n", kScale);
+}
+
 DriveRegion::DriveRegion() noexcept
     : middle_(forward(ArmGeometry(), ServoArmOptions::default_start())) {
   middle_.p += kToMiddle;

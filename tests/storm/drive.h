@@ -9,6 +9,11 @@
 
 namespace handrail::storm {
 
+// The scene of those who drive so, in text format: a fast hand with little smoothing. And the
+// device of a master whose hand trembles and drifts by nothing, and so comes to rest.
+std::string scene_text();
+extern const char* const kSteadyDevice;
+
 constexpr double kScale = 4.0;  // of the scene: the device then spans the region from any start
 
 // A box of places, each with all turns up to an angle about the middle's orientation, in S. The

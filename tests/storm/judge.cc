@@ -60,18 +60,6 @@ Missed missed(const TapFile& tap, std::size_t i) {
   return now.lost == 0 && early ? Missed::kLate : Missed::kLeftOut;
 }
 
-// Of a ring whose beginning was overwritten, nobody knows what moved before: it is judged from the
-// first standstill on.
-std::size_t first_judged(const TapFile& tap) {
-  if (tap.records.empty() || tap.records.front().number == 1) return 0;
-  std::size_t stands_since = 0;
-  for (std::size_t i = 1; i < tap.records.size(); ++i) {
-    if (tap.records[i].target != tap.records[stands_since].target) stands_since = i;
-    if (tap.records[i].at - tap.records[stands_since].at >= kStands) return i;
-  }
-  return tap.records.size();
-}
-
 // The audit of one arm. A command that was missed may be read as one in time, or as lost, if that
 // alone makes sound what follows.
 class Judge {
@@ -143,6 +131,16 @@ void Figures::add(const Figures& other) {
   late += other.late;
   halts += other.halts;
   hardest_halt = std::max(hardest_halt, other.hardest_halt);
+}
+
+std::size_t first_judged(const TapFile& tap) {
+  if (tap.records.empty() || tap.records.front().number == 1) return 0;
+  std::size_t stands_since = 0;
+  for (std::size_t i = 1; i < tap.records.size(); ++i) {
+    if (tap.records[i].target != tap.records[stands_since].target) stands_since = i;
+    if (tap.records[i].at - tap.records[stands_since].at >= kStands) return i;
+  }
+  return tap.records.size();
 }
 
 Figures judge_tap(const TapFile& tap, const std::vector<Forbidden>& forbidden,

@@ -34,6 +34,10 @@ struct Violation {
   std::string what;
 };
 
+// The first record that can be judged. Of a ring whose beginning was overwritten nobody knows what
+// moved before: it is the first standstill.
+std::size_t first_judged(const TapFile& tap);
+
 // Judges one tap: every accepted target by the joint limits, and every motion by what was
 // forbidden. One violation a cause: what follows within 0.2 s belongs to it. A tap that has written
 // over its beginning is judged from the first standstill on.

@@ -23,8 +23,10 @@ struct LinkFaults {
   double replay = 0.0;             // earlier datagrams sent again for each new one; may exceed 1
   double corrupt = 0.0;            // with 1 to `corrupt_bits` bits flipped
   std::uint64_t corrupt_bits = 8;  // at least 1
-  std::int64_t rate_bps = 0;       // 0: without limit
-  Nanos queue = kSecond;           // what waits longer for the rate is dropped
+  // Damaged copies that come beside each one; may exceed 1.
+  double corrupt_copies = 0.0;
+  std::int64_t rate_bps = 0;  // 0: without limit
+  Nanos queue = kSecond;      // what waits longer for the rate is dropped
 };
 
 // A network that has a name: both ways do the same.

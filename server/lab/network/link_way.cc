@@ -85,6 +85,7 @@ void LinkWay::send(std::span<const std::uint8_t> bytes, Nanos now, std::size_t b
     } else {
       launch(bytes, number, Origin::kGenuine, due);
     }
+    damage_copies(bytes, body, due);
   }
   replay(now);
 }
@@ -110,6 +111,16 @@ void LinkWay::replay(Nanos now) noexcept {
     const std::size_t slot = (remembered_ - 1 - back) % history_.size();
     ++counters_.replayed;
     launch(history_.bytes(slot), history_.label(slot).number, Origin::kReplay, now + travel(delay));
+  }
+}
+
+// Each is counted as made twice, and as corrupted.
+void LinkWay::damage_copies(std::span<const std::uint8_t> bytes, std::size_t body,
+                            Nanos due) noexcept {
+  for (double left = faults.corrupt_copies; left > 0.0 && body < bytes.size(); left -= 1.0) {
+    if (left < 1.0 && bit_random_.uniform() >= left) continue;
+    ++counters_.duplicated;
+    launch_corrupted(bytes, body, due);
   }
 }
 

@@ -114,6 +114,7 @@ class LinkWay {
               Nanos due) noexcept;
   void launch_corrupted(std::span<const std::uint8_t> bytes, std::size_t body, Nanos due) noexcept;
   void replay(Nanos now) noexcept;
+  void damage_copies(std::span<const std::uint8_t> bytes, std::size_t body, Nanos due) noexcept;
 
   WaySize size_;
   Random random_;         // draws the same number for every datagram sent

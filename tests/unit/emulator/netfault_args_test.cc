@@ -58,6 +58,7 @@ TEST(NetfaultArgsTest, ErrorsNameTheWordAndWhatWasExpected) {
   EXPECT_EQ(error_of({"--mtu", "1501"}), "--mtu '1501': expected 1280 to 1500");
   EXPECT_EQ(error_of({"--until", "x"}), "--until 'x': expected near, far, any or both");
   EXPECT_EQ(error_of({"--until", "far"}), "--until far: nothing runs there");
+  EXPECT_EQ(error_of({"--tap-bytes", "0"}), "--tap-bytes '0': expected 1 to 1500");
   EXPECT_EQ(error_of({"--tap", "/nowhere"}), "--tap '/nowhere': expected a folder that exists");
   EXPECT_EQ(error_of({"--", "x"}), "'x' behind '--': expected near: or far:");
   EXPECT_EQ(error_of({"--", "near:", "x"}), "'near:': given twice");

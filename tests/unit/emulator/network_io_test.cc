@@ -32,7 +32,7 @@ TEST(NetworkIoTest, AFileGivesEveryFieldToTheWayItNames) {
   const auto loaded = load_network(folder.write("a.network", R"(
     both { delay_ms: 50 jitter_ms: 20.5 loss: 0.25 reorder: 0.5 }
     to_far { loss: 0.125 burst_enter: 0.01 burst_leave: 0.2 duplicate: 0.3 reorder_by_ms: 5 }
-    to_near { replay: 2.5 corrupt: 0.75 corrupt_bits: 64 rate_kbit_s: 64 queue_ms: 250 }
+    to_near { replay: 2.5 corrupt: 0.75 corrupt_bits: 64 corrupt_copies: 3.5 rate_kbit_s: 64 queue_ms: 250 }
     outage { from_s: 1 for_s: 0.5 }
     outage { for_s: 2 way: TO_NEAR }
     edge { nat: true idle_s: 30 rebind_at_s: [5, 10] roam_at_s: 7 })"));
@@ -51,6 +51,8 @@ TEST(NetworkIoTest, AFileGivesEveryFieldToTheWayItNames) {
   EXPECT_EQ(near.replay, 2.5);
   EXPECT_EQ(near.corrupt, 0.75);
   EXPECT_EQ(near.corrupt_bits, 64u);
+  EXPECT_EQ(near.corrupt_copies, 3.5);
+  EXPECT_EQ(far.corrupt_copies, 0.0);
   EXPECT_EQ(far.corrupt_bits, 8u);
   EXPECT_EQ(near.rate_bps, 64'000);
   EXPECT_EQ(near.queue, 250 * kMillisecond);

@@ -138,6 +138,29 @@ TEST(NetworkTest, CorruptedPacketsAreSoundButNeverTheOnesSent) {
   }
 }
 
+TEST(NetworkTest, DamagedCopiesComeBesideWhatWasSentAndAreCounted) {
+  NetworkPlan plan;
+  plan.to_far.corrupt_copies = 2.5;
+  Bench bench(1, plan);
+  bench.exchange(1000, false);
+  bench.finish();
+  int genuine = 0, damaged = 0;
+  for (const Got& got : bench.far) {
+    const auto layout = layout_of(got.packet);
+    ASSERT_TRUE(layout && is_sound(got.packet, *layout));
+    const bool same = got.packet == numbered(static_cast<std::uint32_t>(got.arrived.number - 1),
+                                             near_end(false), far_end(false));
+    EXPECT_EQ(same, got.arrived.origin == Origin::kGenuine);
+    (same ? genuine : damaged) += 1;
+  }
+  EXPECT_EQ(genuine, 1000);
+  EXPECT_NEAR(damaged, 2500, 100);
+  const Counts counts = bench.network.counts(Side::kFar);
+  EXPECT_EQ(counts.corrupted, static_cast<std::uint64_t>(damaged));
+  EXPECT_EQ(counts.sent + counts.duplicated, counts.delivered);
+  EXPECT_EQ(bench.near.size(), 1000u);
+}
+
 TEST(NetworkTest, ATcpSegmentIsCorruptedSoundlyAndAnAcknowledgementNotAtAll) {
   NetworkPlan plan;
   plan.to_far.corrupt = 1.0;

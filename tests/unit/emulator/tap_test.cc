@@ -54,6 +54,27 @@ TEST(TapTest, IsAPcapFile) {
   EXPECT_EQ(bytes.size(), 24u + 3 * 32 + 3 + 1500);
 }
 
+TEST(TapTest, KeepsTheBeginningOfPacketsWhereThatIsAskedAndHowLongTheyWere) {
+  const TempFolder folder;
+  const std::string path = folder.path() + "/short.pcap";
+  auto tap = Tap::open(path, 10);
+  ASSERT_TRUE(tap.is_ok());
+  tap->sent(Bytes(600, 7), 1, 5);
+  tap->sent(Bytes(4, 8), 2, 6);
+  tap->flush();
+  const auto running = read_tap(path);  // before it is closed
+  ASSERT_TRUE(running.is_ok());
+  EXPECT_EQ(running->size(), 2u);
+  ASSERT_TRUE(tap->close().is_ok());
+  EXPECT_EQ((*running)[0].packet, Bytes(10, 7));
+  EXPECT_EQ((*running)[1].packet, Bytes(4, 8));
+  std::ifstream file(path, std::ios::binary);
+  file.seekg(24 + 8);
+  Bytes lengths(8);
+  file.read(reinterpret_cast<char*>(lengths.data()), 8);
+  EXPECT_EQ(lengths, (Bytes{26, 0, 0, 0, 0x68, 2, 0, 0}));  // 16 + 10 kept of 16 + 600
+}
+
 TEST(TapTest, OneThatWasCutGivesWhatIsWhole) {
   const TempFolder folder;
   const std::string path = written(folder);
