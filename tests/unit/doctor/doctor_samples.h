@@ -103,6 +103,7 @@ inline Finding found(const DoctorFacts& facts, const std::string& check) {
   EXPECT_EQ(count, 1) << check;
   return out;
 }
+inline pb::Status& status(DoctorFacts& facts) { return *facts.master.status; }
 inline bool says(const DoctorFacts& facts, const std::string& check) {
   for (const Finding& finding : judge(facts)) {
     if (finding.check == check) return true;

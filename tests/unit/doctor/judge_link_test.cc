@@ -7,8 +7,7 @@ using test::expect_found;
 using test::found;
 using test::healthy;
 using test::says;
-
-pb::Status& status(DoctorFacts& facts) { return *facts.master.status; }
+using test::status;
 
 TEST(DoctorLink, SaysWhoIsThereAndWhatWasMeasured) {
   const DoctorFacts facts = healthy();

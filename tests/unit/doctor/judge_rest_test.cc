@@ -9,8 +9,7 @@ using test::expect_found;
 using test::found;
 using test::healthy;
 using test::says;
-
-pb::Status& status(DoctorFacts& facts) { return *facts.master.status; }
+using test::status;
 
 DoctorFacts without_master() {
   DoctorFacts facts = healthy();
