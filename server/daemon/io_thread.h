@@ -21,7 +21,7 @@ struct ServerHooks {
   std::function<bool()> finished;   // asked a thousand times a second: serve no longer
   // At every tick: whether the control loop runs.
   std::function<void(Nanos now, bool runs)> alive = {};
-  RealtimeGrant control, io;  // what the two threads have
+  RealtimeGrant control = {}, io = {};  // what the two threads have
 };
 
 // One side's end of the link, and all else that its daemon's IO thread looks after.
