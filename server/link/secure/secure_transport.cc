@@ -63,11 +63,11 @@ class SecureTransport : public ServedTransport {
     if (!std::exchange(said_trusted_, true)) say_trusted();
     if (options_.watch == nullptr) return;
     // Only keys that are about to change are settled by a session.
-    while (const auto opened = end_.take_opened()) {
-      const Trusted* who = options_.trusted.find(opened->theirs);
-      const bool settles = options_.own.entry().next == opened->ours ||
-                           (who != nullptr && who->next == opened->theirs);
-      if (settles) options_.watch->opened(*opened);
+    if (const auto begun = end_.take_begun()) {
+      const Trusted* who = options_.trusted.find(begun->theirs);
+      const bool settles = options_.own.entry().next == begun->ours ||
+                           (who != nullptr && who->next == begun->theirs);
+      if (settles) options_.watch->begun(*begun);
     }
     const auto news = options_.watch->poll(now);
     if (!news) return;
