@@ -34,7 +34,7 @@ class KeyFolder {
   Result<OwnEntry> create_next() const;
   // The next key takes the key's place now, whoever has not confirmed it. Returns what was done.
   Result<std::string> retire() const;
-  // A session was opened in which we have shown `ours` and the other side `theirs`. What this
+  // A session serves in which we have shown `ours` and the other side `theirs`. What this
   // settles is written: a next key of theirs takes its place in the list; ours is confirmed by
   // them, and takes its place when they are the last. Nothing else changes; may be told again and
   // again.

@@ -9,8 +9,6 @@
 namespace handrail::faults {
 namespace {
 
-using emulator::TapRecord;
-
 constexpr std::uint8_t kIpv4 = 4, kUdp = 17;
 
 struct Datagram {
@@ -43,7 +41,7 @@ Result<WireTruth> read_truth(const std::string& folder) {
   WireTruth out;
   std::unordered_map<std::uint64_t, Nanos> sent;
   std::uint64_t newest = 0;
-  const Status near = emulator::scan_tap(folder + "/near.pcap", [&](TapRecord& r) {
+  const Status near = emulator::scan_tap(folder + "/near.pcap", [&](emulator::TapRecord& r) {
     const auto datagram = datagram_of(r.packet);
     if (!datagram || !datagram->state) return;
     if (r.sent && datagram->to == kLinkPort) sent[r.number] = r.at;
@@ -55,7 +53,7 @@ Result<WireTruth> read_truth(const std::string& folder) {
   });
   if (!near) return near;
   newest = 0;
-  const Status far = emulator::scan_tap(folder + "/far.pcap", [&](TapRecord& r) {
+  const Status far = emulator::scan_tap(folder + "/far.pcap", [&](emulator::TapRecord& r) {
     const auto datagram = datagram_of(r.packet);
     if (!datagram) return;
     if (r.sent) out.longest = std::max(out.longest, datagram->state ? datagram->bytes : 0);

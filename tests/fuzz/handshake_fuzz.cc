@@ -181,8 +181,8 @@ class Link {
     const DtlsChannel* session = pair_.master.session();
     require(session == nullptr || pair_.master_context->trusts(session->peer().key),
             "so is who is called");
-    (void)pair_.slave.take_opened();
-    (void)pair_.master.take_opened();
+    (void)pair_.slave.take_begun();
+    (void)pair_.master.take_begun();
   }
 
   fuzz::Input in_;

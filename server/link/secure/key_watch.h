@@ -30,12 +30,12 @@ class KeyWatch {
   KeyWatch(KeyFolder folder, std::string known)
       : folder_(std::move(folder)), known_(std::move(known)) {}
 
-  // A session has opened: what this settles about keys that change is written aside.
-  void opened(const SessionKeys& keys) { opened_.push_back(keys); }
+  // A session serves both ways: what this settles about keys that change is written aside.
+  void begun(const SessionKeys& keys) { begun_.push_back(keys); }
 
   // Once for each change; an error is of the looking itself. Never waits.
   std::optional<Result<News>> poll(Nanos now) {
-    if (!under_way_ && now < next_ && opened_.empty()) return std::nullopt;
+    if (!under_way_ && now < next_ && begun_.empty()) return std::nullopt;
     const auto looked = errand_.poll(under_way_ ? Work() : work());
     under_way_ = !looked.has_value();
     if (!looked) return std::nullopt;
@@ -55,27 +55,25 @@ class KeyWatch {
   using Work = std::function<Result<Look>()>;
 
   Work work() {
-    return
-        [folder = folder_, known = known_, opened = std::exchange(opened_, {})]() -> Result<Look> {
-          Look out;
-          for (const SessionKeys& keys : opened) {
-            if (Status done = folder.confirm(keys.ours, keys.theirs); !done)
-              out.news.settled = done;
-          }
-          // The stamp first: a change between the two is seen next time.
-          out.stamp = folder.stamp();
-          if (out.stamp == known) return out;
-          out.news.own = folder.load();
-          out.news.trusted = folder.trusted();
-          return out;
-        };
+    return [folder = folder_, known = known_, begun = std::exchange(begun_, {})]() -> Result<Look> {
+      Look out;
+      for (const SessionKeys& keys : begun) {
+        if (Status done = folder.confirm(keys.ours, keys.theirs); !done) out.news.settled = done;
+      }
+      // The stamp first: a change between the two is seen next time.
+      out.stamp = folder.stamp();
+      if (out.stamp == known) return out;
+      out.news.own = folder.load();
+      out.news.trusted = folder.trusted();
+      return out;
+    };
   }
 
   KeyFolder folder_;
   std::string known_;
   Nanos next_ = -kForever;
   bool under_way_ = false;
-  std::vector<SessionKeys> opened_;
+  std::vector<SessionKeys> begun_;
   Errand<Result<Look>> errand_;
 };
 

@@ -98,7 +98,6 @@ void SecureClient::settle() noexcept {
     if (beside_ && !newer) return attempt_.reset();
     before_ = std::move(session_);
     session_ = std::move(attempt_);
-    opened_ = SessionKeys{session_->own(), session_->peer().key};
     since_ = now_;
     asking_ = kForever;
     serves_ = false;
@@ -130,8 +129,10 @@ std::optional<Transport::Arrival> SecureClient::receive(std::span<std::uint8_t> 
     const std::size_t size = session_->take(bytes, arrival->from, buffer);
     if (size != 0) {
       asking_ = kForever;
-      before_.reset();
-      serves_ = true;
+      if (!std::exchange(serves_, true)) {
+        begun_ = SessionKeys{session_->own(), session_->peer().key};
+        before_.reset();
+      }
       return Arrival{size, true};
     }
     // Ended by the other side, in order: another one is made.

@@ -51,8 +51,9 @@ class SecureClient final : public Transport {
   // Our key, and the one that is to take its place: it is tried beside a session that serves, and
   // where the present one is refused.
   Status set_own(const OwnKey& key, const std::optional<OwnKey>& next);
-  // The keys of a session that has opened since, once.
-  std::optional<SessionKeys> take_opened() noexcept { return std::exchange(opened_, std::nullopt); }
+  // The keys of the session, once for each that has brought something: whatever the other side
+  // sends goes by it.
+  std::optional<SessionKeys> take_begun() noexcept { return std::exchange(begun_, std::nullopt); }
   // Call every millisecond or so.
   void tick(Nanos now) noexcept;
 
@@ -104,7 +105,8 @@ class SecureClient final : public Transport {
   bool beside_ = false;         // the attempt is one for newer keys, beside the session
   bool try_next_ = false;       // call with our next key: the present one was refused
   Nanos newer_at_ = -kForever;  // not before
-  std::optional<SessionKeys> opened_;
+  std::optional<SessionKeys> begun_;
+  bool brought_ = false;  // the session has, something
   PeerKey refused_;
   Address tried_;
   Counts counts_;

@@ -34,12 +34,9 @@ void SecureServer::set_trusted(TrustList trusted) {
   }
 }
 
-std::optional<SessionKeys> SecureServer::take_opened() noexcept {
-  for (Slot& slot : slots_) {
-    if (!slot.open() || std::exchange(slot.told, true)) continue;
-    return SessionKeys{slot.channel->own(), slot.channel->peer().key};
-  }
-  return std::nullopt;
+std::optional<SessionKeys> SecureServer::take_begun() noexcept {
+  if (leader_ == nullptr || std::exchange(leader_->told, true)) return std::nullopt;
+  return SessionKeys{leader_->channel->own(), leader_->channel->peer().key};
 }
 
 std::optional<Transport::Arrival> SecureServer::receive(std::span<std::uint8_t> buffer) noexcept {

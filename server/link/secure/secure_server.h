@@ -55,8 +55,8 @@ class SecureServer final : public Transport {
   Status set_own(const OwnKey& key, const std::optional<OwnKey>& next) {
     return context_.set_own(key, next);
   }
-  // The keys of a session that has opened since, each once.
-  std::optional<SessionKeys> take_opened() noexcept;
+  // The keys of the session that leads, once for each: whatever the other side sends goes by it.
+  std::optional<SessionKeys> take_begun() noexcept;
 
   std::optional<Arrival> receive(std::span<std::uint8_t> buffer) noexcept override;
   void adopt_sender() noexcept override;
@@ -78,7 +78,7 @@ class SecureServer final : public Transport {
     Nanos since = 0;
     Nanos heard = 0;
     bool opened = false;  // counted as a session
-    bool told = false;    // by take_opened()
+    bool told = false;    // by take_begun()
     bool open() const noexcept {
       return channel != nullptr && channel->state() == DtlsChannel::State::kOpen;
     }

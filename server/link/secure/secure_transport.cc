@@ -63,7 +63,7 @@ class SecureTransport : public ServedTransport {
   }
   void take_keys(Nanos now) {
     if (!std::exchange(said_trusted_, true)) say_trusted();
-    while (const auto opened = end_.take_opened()) settle_keys(options_, *opened);
+    if (const auto begun = end_.take_begun()) settle_keys(options_, *begun);
     follow_keys(options_, now, changes_);
   }
   void say_own(const OwnEntry& own) {
@@ -239,12 +239,12 @@ Result<SecureLinkOptions> secure_options(const KeyFolder& folder, const std::str
   return SecureLinkOptions{*own, *trusted, std::make_shared<KeyWatch>(folder, stamp)};
 }
 
-void settle_keys(const SecureLinkOptions& options, const SessionKeys& opened) {
+void settle_keys(const SecureLinkOptions& options, const SessionKeys& begun) {
   if (options.watch == nullptr) return;
-  const Trusted* who = options.trusted.find(opened.theirs);
+  const Trusted* who = options.trusted.find(begun.theirs);
   const bool settles =
-      options.own.entry().next == opened.ours || (who != nullptr && who->next == opened.theirs);
-  if (settles) options.watch->opened(opened);
+      options.own.entry().next == begun.ours || (who != nullptr && who->next == begun.theirs);
+  if (settles) options.watch->begun(begun);
 }
 
 void follow_keys(SecureLinkOptions& options, Nanos now, const KeyChange& change) {

@@ -22,8 +22,8 @@ struct SecureLinkOptions {
 Result<SecureLinkOptions> secure_options(const KeyFolder& folder,
                                          const std::string& what = "the encrypted link");
 
-// A session has opened: where it settles a key that changes, the folder is told.
-void settle_keys(const SecureLinkOptions& options, const SessionKeys& opened);
+// A session has begun: where it settles a key that changes, the folder is told.
+void settle_keys(const SecureLinkOptions& options, const SessionKeys& begun);
 
 // What is done with news of the keys on the disk.
 struct KeyChange {

@@ -21,8 +21,10 @@ class KeyChange : public ::testing::Test {
   void SetUp() override {
     ASSERT_TRUE(pair.connect());
     ASSERT_TRUE(pair.say(kThere));
-    (void)pair.slave.take_opened();
-    (void)pair.master.take_opened();
+    ASSERT_TRUE(pair.slave.send(kBack));
+    pair.step();
+    (void)pair.slave.take_begun();
+    (void)pair.master.take_begun();
   }
   // Both ends speak every millisecond.
   void run(Nanos time) {
@@ -45,7 +47,7 @@ class KeyChange : public ::testing::Test {
   std::deque<std::pair<Nanos, test::MadeUpNet::Datagram>> under_way;
   SecurePair pair;
   const OwnKey next = *OwnKey::generate();
-  std::size_t sent = 1, answered = 0;
+  std::size_t sent = 1, answered = 1;
 };
 
 TEST_F(KeyChange, OfASlaveMovesTheSessionOverAndNoDatagramIsLost) {
@@ -61,10 +63,10 @@ TEST_F(KeyChange, OfASlaveMovesTheSessionOverAndNoDatagramIsLost) {
   EXPECT_GE(answered, 2000u - 2);
   EXPECT_EQ(pair.master_got.size(), answered);
   // Both ends know which keys were shown, and tell it once.
-  for (const auto& opened : {pair.slave.take_opened(), pair.master.take_opened()}) {
-    ASSERT_TRUE(opened);
+  for (const auto& begun : {pair.slave.take_begun(), pair.master.take_begun()}) {
+    ASSERT_TRUE(begun);
   }
-  EXPECT_FALSE(pair.slave.take_opened() || pair.master.take_opened());
+  EXPECT_FALSE(pair.slave.take_begun() || pair.master.take_begun());
 }
 
 TEST_F(KeyChange, NeitherSideHearsAGapOverALongWay) {
@@ -73,13 +75,26 @@ TEST_F(KeyChange, NeitherSideHearsAGapOverALongWay) {
     under_way.emplace_back(pair.now + kWay, datagram);
     return false;
   };
+  const OwnKey masters_next = *OwnKey::generate();
   ASSERT_TRUE(pair.slave.set_own(pair.slave_key, next));
+  ASSERT_TRUE(pair.master.set_own(pair.master_key, masters_next));
   pair.master.set_trusted(test::trusting({cell_with_next()}));
+  pair.slave.set_trusted(test::trusting(
+      {{"desk", Role::kMaster, pair.master_key.public_key(), masters_next.public_key()}}));
   std::size_t at_master = 0, at_slave = 0;
   Nanos master_heard = pair.now, slave_heard = pair.now;
   Nanos worst_at_master = 0, worst_at_slave = 0;
   for (const Nanos end = pair.now + 2 * kSecond; pair.now < end;) {
     run(kMillisecond);
+    // Each side retires the old keys as soon as it may.
+    if (pair.master.take_begun()) {
+      pair.master.set_trusted(test::trusting({cell(next.public_key())}));
+      ASSERT_TRUE(pair.master.set_own(masters_next, std::nullopt));
+    }
+    if (pair.slave.take_begun()) {
+      pair.slave.set_trusted(test::trusting({desk(masters_next.public_key())}));
+      ASSERT_TRUE(pair.slave.set_own(next, std::nullopt));
+    }
     for (; !under_way.empty() && under_way.front().first <= pair.now; under_way.pop_front()) {
       pair.net.put(under_way.front().second);
     }
@@ -91,6 +106,7 @@ TEST_F(KeyChange, NeitherSideHearsAGapOverALongWay) {
     }
   }
   EXPECT_EQ(pair.slave.leader()->own(), next.public_key());
+  EXPECT_EQ(pair.master.session()->own(), masters_next.public_key());
   // The first comes after the way.
   EXPECT_LE(worst_at_master, kWay + 5 * kMillisecond);
   EXPECT_LE(worst_at_slave, kWay + 5 * kMillisecond);
@@ -110,11 +126,11 @@ TEST_F(KeyChange, OfAMasterIsTriedUntilTheSlaveTrustsItAndTheOldSessionServes) {
   EXPECT_EQ(pair.master.session()->own(), next.public_key());
   EXPECT_EQ(pair.slave_got.size(), sent);
   EXPECT_GE(answered, 31000u - 2);
-  const auto opened = pair.slave.take_opened();
-  ASSERT_TRUE(opened);
-  EXPECT_EQ(opened->theirs, next.public_key());
-  EXPECT_EQ(opened->ours, pair.slave_key.public_key());
-  EXPECT_EQ(pair.master.take_opened()->ours, next.public_key());
+  const auto begun = pair.slave.take_begun();
+  ASSERT_TRUE(begun);
+  EXPECT_EQ(begun->theirs, next.public_key());
+  EXPECT_EQ(begun->ours, pair.slave_key.public_key());
+  EXPECT_EQ(pair.master.take_begun()->ours, next.public_key());
 }
 
 TEST_F(KeyChange, AMasterIsNotShownAKeyThatItDoesNotAskFor) {
@@ -180,7 +196,7 @@ TEST_F(KeyChange, ASlaveWithoutTheNextKeyThatIsAskedForKeepsItsSession) {
   EXPECT_EQ(pair.master.session(), before);
   EXPECT_EQ(pair.master.session()->peer().key, pair.slave_key.public_key());
   EXPECT_EQ(pair.slave_got.size(), sent);
-  EXPECT_FALSE(pair.master.take_opened());
+  EXPECT_FALSE(pair.master.take_begun());
 }
 
 TEST_F(KeyChange, AHelloNamesTheIdsThatAreCalledAndNoKey) {
