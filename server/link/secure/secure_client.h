@@ -106,7 +106,6 @@ class SecureClient final : public Transport {
   bool try_next_ = false;       // call with our next key: the present one was refused
   Nanos newer_at_ = -kForever;  // not before
   std::optional<SessionKeys> begun_;
-  bool brought_ = false;  // the session has, something
   PeerKey refused_;
   Address tried_;
   Counts counts_;
