@@ -63,6 +63,8 @@ Tunnel tunnel_of(const std::string& interface) {
   for (std::string line; std::getline(events, line);) {
     if (line == "DEVTYPE=wireguard") return Tunnel::kWireGuard;
   }
+  // One that a program makes, not the kernel, has only its name.
+  if (interface.starts_with("wg")) return Tunnel::kWireGuard;
   return interface.starts_with("tailscale") ? Tunnel::kTailscale : Tunnel::kNone;
 }
 

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <mutex>
 #include <new>
 
 #include "server/base/output.h"
@@ -22,6 +23,17 @@ void complain(const std::string& program, const char* why) {
   std::fprintf(stderr,
                "%s: the system refuses what it needs: %s; `ulimit -a` shows the limits it has\n",
                program.c_str(), why);
+}
+
+// glibc looks for a library the first time that an exception passes one of its own functions, as in
+// std::call_once, and ends the program where there is no memory for it then (sysdeps/generic/
+// unwind-resume.c). Protobuf builds its descriptors in one.
+void have_exceptions_pass_glibc() {
+  std::once_flag once;
+  try {
+    std::call_once(once, [] { throw std::bad_alloc(); });
+  } catch (const std::bad_alloc&) {
+  }
 }
 
 }  // namespace
@@ -42,6 +54,7 @@ int fail_start(const std::string& program, const std::string& why) {
 int run_daemon(const std::string& program, const std::function<int()>& work) {
   int code = kFailed;
   try {
+    have_exceptions_pass_glibc();
     code = work();
   } catch (const std::bad_alloc&) {
     complain(program, "not enough memory");

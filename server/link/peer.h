@@ -150,6 +150,7 @@ class LinkPeer {
   // Takes one datagram. kNone: newest() and snapshot() have moved on; kRefused: snapshot() tells
   // who leads the other side. Otherwise it was counted and nothing else has changed.
   Reject on_datagram(std::span<const std::uint8_t> bytes, Nanos now) noexcept {
+    heard_ = bytes.size();
     Reject cause = codec_.decode(bytes, header_, scratch_);
     if (cause == Reject::kNone) cause = core_.accept(header_, now);
     if constexpr (kLeads) {
@@ -168,7 +169,8 @@ class LinkPeer {
                      std::span<std::uint8_t> out) noexcept {
     if constexpr (kLeads) return 0;
     const auto refusal = core_.refuse(header_.session, cause, leader, now);
-    return refusal ? codec_.encode(*refusal, out) : 0;
+    const std::size_t size = refusal ? codec_.encode(*refusal, out) : 0;
+    return size < heard_ ? size : 0;
   }
 
   // Counts a datagram that the transport dropped before it came here.
@@ -216,6 +218,7 @@ class LinkPeer {
   Remote newest_;
   Reject last_unsendable_ = Reject::kNone;
   std::uint64_t stop_spoken_ = 0;
+  std::size_t heard_ = 0;  // bytes of the newest datagram, of whatever use
 };
 
 using MasterPeer = LinkPeer<MasterState, SlaveState>;

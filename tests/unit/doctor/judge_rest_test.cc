@@ -188,14 +188,14 @@ TEST(DoctorClock, ASlowSourceIsNamed) {
 
 TEST(DoctorReport, ALineToTypeIsWholeAndTheFactIsNotWiderThanAPage) {
   const Findings findings = {
-      {"keys.own", Level::kProblem, std::string(40, 'a') + " " + std::string(70, 'b') + " c",
+      {"keys.own", Level::kProblem, std::string(40, 'a') + " " + std::string(120, 'b') + " c",
        std::string(150, 'x') + " y"},
       {"link.peer", Level::kOk, "there", ""},
       {"clock.kept", Level::kNote, "not kept", "z"}};
   const std::string row(9, ' ');
   EXPECT_EQ(doctor_text(findings),
-            "PROBLEM  keys.own: " + std::string(40, 'a') + "\n" + row + std::string(70, 'b') +
-                " c\n" + row + "-> " + std::string(150, 'x') + " y\n" +
+            "PROBLEM  keys.own: " + std::string(40, 'a') + "\n" + row + std::string(120, 'b') +
+                "\n" + row + "c\n" + row + "-> " + std::string(150, 'x') + " y\n" +
                 "ok       link.peer: there\nNOTE     clock.kept: not kept\n" + row +
                 "-> z\n1 problem, 1 note\n");
   const pb::DoctorReport report = doctor_report(findings);

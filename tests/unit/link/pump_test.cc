@@ -115,6 +115,9 @@ TEST_F(PumpTest, AnotherWireVersionMovesNothingAndIsToldOursNotOften) {
   EXPECT_EQ(peer.snapshot().other_version(now), kWireVersion + 1);
   ASSERT_EQ(net.answered.size(), 2u) << "one in 200 ms";
   EXPECT_LT(net.answered[0].size(), other.size());
+  net.waiting.push_back({{other.begin(), other.begin() + kFrameBytes + 1}});
+  EXPECT_FALSE(pump.receive(now));
+  EXPECT_EQ(net.answered.size(), 2u) << "never with more than was sent";
   MasterPeer master{9};
   for (auto answer : net.answered) {
     EXPECT_NE(master.on_datagram(answer, now), Reject::kRefused) << "of nobody's session";
