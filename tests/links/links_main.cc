@@ -131,9 +131,7 @@ int main(int argc, char** argv) {
       "minute.\n"
       "Some 80 s a cell. Each cell is kept in a file; the same command goes on where it was "
       "stopped.\n"
-      "Exit codes: 0 done, 1 it failed or the arm broke its limits, 2 usage, 77 this machine "
-      "allows\n"
-      "no emulated network, 130 stopped.",
+      "Exit codes: 0 done, 1 it failed or the arm broke its limits, 2 usage, 130 stopped.",
       "handrail-links");
   app.add_option("--delay", table.delays_ms, "one way [ms]")
       ->delimiter(',')
