@@ -101,9 +101,10 @@ double power_of(const Decoder& d) {
   return std::abs(2.2 * gamma - 1.0) < kSame ? 0.0 : 1.0 / gamma;
 }
 
-std::unique_ptr<Encoding> encoding_of(double power) {
+// `wide`: of all values of 16 bits, else of those that 8 bits give, which takes 1/257 of the time.
+std::unique_ptr<Encoding> encoding_of(double power, bool wide) {
   auto out = std::make_unique<Encoding>();
-  for (std::size_t i = 0; i < out->size(); ++i) {
+  for (std::size_t i = 0; i < out->size(); i += wide ? 1 : 257) {
     const double value = static_cast<double>(i) / 65535.0;
     const double coded =
         power == 0.0 ? value : coded_of(static_cast<float>(std::pow(value, power)));
@@ -154,7 +155,7 @@ bool run(Decoder& d) {
   const bool indexed = png_get_color_type(d.png, d.info) == PNG_COLOR_TYPE_PALETTE;
   const bool wide = png_get_bit_depth(d.png, d.info) == 16;
   const double power = power_of(d);
-  if (wide || power != 0.0) d.encoding = encoding_of(power);
+  if (wide || power != 0.0) d.encoding = encoding_of(power, wide);
   if (indexed) {
     png_set_packing(d.png);
   } else {

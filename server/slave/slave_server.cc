@@ -10,6 +10,7 @@
 #include "server/link/granted.h"
 #include "server/link/link_server.h"
 #include "server/link/session_watch.h"
+#include "server/session/hold_count.h"
 #include "server/session/session.h"
 #include "server/slave/connection_watch.h"
 
@@ -33,6 +34,9 @@ class SlaveServer final : public IoServer {
     program_.realtime = granted(hooks.control, hooks.io);
     link_.run({[this](Nanos now) { hear(now); }, [this](Nanos now) { tick(now); },
                std::move(hooks.on_signal), std::move(hooks.finished), say});
+    spdlog::info(
+        "the arm stood for the link's sake {} times, for {:.3f} s in all, {:.3f} s at most",
+        holds_.times(), to_seconds(holds_.held()), to_seconds(holds_.longest()));
   }
 
  private:
@@ -40,6 +44,7 @@ class SlaveServer final : public IoServer {
     poll_sensor(now);
     known_ = boxes_.report.take(report_) || known_;
     if (!known_) return;
+    holds_.step(now - std::exchange(last_tick_, now), report_.state.state, report_.state.reason);
     if (alive_) alive_(now, now <= report_.good_until);
     say_halts(now);
     say_connection();
@@ -147,6 +152,8 @@ class SlaveServer final : public IoServer {
   ProgramNews program_{0, version_code(program_version()), {}};
   bool known_ = false;  // the robot loop has spoken
   SessionWatch session_;
+  HoldCount holds_;
+  Nanos last_tick_ = 0;
   ConnectionWatch connection_{options_.robot};
   std::function<void(Nanos, bool)> alive_;
   std::uint64_t said_halts_ = 0;

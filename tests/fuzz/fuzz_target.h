@@ -34,6 +34,7 @@ class Input {
   explicit Input(Bytes bytes) : left_(bytes) {}
 
   bool empty() const { return left_.empty(); }
+  std::size_t left() const { return left_.size(); }
   template <typename T>
   T take() {
     static_assert(std::is_arithmetic_v<T>);
@@ -52,6 +53,10 @@ class Input {
  private:
   Bytes left_;
 };
+
+// How many acts of a session an input of so many bytes may have. Short ones reach nearly all, and
+// three of them take as long as a long one, which one input in eight may be.
+inline std::size_t most_acts(std::size_t input_bytes) { return input_bytes % 8 == 0 ? 150 : 40; }
 
 struct Target {
   const char* name;

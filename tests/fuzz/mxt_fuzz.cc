@@ -34,7 +34,8 @@ class MxtSession {
 
   void run() {
     send(client_.start(now_));
-    for (int acts = 0; !in_.empty() && acts < kMostActs; ++acts) {
+    const std::size_t most = fuzz::most_acts(in_.left());
+    for (std::size_t acts = 0; !in_.empty() && acts < most; ++acts) {
       act(in_.take<std::uint8_t>() % 9);
       require(!client_.open() || client_.deadline() <= now_ + 20 * kMxtPeriod,
               "an open session waits for something");
@@ -43,8 +44,6 @@ class MxtSession {
   }
 
  private:
-  static constexpr int kMostActs = 150;
-
   void act(int what) {
     switch (what) {
       case 0: now_ += kMicrosecond * in_.take<std::uint16_t>(); break;

@@ -43,7 +43,9 @@ class Desk {
   }
 
   void run() {
-    for (int acts = 0; !in_.empty() && acts < kMostActs; ++acts) act(in_.take<std::uint8_t>() % 8);
+    const std::size_t most = fuzz::most_acts(in_.left());
+    for (std::size_t acts = 0; !in_.empty() && acts < most; ++acts)
+      act(in_.take<std::uint8_t>() % 8);
     // Whoever asks is answered: a minute is longer than any patience. What else was sent waits.
     ending_ = true;
     answers_ = Reason::kNone;
@@ -57,8 +59,6 @@ class Desk {
   }
 
  private:
-  static constexpr int kMostActs = 100;
-
   void act(int what) {
     switch (what) {
       case 0: tick(kMillisecond); break;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kSignature = 8;
 // Larger images, up to 8000 x 8000, take as much longer and try nothing else [pixels].
-constexpr std::uint64_t kMostPixels = 1 << 16;
+constexpr std::uint64_t kMostPixels = 1 << 14;
 
 std::uint32_t number_at(const std::string& png, std::size_t at) {
   std::uint32_t out = 0;

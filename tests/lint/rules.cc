@@ -98,7 +98,8 @@ Table lab_rows() {
                                    Folders{"server/lab/study", "server/master", "server/haptic",
                                            "server/constraint", "server/constraint/drawn"}},
           {"server/lab/contact", lab + Folders{"server/lab/study", "server/follow"}},
-          {"server/lab/links", lab + Folders{"server/lab/faults", "server/lab/study"}},
+          {"server/lab/links",
+           lab + Folders{"server/lab/faults", "server/lab/study", "server/session"}},
           {"server/lab/faults/audit", network + Folders{"server/motion", "server/kinematics"}},
           {"server/lab/faults", lab + kHands + sides +
                                     Folders{"server/lab/faults/audit", "server/lab/study",

@@ -8,16 +8,12 @@
 
 #include "server/base/units.h"
 #include "server/lab/faults/fault_run.h"
+#include "server/lab/links/stroke_speed.h"
 #include "server/lab/study/parallel.h"
+#include "server/session/hold_count.h"
 
 namespace handrail {
 namespace {
-
-// Chosen: a stroke that takes the arm to its full speed and back, eight times.
-constexpr double kHalfStroke = 100.0 * kMm;
-constexpr double kEnds = 0.02;  // of a stroke, at either end, are not counted
-constexpr int kStrokes = 8;
-constexpr Nanos kStrokeTime = 2 * kSecond;  // and the way there and back
 
 Nanos nanos(double ms) { return static_cast<Nanos>(ms * 1e6); }
 
@@ -30,56 +26,28 @@ LinkFaults faults_of(const LinkCase& link) {
   return faults;
 }
 
-// Whether the arm stands for the link's sake, in its own words.
-bool holds(FaultRun& run) {
-  const SlaveState& slave = run.cell().slave();
-  return slave.state == SessionState::kHold || slave.reason == Reason::kLinkHold;
-}
-
 bool over(FaultRun& run) {
   const SessionState session = run.cell().master_state().lead.session;
   return session == SessionState::kOff || session == SessionState::kFault;
 }
 
 void drive_hand(FaultRun& run, Nanos span, LinkFigures& out) {
-  Nanos held = 0, stretch = 0, longest = 0;
-  int times = 0, ends = 0;
+  HoldCount count;
+  int ends = 0;
   bool was_over = false;
   for (Nanos t = 0; t < span; t += kMillisecond) {
     run.drive(kMillisecond);
     ends += over(run) && !was_over;
     was_over = over(run);
-    if (!was_over && holds(run)) {
-      times += stretch == 0;
-      stretch += kMillisecond;
-      held += kMillisecond;
-      longest = std::max(longest, stretch);
-    } else {
-      stretch = 0;
-    }
+    const SlaveState& slave = run.cell().slave();
+    count.step(kMillisecond, was_over ? SessionState::kOff : slave.state, slave.reason);
   }
   const double minutes = to_seconds(span) / 60.0;
-  out.holds = times / minutes;
+  out.holds = count.times() / minutes;
   out.ends = ends / minutes;
-  out.held = to_seconds(held) / to_seconds(span);
-  out.longest = to_seconds(longest) * 1e3;
+  out.held = to_seconds(count.held()) / to_seconds(span);
+  out.longest = to_seconds(count.longest()) * 1e3;
   out.behind = run.tracking_error() / kMm;
-}
-
-// The tip's place once a millisecond of one stroke. Adds its way but for the ends, and the time
-// that took, unless it did not go half of it.
-void add_stroke(std::span<const Vec3> tip, double& way, double& time) {
-  const Vec3 stroke = tip.back() - tip.front();
-  const double length = stroke.norm();
-  if (length < kHalfStroke) return;
-  const auto reached = [&](double share) {
-    return std::find_if(tip.begin(), tip.end(), [&](const Vec3& p) {
-      return (p - tip.front()).dot(stroke) >= share * length * length;
-    });
-  };
-  way += (1.0 - 2.0 * kEnds) * length;
-  time += 1e-3 *
-          static_cast<double>(std::max<std::ptrdiff_t>(reached(1.0 - kEnds) - reached(kEnds), 1));
 }
 
 // A run of its own, so that all strokes are about the place where the arm starts.
@@ -94,20 +62,20 @@ double stroke_speed(const LinkCase& link, std::uint64_t& violations) {
   };
   run.set_network(faults_of(link));
   if (!run.engage()) return 0.0;
-  const Nanos span = kStrokeTime + 2 * nanos(link.delay_ms + link.jitter_ms);
-  double way = 0.0, time = 0.0;
+  const Nanos span = StrokeSpeed::kStrokeTime + 2 * nanos(link.delay_ms + link.jitter_ms);
+  StrokeSpeed speed;
   std::vector<Vec3> tip;
-  for (int i = 0; i <= kStrokes; ++i) {
-    side = i % 2 == 0 ? kHalfStroke : -kHalfStroke;
+  for (int i = 0; i <= StrokeSpeed::kStrokes; ++i) {
+    side = i % 2 == 0 ? StrokeSpeed::kHalfStroke : -StrokeSpeed::kHalfStroke;
     tip.clear();
     for (Nanos t = 0; t < span; t += kMillisecond) {
       run.drive(kMillisecond);
       tip.push_back(run.auditor().tip());
     }
-    if (i > 0) add_stroke(tip, way, time);  // the first is half a stroke
+    if (i > 0) speed.add(tip, 1e-3);  // the first is half a stroke
   }
   violations += run.outcome().violations;
-  return time > 0.0 ? way / time / kMm : 0.0;
+  return speed.mean() / kMm;
 }
 
 LinkCell summary(const LinkCase& link, std::span<const LinkFigures> runs) {
@@ -164,7 +132,7 @@ LinkFigures measure_link(const LinkCase& link, Nanos drive) {
   return out;
 }
 
-std::vector<LinkCell> run_link_map(const LinkMapOptions& options) {
+std::vector<LinkCase> link_cases(const LinkMapOptions& options) {
   std::vector<LinkCase> cases;
   for (const double delay : options.delays_ms) {
     for (const double jitter : options.jitters_ms) {
@@ -174,6 +142,11 @@ std::vector<LinkCell> run_link_map(const LinkMapOptions& options) {
       }
     }
   }
+  return cases;
+}
+
+std::vector<LinkCell> run_link_map(const LinkMapOptions& options) {
+  const std::vector<LinkCase> cases = link_cases(options);
   const auto seeds = static_cast<std::size_t>(options.seeds);
   std::vector<LinkFigures> runs(cases.size() * seeds);
   const bool done = run_parallel(

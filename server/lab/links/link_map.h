@@ -50,6 +50,9 @@ struct LinkMapOptions {
   std::function<void(std::size_t done, std::size_t of)> progress = {};
 };
 
+// Delays, then jitters up to each, then losses; of the first seed.
+std::vector<LinkCase> link_cases(const LinkMapOptions& options);
+
 // A case over its seeds. `engaged` if any of them did; `after`, `longest` and `violations` are the
 // worst, the rest means, of those that engaged.
 struct LinkCell {
@@ -59,7 +62,7 @@ struct LinkCell {
   int runs_engaged = 0;
 };
 
-// Delays, then jitters up to each, then losses. Empty when cancelled.
+// In the order of link_cases(). Empty when cancelled.
 std::vector<LinkCell> run_link_map(const LinkMapOptions& options);
 
 // One row a delay and jitter, one column a loss. Speeds are shares of the first cell's that
