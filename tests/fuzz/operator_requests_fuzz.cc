@@ -99,13 +99,16 @@ class Desk {
   }
   void take_request(DeskClient& client) {
     while (client.open && !client.waits && !ending_) {
-      const auto request = client.in.next();
+      auto request = client.in.next();
       if (!request) return;
       if (!request->is_ok()) {
         require(is_plain_text(request->message()), "a refusal is plain text");
         client.open = false;
         return;
       }
+      const std::string problem = claim_request(nullptr, **request);
+      require(is_plain_text(problem), "why a request is nobody's is plain text");
+      if (!problem.empty()) continue;
       client.waits = true;
       const auto self = std::find_if(clients_.begin(), clients_.end(),
                                      [&](const auto& c) { return c.get() == &client; });

@@ -163,8 +163,10 @@ TEST_F(FullDisk, UnderTheOperatorsCommands) {
       EXPECT_THAT(read(complaint), HasSubstr(program + ": the standard output cannot be written"));
     }
   }
+  listed.insert("doctor");
   for (const std::string& words :
-       {std::string("--help"), std::string("scene --help"), std::string("scene check gearshift"),
+       {"doctor" + at, "doctor --json" + at, std::string("--help"), std::string("scene --help"),
+        std::string("scene check gearshift"),
         "scene preview gearshift --out " + folder.path() + "/a.png",
         "scene resolve " + shapes() + " --accuracy 1mm --out " + folder.path() + "/b.scene"}) {
     EXPECT_EQ(run("handrail", words, "/dev/full"), 1) << words;

@@ -13,7 +13,7 @@ using test::Bytes;
 using test::SecurePair;
 
 constexpr int kFlood = 100'000;  // of each kind
-const Bytes kOrder(500, 0x17);
+const Bytes kSaid(500, 0x17);
 
 // A stranger that sends so many of one kind while a session is open.
 struct Flood {
@@ -23,7 +23,7 @@ struct Flood {
   Bytes hello, data;  // as the master sent them
 
   bool ready() {
-    if (!pair.connect() || !pair.say(kOrder)) return false;
+    if (!pair.connect() || !pair.say(kSaid)) return false;
     hello = pair.net.sent.front().bytes;
     data = pair.net.sent.back().bytes;
     return true;
@@ -53,7 +53,7 @@ struct Flood {
     EXPECT_EQ(pair.slave.leader(), leader);
     EXPECT_EQ(pair.slave.counts().sessions, 1u);
     EXPECT_LE(answers, 2u * SecureServer::kCookiesPerSecond);
-    ASSERT_TRUE(pair.say(kOrder));
+    ASSERT_TRUE(pair.say(kSaid));
     EXPECT_EQ(pair.slave_got.size(), 2u);
   }
 };
