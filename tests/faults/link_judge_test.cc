@@ -232,9 +232,13 @@ TEST_F(LinkJudge, AGapThatTheMachineMadeIsNoTripOfTheNetwork) {
   brake();
   const Nanos from = now();
   to_slave_gaps.push_back({from, from + 40 * kMillisecond});
+  to_master_gaps = to_slave_gaps;
   stand(100 * kMillisecond);
   late = {{from, 39 * kMillisecond}};
   EXPECT_EQ(judge().trips, 0u);
+  late = {{from, kSecond}};
+  EXPECT_EQ(judge().long_gaps, 2u) << "that one, at either side, and none of a millisecond";
+  to_master_gaps.clear();
   EXPECT_EQ(judge().short_gaps, 1u);
 }
 
