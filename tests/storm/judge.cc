@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "server/base/units.h"
-#include "server/lab/faults/controller_audit.h"
+#include "server/lab/faults/audit/controller_audit.h"
 #include "server/model/rv2a_limits.h"
 
 namespace handrail::storm {

@@ -9,7 +9,7 @@
 
 #include "server/lab/cell/cell.h"
 #include "server/lab/faults/audit/auditor.h"
-#include "server/lab/faults/controller_audit.h"
+#include "server/lab/faults/audit/controller_audit.h"
 
 namespace handrail {
 

@@ -1,5 +1,5 @@
 // The judge of accepted targets against streams made by hand: sound ones pass, each limit is named.
-#include "server/lab/faults/controller_audit.h"
+#include "server/lab/faults/audit/controller_audit.h"
 
 #include <gtest/gtest.h>
 

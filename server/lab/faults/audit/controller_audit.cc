@@ -1,4 +1,4 @@
-#include "server/lab/faults/controller_audit.h"
+#include "server/lab/faults/audit/controller_audit.h"
 
 #include <algorithm>
 #include <cmath>
