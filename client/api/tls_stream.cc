@@ -20,8 +20,8 @@
 #include "server/base/clock.h"
 #include "server/keys/host_port.h"
 #include "server/keys/key_folder.h"
-#include "server/link/secure/dtls_context.h"
 #include "server/link/secure/peer_resolver.h"
+#include "server/link/secure/secure_context.h"
 #include "server/link/secure/secure_text.h"
 #include "server/link/secure/udp_socket.h"
 
@@ -74,9 +74,9 @@ class TlsStream final : public MasterStream {
   const bool with_next_;
   const KeyFolder folder_{default_key_folder()};
   std::optional<OwnEntry> own_;
-  std::unique_ptr<DtlsContext> keys_;
+  std::unique_ptr<SecureContext> keys_;
   std::optional<ssl::context> tls_;
-  DtlsContext::Attached attached_;
+  SecureContext::Attached attached_;
   std::unique_ptr<Stream> stream_;
   bool told_ = false;             // the folder, of the session
   mutable bool refused_ = false;  // our key is not trusted there
@@ -97,8 +97,8 @@ Status TlsStream::take_keys() {
   if (!own) return failure("it is reached with a key of yours: " + own.message());
   const auto trusted = folder_.trusted();
   if (!trusted) return failure(trusted.message());
-  auto keys = DtlsContext::make(own->key, *trusted, DtlsContext::Side::kClient, Role::kMaster,
-                                DtlsContext::Over::kStream);
+  auto keys = SecureContext::make(own->key, *trusted, SecureContext::Side::kClient, Role::kMaster,
+                                  SecureContext::Over::kStream);
   if (!keys) return failure(keys.message());
   own_ = *own;
   keys_ = std::move(*keys);
@@ -139,8 +139,8 @@ Status TlsStream::reach(const Endpoints& endpoints, Nanos deadline) {
     attached_ = {};
     attached_.address = address_of({to.address(), to.port()});
     stream_ = std::make_unique<Stream>(io_, *tls_);
-    DtlsContext::attach(stream_->native_handle(), &attached_);
-    const auto shown = with_next_ ? DtlsContext::Own::kNext : DtlsContext::Own::kKey;
+    SecureContext::attach(stream_->native_handle(), &attached_);
+    const auto shown = with_next_ ? SecureContext::Own::kNext : SecureContext::Own::kKey;
     if (!keys_->show(stream_->native_handle(), shown)) return failure("no memory for a key");
     error_code error;
     const Status in_time = await(

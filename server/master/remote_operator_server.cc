@@ -76,8 +76,8 @@ class RemoteOperatorServer::Session : public std::enable_shared_from_this<Sessio
   void begin_handshake() {
     ready_ = false;
     stream_.emplace(std::move(waiting_), *server_.tls_);
-    DtlsContext::attach(stream_->native_handle(), &attached_);
-    if (!server_.keys_->show(stream_->native_handle(), DtlsContext::Own::kKey)) return end();
+    SecureContext::attach(stream_->native_handle(), &attached_);
+    if (!server_.keys_->show(stream_->native_handle(), SecureContext::Own::kKey)) return end();
     stream_->async_handshake(ssl::stream_base::server,
                              guarded([this](TlsError error, std::size_t) { enter(error); }));
   }
@@ -180,7 +180,7 @@ class RemoteOperatorServer::Session : public std::enable_shared_from_this<Sessio
   }
 
   RemoteOperatorServer& server_;
-  DtlsContext::Attached attached_;
+  SecureContext::Attached attached_;
   tcp::socket waiting_;  // until its handshake begins
   std::optional<ssl::stream<tcp::socket>> stream_;
   Local inner_;  // the OperatorServer has the other end
@@ -201,8 +201,9 @@ RemoteOperatorServer::~RemoteOperatorServer() { close(); }
 
 Status RemoteOperatorServer::open(const RemoteOperatorOptions& options) {
   close();
-  auto keys = DtlsContext::make(options.keys.own.key, options.keys.trusted,
-                                DtlsContext::Side::kServer, kOperators, DtlsContext::Over::kStream);
+  auto keys =
+      SecureContext::make(options.keys.own.key, options.keys.trusted, SecureContext::Side::kServer,
+                          kOperators, SecureContext::Over::kStream);
   if (!keys) return keys.status();
   keys_ = std::move(*keys);
   const OwnEntry& own = options.keys.own;

@@ -15,7 +15,7 @@
 
 #include "server/base/status.h"
 #include "server/base/time.h"
-#include "server/link/secure/dtls_context.h"
+#include "server/link/secure/secure_context.h"
 #include "server/link/secure/secure_transport.h"
 #include "server/master/operator_server.h"
 
@@ -89,7 +89,7 @@ class RemoteOperatorServer {
   OperatorServer& operators_;
   boost::asio::ip::tcp::acceptor acceptor_;
   RemoteOperatorOptions options_;
-  std::unique_ptr<DtlsContext> keys_;
+  std::unique_ptr<SecureContext> keys_;
   std::unique_ptr<boost::asio::ssl::context> tls_;
   Say say_;
   std::vector<std::shared_ptr<Session>> sessions_;

@@ -16,18 +16,18 @@ namespace handrail::bench {
 
 struct SecureKeys {
   OwnKey slave_key = *OwnKey::generate(), master_key = *OwnKey::generate();
-  std::unique_ptr<DtlsContext> slave_context =
+  std::unique_ptr<SecureContext> slave_context =
       context(slave_key, {"desk", Role::kMaster, master_key.public_key()},
-              DtlsContext::Side::kServer, Role::kMaster);
-  std::unique_ptr<DtlsContext> master_context =
+              SecureContext::Side::kServer, Role::kMaster);
+  std::unique_ptr<SecureContext> master_context =
       context(master_key, {"cell", Role::kSlave, slave_key.public_key()},
-              DtlsContext::Side::kClient, Role::kSlave);
+              SecureContext::Side::kClient, Role::kSlave);
 
-  static std::unique_ptr<DtlsContext> context(const OwnKey& key, const Trusted& other,
-                                              DtlsContext::Side side, Role wanted) {
+  static std::unique_ptr<SecureContext> context(const OwnKey& key, const Trusted& other,
+                                                SecureContext::Side side, Role wanted) {
     TrustList trusted;
     if (!trusted.add(other)) std::abort();
-    return std::move(*DtlsContext::make(key, trusted, side, wanted));
+    return std::move(*SecureContext::make(key, trusted, side, wanted));
   }
 };
 

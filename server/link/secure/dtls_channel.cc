@@ -86,13 +86,14 @@ constexpr std::size_t kScratch = kMaxDatagram + 1;
 
 }  // namespace
 
-std::unique_ptr<DtlsChannel> DtlsChannel::make(const DtlsContext& context, DatagramSocket& socket,
-                                               const Address& peer, DtlsContext::Own own) noexcept {
+std::unique_ptr<DtlsChannel> DtlsChannel::make(const SecureContext& context, DatagramSocket& socket,
+                                               const Address& peer,
+                                               SecureContext::Own own) noexcept {
   return std::unique_ptr<DtlsChannel>(new (std::nothrow) DtlsChannel(context, socket, peer, own));
 }
 
-DtlsChannel::DtlsChannel(const DtlsContext& context, DatagramSocket& socket, const Address& peer,
-                         DtlsContext::Own own) noexcept
+DtlsChannel::DtlsChannel(const SecureContext& context, DatagramSocket& socket, const Address& peer,
+                         SecureContext::Own own) noexcept
     : context_(context), socket_(socket), ssl_(SSL_new(context.get())) {
   attached_.address = peer;
   BIO* wire = ssl_ == nullptr ? nullptr : BIO_new(DtlsWire::method());
@@ -103,13 +104,13 @@ DtlsChannel::DtlsChannel(const DtlsContext& context, DatagramSocket& socket, con
   BIO_set_data(wire, this);
   SSL_set_bio(ssl_, wire, wire);
   SSL_set_mtu(ssl_, kLongestHandshake);
-  DtlsContext::attach(ssl_, &attached_);
+  SecureContext::attach(ssl_, &attached_);
   if (!context.show(ssl_, own)) {
     problem_ = Problem::kNoAgreement;
     return;
   }
   DTLS_set_timer_cb(ssl_, retransmit_us);
-  const bool client = context.side() == DtlsContext::Side::kClient;
+  const bool client = context.side() == SecureContext::Side::kClient;
   client ? SSL_set_connect_state(ssl_) : SSL_set_accept_state(ssl_);
   state_ = client ? State::kHandshake : State::kListening;
 }

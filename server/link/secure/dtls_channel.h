@@ -10,8 +10,8 @@
 
 #include "server/base/time.h"
 #include "server/link/secure/datagram_socket.h"
-#include "server/link/secure/dtls_context.h"
 #include "server/link/secure/record_opener.h"
+#include "server/link/secure/secure_context.h"
 
 namespace handrail {
 
@@ -43,11 +43,11 @@ class DtlsChannel {
 
   // A client begins with the first tick(), a server by listen(). Null: there is no memory.
   // `own`: which of our keys a client shows; a server shows the one that it is asked for.
-  static std::unique_ptr<DtlsChannel> make(const DtlsContext& context, DatagramSocket& socket,
-                                           const Address& peer,
-                                           DtlsContext::Own own = DtlsContext::Own::kKey) noexcept;
-  DtlsChannel(const DtlsContext& context, DatagramSocket& socket, const Address& peer,
-              DtlsContext::Own own) noexcept;
+  static std::unique_ptr<DtlsChannel> make(
+      const SecureContext& context, DatagramSocket& socket, const Address& peer,
+      SecureContext::Own own = SecureContext::Own::kKey) noexcept;
+  DtlsChannel(const SecureContext& context, DatagramSocket& socket, const Address& peer,
+              SecureContext::Own own) noexcept;
   ~DtlsChannel();
   DtlsChannel(const DtlsChannel&) = delete;
   DtlsChannel& operator=(const DtlsChannel&) = delete;
@@ -83,12 +83,12 @@ class DtlsChannel {
   void go_on() noexcept;          // with the handshake
   void end(int result) noexcept;  // of an operation that failed for good
 
-  const DtlsContext& context_;
+  const SecureContext& context_;
   DatagramSocket& socket_;
   SSL* ssl_ = nullptr;
   State state_ = State::kClosed;
   Problem problem_ = Problem::kNone;
-  DtlsContext::Attached attached_;
+  SecureContext::Attached attached_;
   Address from_;
   RecordOpener opener_;
   std::span<const std::uint8_t> waiting_;  // the datagram that OpenSSL is to read

@@ -9,7 +9,7 @@
 #include "server/base/time.h"
 #include "server/daemon/errand.h"
 #include "server/keys/key_folder.h"
-#include "server/link/secure/dtls_context.h"
+#include "server/link/secure/secure_context.h"
 
 namespace handrail {
 

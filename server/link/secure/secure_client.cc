@@ -57,7 +57,7 @@ void SecureClient::tick(Nanos now) noexcept {
 }
 
 void SecureClient::begin(bool calling) noexcept {
-  using Own = DtlsContext::Own;
+  using Own = SecureContext::Own;
   beside_ = !calling;
   if (calling) tried_ = addresses_[next_address_++ % addresses_.size()];
   attempt_ = DtlsChannel::make(context_, socket_, beside_ ? session_->address() : tried_,

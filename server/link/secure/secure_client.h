@@ -43,7 +43,8 @@ class SecureClient final : public Transport {
     std::uint64_t strangers = 0;  // datagrams of no session and no handshake, forged or repeated
   };
 
-  SecureClient(DtlsContext& context, DatagramSocket& socket) : context_(context), socket_(socket) {}
+  SecureClient(SecureContext& context, DatagramSocket& socket)
+      : context_(context), socket_(socket) {}
 
   // Where the other side is, one after the other is tried; empty: nobody is called.
   void set_addresses(std::vector<Address> addresses) { addresses_ = std::move(addresses); }
@@ -84,7 +85,7 @@ class SecureClient final : public Transport {
   void settle() noexcept;  // what became of the attempt
   void failed(DtlsChannel::Problem problem) noexcept;
 
-  DtlsContext& context_;
+  SecureContext& context_;
   DatagramSocket& socket_;
   std::vector<Address> addresses_;
   std::size_t next_address_ = 0;

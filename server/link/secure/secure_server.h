@@ -45,7 +45,8 @@ class SecureServer final : public Transport {
     DtlsChannel::Problem problem = DtlsChannel::Problem::kNone;
   };
 
-  SecureServer(DtlsContext& context, DatagramSocket& socket) : context_(context), socket_(socket) {}
+  SecureServer(SecureContext& context, DatagramSocket& socket)
+      : context_(context), socket_(socket) {}
 
   // Timers of handshakes. Call every millisecond or so.
   void tick(Nanos now) noexcept;
@@ -99,7 +100,7 @@ class SecureServer final : public Transport {
   void settle(Slot& slot) noexcept;
   Slot* room() noexcept;
 
-  DtlsContext& context_;
+  SecureContext& context_;
   DatagramSocket& socket_;
   std::array<Slot, kSlots> slots_;
   std::unique_ptr<DtlsChannel> listener_;

@@ -34,7 +34,7 @@ template <typename End>
 class SecureTransport : public ServedTransport {
  public:
   SecureTransport(boost::asio::io_context& io, SecureLinkOptions options,
-                  std::shared_ptr<DtlsContext> context)
+                  std::shared_ptr<SecureContext> context)
       : options_(std::move(options)), context_(std::move(context)), socket_(io) {}
 
   void on_readable(std::function<void()> readable) override {
@@ -106,7 +106,7 @@ class SecureTransport : public ServedTransport {
                              say_trusted();
                            }};
   SecureLinkOptions options_;
-  std::shared_ptr<DtlsContext> context_;
+  std::shared_ptr<SecureContext> context_;
   UdpSocket socket_;
   End end_{*context_, socket_};
   Say say_;
@@ -119,7 +119,8 @@ class SecureTransport : public ServedTransport {
 class ListeningTransport final : public SecureTransport<SecureServer> {
  public:
   ListeningTransport(boost::asio::io_context& io, SecureLinkOptions options,
-                     std::shared_ptr<DtlsContext> context, std::string address, std::uint16_t port)
+                     std::shared_ptr<SecureContext> context, std::string address,
+                     std::uint16_t port)
       : SecureTransport(io, std::move(options), std::move(context)),
         address_(std::move(address)),
         port_(port) {}
@@ -164,7 +165,7 @@ class ListeningTransport final : public SecureTransport<SecureServer> {
 class CallingTransport final : public SecureTransport<SecureClient> {
  public:
   CallingTransport(boost::asio::io_context& io, SecureLinkOptions options,
-                   std::shared_ptr<DtlsContext> context, HostPort slave)
+                   std::shared_ptr<SecureContext> context, HostPort slave)
       : SecureTransport(io, std::move(options), std::move(context)),
         slave_(std::move(slave)),
         resolver_(io) {}
@@ -220,12 +221,12 @@ class CallingTransport final : public SecureTransport<SecureClient> {
   LinkProblem problem_;  // said last
 };
 
-Result<std::shared_ptr<DtlsContext>> context_of(const SecureLinkOptions& options,
-                                                DtlsContext::Side side, Role wanted) {
-  auto made = DtlsContext::make(options.own.key, options.trusted, side, wanted);
+Result<std::shared_ptr<SecureContext>> context_of(const SecureLinkOptions& options,
+                                                  SecureContext::Side side, Role wanted) {
+  auto made = SecureContext::make(options.own.key, options.trusted, side, wanted);
   if (!made) return made.status();
   if (Status set = (*made)->set_own(options.own.key, options.own.next); !set) return set;
-  return std::shared_ptr<DtlsContext>(std::move(*made));
+  return std::shared_ptr<SecureContext>(std::move(*made));
 }
 
 }  // namespace
@@ -273,7 +274,7 @@ void follow_keys(SecureLinkOptions& options, Nanos now, const KeyChange& change)
 
 Result<TransportMaker> listening_link(SecureLinkOptions options, std::string address,
                                       std::uint16_t port) {
-  const auto context = context_of(options, DtlsContext::Side::kServer, Role::kMaster);
+  const auto context = context_of(options, SecureContext::Side::kServer, Role::kMaster);
   if (!context) return context.status();
   return TransportMaker([options = std::move(options), context = *context,
                          address = std::move(address), port](boost::asio::io_context& io) {
@@ -282,7 +283,7 @@ Result<TransportMaker> listening_link(SecureLinkOptions options, std::string add
 }
 
 Result<TransportMaker> calling_link(SecureLinkOptions options, HostPort slave) {
-  const auto context = context_of(options, DtlsContext::Side::kClient, Role::kSlave);
+  const auto context = context_of(options, SecureContext::Side::kClient, Role::kSlave);
   if (!context) return context.status();
   return TransportMaker([options = std::move(options), context = *context,
                          slave = std::move(slave)](boost::asio::io_context& io) {

@@ -131,7 +131,7 @@ TEST(SecureLinkAttacked, HandshakesOfStrangersLeaveTheSessionAlone) {
   ASSERT_TRUE(pair.say(kOrder));
   const OwnKey key = *OwnKey::generate();
   const auto context = SecurePair::context(
-      key, {{"cell", Role::kSlave, pair.slave_key.public_key()}}, DtlsContext::Side::kClient);
+      key, {{"cell", Role::kSlave, pair.slave_key.public_key()}}, SecureContext::Side::kClient);
   std::vector<std::unique_ptr<test::MadeUpSocket>> sockets;
   std::vector<std::unique_ptr<SecureClient>> strangers;
   for (std::uint16_t i = 0; i < 40; ++i) {

@@ -101,10 +101,10 @@ struct SecurePair {
   MadeUpNet net;
   MadeUpSocket slave_socket{net, address_of(1, 47002)};
   MadeUpSocket master_socket{net, address_of(2, 50000)};
-  std::unique_ptr<DtlsContext> slave_context = context(
-      slave_key, {{"desk", Role::kMaster, master_key.public_key()}}, DtlsContext::Side::kServer);
-  std::unique_ptr<DtlsContext> master_context = context(
-      master_key, {{"cell", Role::kSlave, slave_key.public_key()}}, DtlsContext::Side::kClient);
+  std::unique_ptr<SecureContext> slave_context = context(
+      slave_key, {{"desk", Role::kMaster, master_key.public_key()}}, SecureContext::Side::kServer);
+  std::unique_ptr<SecureContext> master_context = context(
+      master_key, {{"cell", Role::kSlave, slave_key.public_key()}}, SecureContext::Side::kClient);
   SecureServer slave{*slave_context, slave_socket};
   SecureClient master{*master_context, master_socket};
   std::vector<Bytes> slave_got, master_got;
@@ -113,12 +113,12 @@ struct SecurePair {
 
   SecurePair() { master.set_addresses({slave_socket.own()}); }
 
-  static std::unique_ptr<DtlsContext> context(const OwnKey& key,
-                                              const std::vector<Trusted>& trusted,
-                                              DtlsContext::Side side) {
-    const bool client = side == DtlsContext::Side::kClient;
+  static std::unique_ptr<SecureContext> context(const OwnKey& key,
+                                                const std::vector<Trusted>& trusted,
+                                                SecureContext::Side side) {
+    const bool client = side == SecureContext::Side::kClient;
     return std::move(
-        *DtlsContext::make(key, trusting(trusted), side, client ? Role::kSlave : Role::kMaster));
+        *SecureContext::make(key, trusting(trusted), side, client ? Role::kSlave : Role::kMaster));
   }
   // What waits at an end, as the pump takes it: what is of the peer is accepted.
   template <typename End>

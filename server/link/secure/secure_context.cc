@@ -1,4 +1,4 @@
-#include "server/link/secure/dtls_context.h"
+#include "server/link/secure/secure_context.h"
 
 #include <openssl/core_names.h>
 #include <openssl/crypto.h>
@@ -32,13 +32,13 @@ int context_index() {
   return index;
 }
 
-const DtlsContext* context_of(const SSL* ssl) {
-  return static_cast<const DtlsContext*>(
+const SecureContext* context_of(const SSL* ssl) {
+  return static_cast<const SecureContext*>(
       SSL_CTX_get_ex_data(SSL_get_SSL_CTX(ssl), context_index()));
 }
 
-DtlsContext::Attached* attached(const SSL* ssl) {
-  return static_cast<DtlsContext::Attached*>(SSL_get_ex_data(ssl, attached_index()));
+SecureContext::Attached* attached(const SSL* ssl) {
+  return static_cast<SecureContext::Attached*>(SSL_get_ex_data(ssl, attached_index()));
 }
 
 using Certificate = std::unique_ptr<X509, decltype(&X509_free)>;
@@ -76,26 +76,26 @@ Status openssl_error(const char* what) {
 
 }  // namespace
 
-Result<std::unique_ptr<DtlsContext>> DtlsContext::make(const OwnKey& key, TrustList trusted,
-                                                       Side side, Roles wanted, Over over) {
-  std::unique_ptr<DtlsContext> out(new DtlsContext(std::move(trusted), side, wanted, over));
+Result<std::unique_ptr<SecureContext>> SecureContext::make(const OwnKey& key, TrustList trusted,
+                                                           Side side, Roles wanted, Over over) {
+  std::unique_ptr<SecureContext> out(new SecureContext(std::move(trusted), side, wanted, over));
   if (const Status set = out->set_own(key, std::nullopt); !set) return set;
   if (const Status opened = out->open(); !opened) return opened;
   return out;
 }
 
-DtlsContext::~DtlsContext() {
+SecureContext::~SecureContext() {
   EVP_MAC_CTX_free(mac_);
   SSL_CTX_free(context_);
 }
 
-Result<DtlsContext::Shown> DtlsContext::in_envelope(const OwnKey& key) {
+Result<SecureContext::Shown> SecureContext::in_envelope(const OwnKey& key) {
   Certificate certificate = certificate_of(key);
   if (certificate == nullptr) return openssl_error("no certificate can be made");
   return Shown{key, std::move(certificate)};
 }
 
-Status DtlsContext::set_own(const OwnKey& key, const std::optional<OwnKey>& next) {
+Status SecureContext::set_own(const OwnKey& key, const std::optional<OwnKey>& next) {
   auto own = in_envelope(key);
   if (!own) return own.status();
   std::optional<Shown> after;
@@ -109,7 +109,7 @@ Status DtlsContext::set_own(const OwnKey& key, const std::optional<OwnKey>& next
   return Status::ok();
 }
 
-void DtlsContext::set_trusted(TrustList trusted) {
+void SecureContext::set_trusted(TrustList trusted) {
   trusted_ = std::move(trusted);
   names_.clear();
   for (const Trusted& entry : trusted_.entries()) {
@@ -121,7 +121,7 @@ void DtlsContext::set_trusted(TrustList trusted) {
   }
 }
 
-bool DtlsContext::show(SSL* ssl, Own which) const noexcept {
+bool SecureContext::show(SSL* ssl, Own which) const noexcept {
   const Shown& shown = which == Own::kNext && next_ ? *next_ : *own_;
   attached(ssl)->own = shown.key.public_key();
   // A name that is too long or has no memory is left out: the server then shows its present key.
@@ -130,8 +130,8 @@ bool DtlsContext::show(SSL* ssl, Own which) const noexcept {
 }
 
 // Of a server's handshake, whether the client has sent names or not.
-int DtlsContext::on_name(SSL* ssl, int*, void* context) {
-  const auto* self = static_cast<const DtlsContext*>(context);
+int SecureContext::on_name(SSL* ssl, int*, void* context) {
+  const auto* self = static_cast<const SecureContext*>(context);
   const char* said = SSL_get_servername(ssl, TLSEXT_NAMETYPE_host_name);
   const std::string_view names = said == nullptr ? "" : said;
   Own which = Own::kKey;
@@ -142,7 +142,7 @@ int DtlsContext::on_name(SSL* ssl, int*, void* context) {
   return self->show(ssl, which) ? SSL_TLSEXT_ERR_NOACK : SSL_TLSEXT_ERR_ALERT_FATAL;
 }
 
-Status DtlsContext::open() {
+Status SecureContext::open() {
   const bool calls = side_ == Side::kClient;
   if (over_ == Over::kDatagrams) {
     context_ = SSL_CTX_new(calls ? DTLS_client_method() : DTLS_server_method());
@@ -169,7 +169,7 @@ Status DtlsContext::open() {
   return over_ == Over::kDatagrams ? open_cookies() : Status::ok();
 }
 
-bool DtlsContext::set_protocol() {
+bool SecureContext::set_protocol() {
   const int version = over_ == Over::kDatagrams ? DTLS1_2_VERSION : TLS1_3_VERSION;
   if (SSL_CTX_set_min_proto_version(context_, version) != 1) return false;
   if (SSL_CTX_set_max_proto_version(context_, version) != 1) return false;
@@ -178,7 +178,7 @@ bool DtlsContext::set_protocol() {
          SSL_CTX_set_num_tickets(context_, 0) == 1;
 }
 
-Status DtlsContext::open_cookies() {
+Status SecureContext::open_cookies() {
   std::array<std::uint8_t, 32> secret{};
   EVP_MAC* mac = EVP_MAC_fetch(nullptr, "HMAC", nullptr);
   mac_ = EVP_MAC_CTX_new(mac);
@@ -193,15 +193,17 @@ Status DtlsContext::open_cookies() {
   return keyed ? Status::ok() : openssl_error("no random numbers");
 }
 
-bool DtlsContext::trusts(const PublicKey& key) const noexcept {
+bool SecureContext::trusts(const PublicKey& key) const noexcept {
   const Trusted* entry = trusted_.find(key);
   return entry != nullptr && entry->roles.has_any(wanted_);
 }
 
-void DtlsContext::attach(SSL* ssl, Attached* what) { SSL_set_ex_data(ssl, attached_index(), what); }
+void SecureContext::attach(SSL* ssl, Attached* what) {
+  SSL_set_ex_data(ssl, attached_index(), what);
+}
 
-bool DtlsContext::make_cookie(const Address& address,
-                              std::array<std::uint8_t, 16>& cookie) const noexcept {
+bool SecureContext::make_cookie(const Address& address,
+                                std::array<std::uint8_t, 16>& cookie) const noexcept {
   std::array<std::uint8_t, 32> whole{};
   std::size_t size = 0;
   const std::array<std::uint8_t, 2> port = {static_cast<std::uint8_t>(address.port >> 8),
@@ -214,8 +216,8 @@ bool DtlsContext::make_cookie(const Address& address,
   return made;
 }
 
-int DtlsContext::verify(X509_STORE_CTX* store, void* context) {
-  const auto* self = static_cast<const DtlsContext*>(context);
+int SecureContext::verify(X509_STORE_CTX* store, void* context) {
+  const auto* self = static_cast<const SecureContext*>(context);
   const auto* ssl = static_cast<const SSL*>(
       X509_STORE_CTX_get_ex_data(store, SSL_get_ex_data_X509_STORE_CTX_idx()));
   PeerKey& peer = attached(ssl)->peer;
@@ -227,8 +229,8 @@ int DtlsContext::verify(X509_STORE_CTX* store, void* context) {
   return peer.trusted ? 1 : 0;
 }
 
-int DtlsContext::cookie_of(SSL* ssl, unsigned char* cookie, unsigned int* size) {
-  const DtlsContext* self = context_of(ssl);
+int SecureContext::cookie_of(SSL* ssl, unsigned char* cookie, unsigned int* size) {
+  const SecureContext* self = context_of(ssl);
   std::array<std::uint8_t, 16> out{};
   if (!self->make_cookie(attached(ssl)->address, out)) return 0;
   std::copy(out.begin(), out.end(), cookie);
@@ -236,8 +238,8 @@ int DtlsContext::cookie_of(SSL* ssl, unsigned char* cookie, unsigned int* size) 
   return 1;
 }
 
-int DtlsContext::is_cookie(SSL* ssl, const unsigned char* cookie, unsigned int size) {
-  const DtlsContext* self = context_of(ssl);
+int SecureContext::is_cookie(SSL* ssl, const unsigned char* cookie, unsigned int size) {
+  const SecureContext* self = context_of(ssl);
   std::array<std::uint8_t, 16> expected{};
   return size == expected.size() && self->make_cookie(attached(ssl)->address, expected) &&
          CRYPTO_memcmp(cookie, expected.data(), expected.size()) == 0;

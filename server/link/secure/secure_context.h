@@ -32,7 +32,7 @@ struct SessionKeys {
 // AEAD ciphers only. Both sides show a certificate; of it nothing but the public key is looked at,
 // which has to be in the list with a role that is asked for: no names, dates or authorities.
 // Sessions are never resumed or renegotiated. Must outlive its channels.
-class DtlsContext {
+class SecureContext {
  public:
   enum class Side : std::uint8_t { kClient, kServer };
   enum class Over : std::uint8_t { kDatagrams, kStream };
@@ -41,11 +41,12 @@ class DtlsContext {
   enum class Own : std::uint8_t { kKey, kNext };
 
   // `wanted`: the roles of which the other side's key has to have one.
-  static Result<std::unique_ptr<DtlsContext>> make(const OwnKey& key, TrustList trusted, Side side,
-                                                   Roles wanted, Over over = Over::kDatagrams);
-  ~DtlsContext();
-  DtlsContext(const DtlsContext&) = delete;
-  DtlsContext& operator=(const DtlsContext&) = delete;
+  static Result<std::unique_ptr<SecureContext>> make(const OwnKey& key, TrustList trusted,
+                                                     Side side, Roles wanted,
+                                                     Over over = Over::kDatagrams);
+  ~SecureContext();
+  SecureContext(const SecureContext&) = delete;
+  SecureContext& operator=(const SecureContext&) = delete;
 
   // For handshakes from now on. A server shows `next` to who asks for it by name (proto/WIRE.md),
   // and `key` to everybody else. Without an effect where it fails.
@@ -75,7 +76,7 @@ class DtlsContext {
   bool show(SSL* ssl, Own which) const noexcept;
 
  private:
-  DtlsContext(TrustList trusted, Side side, Roles wanted, Over over)
+  SecureContext(TrustList trusted, Side side, Roles wanted, Over over)
       : side_(side), wanted_(wanted), over_(over) {
     set_trusted(std::move(trusted));
   }
