@@ -73,11 +73,25 @@ class Typist {
     const std::string text = line + "\n";
     EXPECT_EQ(::write(fd_, text.data(), text.size()), static_cast<ssize_t>(text.size()));
   }
-  // Types it and waits until it is done: what it printed, and its exit code.
-  std::pair<std::string, int> type(const std::string& line) {
+  // What follows `words` in all that was printed, to the end of its line; empty: it does not come.
+  std::string line_after(const std::string& words) const {
+    const Nanos give_up = monotonic_now() + Program::kPatience;
+    for (std::string all = printed_(); monotonic_now() < give_up; all = printed_()) {
+      const std::size_t at = all.find(words);
+      const std::size_t end = at == std::string::npos ? at : all.find('\n', at);
+      if (end != std::string::npos) return all.substr(at + words.size(), end - at - words.size());
+      sleep_until(monotonic_now() + 5 * kMillisecond);
+    }
+    ADD_FAILURE() << "not printed: " << words << "\n" << printed_();
+    return {};
+  }
+  // Types it, and an answer to what it asks, and waits until it is done: what it printed, and its
+  // exit code.
+  std::pair<std::string, int> type(const std::string& line, const std::string& answer = {}) {
     const std::string mark = "done-" + std::to_string(++typed_) + ":";
     const std::size_t before = printed_().size();
     give(line);
+    if (!answer.empty()) give(answer);
     give("echo " + mark + "$?");
     for (const Nanos give_up = monotonic_now() + Program::kPatience; monotonic_now() < give_up;) {
       const std::string all = printed_();
@@ -114,7 +128,13 @@ class TwoComputersTest : public NetfaultTest {
     Typist& at = line.at_arm ? arm_ : desk_;
     const std::string name = line.at_arm ? "far-main" : "near-main";
     const std::size_t ready = count_of(printed(name), "READY ");
-    const auto [text, code] = at.type(line.text);
+    if (line.text == "handrail keys pair slave") {
+      at.give(line.text);  // it waits for the other side
+      code_ = at.line_after("code: ");
+      return;
+    }
+    const bool asks = line.text.find(" --with ") != std::string::npos;
+    const auto [text, code] = at.type(line.text, asks ? code_ : std::string());
     EXPECT_EQ(code, 0) << line.text << "\n" << text;
     if (line.text.ends_with("&")) {
       const Nanos give_up = monotonic_now() + Program::kPatience;
@@ -130,14 +150,7 @@ class TwoComputersTest : public NetfaultTest {
     for (std::size_t at = 0; (at = text.find(part, at)) != std::string::npos; ++at) ++count;
     return count;
   }
-  // The line to be typed on the other computer that `keys new` has printed there.
-  std::string line_to_trust(bool printed_at_arm) const {
-    const std::string all = printed(printed_at_arm ? "far-main" : "near-main");
-    const std::size_t at = all.find("handrail keys trust ");
-    EXPECT_NE(at, std::string::npos) << all;
-    return at == std::string::npos ? "false" : all.substr(at, all.find('\n', at) - at);
-  }
-
+  std::string code_;  // that the arm shows, for the desk
   Typist arm_{folder_.path() + "/arm.pipe", [this] { return printed("far-main"); }};
   Typist desk_{folder_.path() + "/desk.pipe", [this] { return printed("near-main"); }};
 };
@@ -157,7 +170,6 @@ TEST_F(TwoComputersTest, TheLinesOfTheReadmeMoveTheArm) {
       options + Words{"--", "near:"} + desk_.shell() + Words{"--", "far:"} + arm_.shell());
   Vec3 before = Vec3::Zero();
   for (TypedLine line : page) {
-    if (line.text == "handrail keys trust ...") line.text = line_to_trust(!line.at_arm);
     line.text = with(line.text, "ARM", "10.77.0.2");
     if (line.text.find(" hand to ") != std::string::npos) before = tip();
     type(line);
