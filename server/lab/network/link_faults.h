@@ -25,8 +25,8 @@ struct LinkFaults {
   std::uint64_t corrupt_bits = 8;  // at least 1
   // Damaged copies that come beside each one; may exceed 1.
   double corrupt_copies = 0.0;
-  std::int64_t rate_bps = 0;       // 0: without limit
-  Nanos queue = kSecond;           // what waits longer for the rate is dropped
+  std::int64_t rate_bps = 0;  // 0: without limit
+  Nanos queue = kSecond;      // what waits longer for the rate is dropped
 };
 
 // A network that has a name: both ways do the same.
