@@ -59,7 +59,8 @@ class Emulator {
  public:
   // The error says what this machine does not allow.
   Status start(const EmulatorOptions& options);
-  // From here on the first `most` bytes of every packet go to near.pcap and far.pcap in that folder.
+  // From here on the first `most` bytes of every packet go to near.pcap and far.pcap in that
+  // folder.
   Status record(const std::string& folder, std::size_t most = kLongestPacket);
   // Readers of the taps see everything so far.
   void flush_taps();

@@ -18,8 +18,7 @@ constexpr int kLeastMtu = 1280;  // IPv6's [bytes]
 
 const std::vector<std::string> kNames = {"--network", "--set",    "--seed", "--until",
                                          "--orders",  "--output", "--tap",  "--share",
-                                         "--mtu",     "--json",   "--help",
-                                         "--tap-bytes"};
+                                         "--mtu",     "--json",   "--help", "--tap-bytes"};
 
 Status unexpected(const std::string& name, const std::string& value, const std::string& expected) {
   return Status::error(name + " '" + value + "': expected " + expected);
@@ -71,8 +70,8 @@ Status read_option(const std::string& name, const std::string& value, NetfaultAr
     return seeded ? Status::ok() : unexpected(name, value, "a whole number from 0 on");
   }
   if (name == "--tap-bytes") {
-    const bool good = read_whole(value, out.tap_bytes) && out.tap_bytes >= 1 &&
-                      out.tap_bytes <= kLongestPacket;
+    const bool good =
+        read_whole(value, out.tap_bytes) && out.tap_bytes >= 1 && out.tap_bytes <= kLongestPacket;
     return good ? Status::ok() : unexpected(name, value, fmt::format("1 to {}", kLongestPacket));
   }
   if (name == "--mtu") {

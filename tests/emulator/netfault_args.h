@@ -17,8 +17,8 @@ struct NetfaultArgs {
   EmulatorOptions options;
   std::vector<std::string> near, far;  // commands; one may be absent
   Until until = Until::kAny;
-  std::string orders;  // as OrderDesk::open() takes it
-  std::string taps;    // as Emulator::record() takes it; empty: none
+  std::string orders;                      // as OrderDesk::open() takes it
+  std::string taps;                        // as Emulator::record() takes it; empty: none
   std::size_t tap_bytes = kLongestPacket;  // of each packet
   bool json = false;
   bool help = false;

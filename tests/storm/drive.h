@@ -9,8 +9,8 @@
 
 namespace handrail::storm {
 
-// The scene of those who drive so, in text format: a fast hand with little smoothing. And the device
-// of a master whose hand trembles and drifts by nothing, and so comes to rest.
+// The scene of those who drive so, in text format: a fast hand with little smoothing. And the
+// device of a master whose hand trembles and drifts by nothing, and so comes to rest.
 std::string scene_text();
 extern const char* const kSteadyDevice;
 
