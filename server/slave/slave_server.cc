@@ -125,12 +125,11 @@ class SlaveServer final : public IoServer {
     }
     if (!problem.empty() && problem != scene_problem_) {
       spdlog::error("the master's scene '{}' {}", name, problem);
+    } else if (problem.empty() && name != text_of(report_.state.scene)) {
+      spdlog::info("scene '{}', as the master has it", name);
     }
     scene_problem_ = problem;
     if (!*loaded) return;
-    if (name != text_of(report_.state.scene)) {
-      spdlog::info("scene '{}', as the master has it", name);
-    }
     boxes_.settings.publish(**loaded);
   }
 
