@@ -67,6 +67,7 @@ class RemoteOperatorServer::Session : public std::enable_shared_from_this<Sessio
     const tcp::endpoint from = waiting_.remote_endpoint(gone);
     if (!gone) from_ = address_of({from.address(), from.port()});
     if (!gone) waiting_.set_option(tcp::no_delay(true), gone);
+    if (!gone) waiting_.non_blocking(true, gone);
     if (gone) return end();
     limit_time();
     waiting_.async_wait(tcp::socket::wait_read,
