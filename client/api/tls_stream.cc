@@ -169,7 +169,7 @@ Status TlsStream::reach(const Endpoints& endpoints, Nanos deadline) {
 
 Status TlsStream::greet(Nanos deadline) {
   error_code error;
-  const Status in_time = await(
+  Status in_time = await(
       deadline,
       [&](Done done) {
         stream_->async_handshake(ssl::stream_base::client, [done](error_code e) { done(e, 0); });
