@@ -55,7 +55,7 @@ std::vector<LocalProgram> local_programs() {
   std::vector<LocalProgram> out;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator("/proc", error)) {
-    const fs::path process = entry.path();
+    const fs::path& process = entry.path();
     const int number = std::atoi(process.filename().c_str());
     struct stat owner {};
     if (number <= 0 || ::stat(process.c_str(), &owner) != 0 || owner.st_uid != ::geteuid()) {

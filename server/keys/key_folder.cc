@@ -89,7 +89,7 @@ Result<OwnEntry> KeyFolder::create_next() const {
   if (!key) return key.status();
   own->next = *key;
   // Not `fresh`: one that a broken change has left may lie there.
-  const Status written = write_whole(next_path(), own_text(*own, *own->next), false);
+  Status written = write_whole(next_path(), own_text(*own, *own->next), false);
   if (!written) return written;
   remember("made next key " + key_id(key->public_key()) + " of " + own->name + ", for " +
            key_id(own->key.public_key()));
@@ -134,7 +134,7 @@ std::vector<std::string> KeyFolder::waits_for(const OwnEntry& own, const TrustLi
 Status KeyFolder::confirm(const PublicKey& ours, const PublicKey& theirs) const {
   const auto locked = FolderLock::take(path_);
   if (!locked) return locked.status();
-  if (const Status done = confirm_theirs(theirs); !done) return done;
+  if (Status done = confirm_theirs(theirs); !done) return done;
   const auto own = load();
   if (!own) return own.status();
   if (!own->next || own->next->public_key() != ours) return Status::ok();
@@ -174,7 +174,7 @@ Result<OwnEntry> KeyFolder::load() const {
   auto own = read_key(key_path());
   struct stat info {};
   if (!own || ::lstat(next_path().c_str(), &info) != 0) return own;
-  const auto next = read_key(next_path());
+  auto next = read_key(next_path());
   if (!next) return next;
   if (next->key.public_key() == own->key.public_key()) return own;
   own->next = next->key;

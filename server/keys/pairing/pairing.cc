@@ -70,7 +70,7 @@ Result<std::unique_ptr<Pairing>> Pairing::make(Side side, const PairingCode& cod
 }
 
 Status Pairing::open(const PairingCode& code) {
-  const Status failed = Status::error("pairing: OpenSSL cannot be set up");
+  Status failed = Status::error("pairing: OpenSSL cannot be set up");
   const bool listens = side_ == Side::kListens;
   context_ = SSL_CTX_new(listens ? TLS_server_method() : TLS_client_method());
   if (context_ == nullptr) return failed;
