@@ -96,7 +96,7 @@ class SecureTransport : public ServedTransport {
 
   const KeyChange changes_{[this](bool bad, const std::string& line) { say(bad, line); },
                            [this](const OwnEntry& own) {
-                             const Status set = end_.set_own(own.key, own.next);
+                             Status set = end_.set_own(own.key, own.next);
                              if (set && own.entry() != options_.own.entry()) say_own(own);
                              return set;
                            },
