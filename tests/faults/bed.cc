@@ -103,7 +103,7 @@ Status Bed::make_keys() {
 std::string Bed::keys(Who who) const { return keys_[static_cast<std::size_t>(who)]; }
 
 std::string Bed::config(Who who) {
-  const std::string scene = fmt::format("scene: 'storm' scene_path: '{}'", folder());
+  std::string scene = fmt::format("scene: 'storm' scene_path: '{}'", folder());
   switch (who) {
     case Who::kRig:
       return fmt::format("repeatability_mm: 0 seed: {} tap: '{}'", options_.seed % 1'000'000,
@@ -134,9 +134,9 @@ Status Bed::start(Who who) {
   }
   if (who == Who::kSlave) slave_start_ = monotonic_now();
   const std::string program = std::string(HANDRAIL_BIN_DIR "/handrail-") + storm::name(who);
-  const Status ran = run(side_of(who), name_of(who),
-                         fmt::format("HANDRAIL_KEYS={} exec {} {} --config {}{}", keys(who), before,
-                                     program, file, link));
+  Status ran = run(side_of(who), name_of(who),
+                   fmt::format("HANDRAIL_KEYS={} exec {} {} --config {}{}", keys(who), before,
+                               program, file, link));
   if (!ran) return ran;
   const Nanos give_up = monotonic_now() + kStartPatience;
   while (printed(who).find("READY") == std::string::npos) {
