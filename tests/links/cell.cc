@@ -83,7 +83,7 @@ Status make_keys(const std::string& folder) {
   TrustList masters, slaves;
   (void)masters.add(desk->entry());
   (void)slaves.add(cell->entry());
-  if (const Status saved = slave.save(masters, "links"); !saved) return saved;
+  if (Status saved = slave.save(masters, "links"); !saved) return saved;
   return master.save(slaves, "links");
 }
 

@@ -51,7 +51,7 @@ Result<LinkFigures> measure_both(const Arguments& arguments, const LinkCase& lin
   if (!figures || !figures->engaged) return figures;
   plan.motion = Motion::kStrokes;
   plan.engage_s = std::min(plan.engage_s, figures->after + 2.0);  // strokes wait for its end
-  const auto strokes = handrail::links::measure(plan, link, folder);
+  auto strokes = handrail::links::measure(plan, link, folder);
   if (!strokes) return strokes;
   figures->speed = strokes->speed;
   figures->violations += strokes->violations;
