@@ -122,6 +122,11 @@ Status TrustList::add(const Trusted& entry) {
     replace(index_of(by_name), entry);
     return Status::ok();
   }
+  // It has changed its key here already, and waits for others: the old one stays away.
+  if (by_name != nullptr && entry.next == by_name->key) {
+    replace(index_of(by_name), {entry.name, entry.roles, by_name->key, by_name->next});
+    return Status::ok();
+  }
   if (by_name != nullptr) {
     return Status::error("'" + entry.name + "' is here already with key " + key_id(by_name->key) +
                          ", now it comes with " + key_id(entry.key) +

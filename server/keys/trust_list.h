@@ -51,7 +51,8 @@ class TrustList {
 
   // A name or a key that is there already, with another of the two, is an error. The same name and
   // key get these roles and this next key, or none. A name whose next key comes as its key has no
-  // other from then on.
+  // other from then on, and one whose key comes as its next has changed it already: the old one is
+  // not let in again.
   Status add(const Trusted& entry);
   // Where `key` is somebody's next, it is the key from now on, and the old one is not here. The
   // entry as it was; none: `key` is nobody's next.

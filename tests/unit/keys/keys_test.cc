@@ -158,6 +158,17 @@ TEST(TrustList, ANextKeyComesWithTheKeyAndTakesItsPlace) {
   EXPECT_EQ(by_hand, list);
 }
 
+TEST(TrustList, WhoHasChangedItsKeyHereAlreadyMayComeWithBothAgain) {
+  TrustList list;
+  const PublicKey old_key = OwnKey::generate()->public_key();
+  const PublicKey new_key = OwnKey::generate()->public_key();
+  ASSERT_TRUE(list.add({"desk", Role::kMaster, new_key}));
+  ASSERT_TRUE(list.add({"desk", Role::kMaster, old_key, new_key}))
+      << "the others have yet to see it";
+  EXPECT_EQ(list.find(old_key), nullptr) << "it was retired";
+  EXPECT_EQ(list.text(), "desk master " + key_text(new_key) + "\n");
+}
+
 TEST(Roles, WhoHasSomethingToSayToWhom) {
   const auto both = [](Role a, Role b) { return meet(a, b) && meet(b, a); };
   EXPECT_TRUE(both(Role::kSlave, Role::kMaster) && both(Role::kMaster, Role::kOperator) &&
