@@ -64,7 +64,7 @@ std::string OrderDesk::unheard() const {
                       latched ? Stand::kLatched : Stand::kOff);
   }
   if (report_->walls.present) return describe(Reason::kNoArmInScene);
-  if (const std::string problem = link_problem(); !problem.empty()) return problem;
+  if (std::string problem = link_problem(); !problem.empty()) return problem;
   if (link_.peer_epoch == 0) {
     return "no slave has answered at " + options_.identity.slave_at +
            ": start handrail-slave there";

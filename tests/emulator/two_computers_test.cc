@@ -64,7 +64,7 @@ class Typist {
             "HANDRAIL_SOCKET",
             "-u",
             "XDG_CONFIG_HOME",
-            "PATH=" HANDRAIL_BIN_DIR ":/usr/bin:/bin",
+            std::string("PATH=") + HANDRAIL_BIN_DIR + ":/usr/bin:/bin",
             "bash",
             "-c",
             "exec bash --norc -s < " + pipe_};
