@@ -45,7 +45,7 @@ TEST(PairingCode, EachDigitIsDrawnAsOftenAsAnyOther) {
   }
   // 500 expected, standard deviation 21: one of 70 beyond 6 of them comes once in 10^7 runs.
   for (const auto& place : counts) {
-    for (const int count : place) EXPECT_NEAR(count, kDraws / 10, 128);
+    for (const int count : place) EXPECT_NEAR(count, kDraws / 10.0, 128);
   }
   // 1.2 pairs alike are expected of 5000 of 10^7; over 15 come once in 10^12 runs.
   EXPECT_GT(drawn.size(), kDraws - 15u);
