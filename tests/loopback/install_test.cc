@@ -129,7 +129,7 @@ TEST_F(InstallTest, AClangWithoutItsFuzzerIsNotEnough) {
 TEST_F(InstallTest, AnUnknownWordIsNamed) {
   EXPECT_EQ(run({"--test"}), 2);
   EXPECT_THAT(said, HasSubstr("unknown argument '--test'; expected --tests, --checks, "
-                              "--fuzz or nothing"));
+                              "--fuzz, --bench or nothing"));
 }
 
 }  // namespace
