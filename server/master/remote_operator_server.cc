@@ -212,7 +212,7 @@ Status RemoteOperatorServer::open(const RemoteOperatorOptions& options) {
   SSL_CTX_up_ref(keys_->get());  // the other's reference
   tls_ = std::make_unique<ssl::context>(keys_->get());
   options_ = options;
-  if (const Status bound = bind(options.address, options.port); !bound) return bound;
+  if (Status bound = bind(options.address, options.port); !bound) return bound;
   return Status::ok();
 }
 
