@@ -1,4 +1,3 @@
-#include <pwd.h>
 #include <sys/timex.h>
 #include <unistd.h>
 
@@ -7,6 +6,7 @@
 #include <fstream>
 
 #include "client/doctor/gather.h"
+#include "server/base/folder_owner.h"
 #include "server/base/realtime.h"
 
 namespace handrail {
@@ -40,8 +40,8 @@ std::vector<std::string> governors() {
 
 MachineFacts machine_facts() {
   MachineFacts out;
-  const ::passwd* const user = ::getpwuid(::geteuid());
-  out.user = user != nullptr ? user->pw_name : std::to_string(::geteuid());
+  out.user = user_entry(::geteuid()).name;
+  if (out.user.empty()) out.user = std::to_string(::geteuid());
   const RealtimePermission may = realtime_permission(kHighestPriority);
   out.may_fifo = may.fifo;
   out.may_lock = may.lock;

@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <vector>
 
 namespace handrail {
 
@@ -38,10 +39,24 @@ Result<FolderOwner> folder_owner(const std::string& folder) { return owner_of(fo
 
 Result<FolderOwner> keeper_of(const std::string& folder) { return owner_of(folder, true); }
 
+UserEntry user_entry(uid_t user) {
+  // An entry is some hundred bytes; what is longer than the most that is tried counts as none.
+  for (std::size_t size = 1024; size <= 1024 * 1024; size *= 4) {
+    std::vector<char> text(size);
+    passwd entry{};
+    passwd* found = nullptr;
+    const int error = ::getpwuid_r(user, &entry, text.data(), text.size(), &found);
+    if (error == ERANGE) continue;
+    if (found == nullptr) break;
+    return {entry.pw_name == nullptr ? "" : entry.pw_name,
+            entry.pw_dir == nullptr ? "" : entry.pw_dir};
+  }
+  return {};
+}
+
 std::string user_text(uid_t user) {
-  const passwd* entry = ::getpwuid(user);
-  const std::string number = "uid " + std::to_string(user);
-  return entry == nullptr ? number : std::string(entry->pw_name) + " (" + number + ")";
+  const std::string name = user_entry(user).name, number = "uid " + std::to_string(user);
+  return name.empty() ? number : name + " (" + number + ")";
 }
 
 }  // namespace handrail

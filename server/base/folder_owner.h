@@ -22,6 +22,13 @@ Result<FolderOwner> folder_owner(const std::string& folder);
 // sticky folder, as /tmp is, others may have things of their own.
 Result<FolderOwner> keeper_of(const std::string& folder);
 
+// What the system knows of a user; empty: nothing. From any thread. Reads the disk, or asks
+// further.
+struct UserEntry {
+  std::string name, home;
+};
+UserEntry user_entry(uid_t user);
+
 // "eve (uid 1001)".
 std::string user_text(uid_t user);
 

@@ -1,6 +1,5 @@
 #include "server/keys/key_folder.h"
 
-#include <pwd.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -39,8 +38,8 @@ Result<OwnEntry> read_key(const std::string& path) {
 std::string home() {
   const char* home = std::getenv("HOME");
   if (home != nullptr && *home != '\0') return home;
-  const ::passwd* user = ::getpwuid(::geteuid());
-  return user != nullptr && user->pw_dir != nullptr ? user->pw_dir : "/";
+  const std::string known = user_entry(::geteuid()).home;
+  return known.empty() ? "/" : known;
 }
 
 }  // namespace

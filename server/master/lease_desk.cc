@@ -1,6 +1,5 @@
 #include "server/master/lease_desk.h"
 
-#include <pwd.h>
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
@@ -8,12 +7,12 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/base/folder_owner.h"
 #include "server/base/operator_name.h"
 
 namespace handrail {
 std::string own_user_name() {
-  const passwd* entry = ::getpwuid(::geteuid());
-  std::string name = entry != nullptr ? entry->pw_name : "";
+  std::string name = user_entry(::geteuid()).name;
   name.resize(std::min<std::size_t>(name.size(), 32));
   for (char& c : name) c = is_operator_name(std::string(1, c)) ? c : '-';
   return name.empty() ? fmt::format("user-{}", ::geteuid()) : name;
