@@ -44,9 +44,8 @@ constexpr Nanos kSetUp = 50 * kMillisecond;
 
 const char kWhat[] =
     "The operator's side: haptic device, virtual tools and forces at 1 kHz; sends the command to\n"
-    "the slave and takes orders on a Unix socket, and where asked to over TLS. SIGTERM "
-    "disengages,\n"
-    "then exits.";
+    "the slave and takes orders on a Unix socket, and where asked to over TLS. SIGTERM\n"
+    "disengages, then exits.";
 
 // A thousand clients need more than the thousand descriptors a shell grants at first.
 void raise_descriptor_limit() {
