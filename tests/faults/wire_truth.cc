@@ -47,7 +47,9 @@ Result<WireTruth> read_truth(const std::string& folder) {
     if (r.sent && datagram->to == kLinkPort) sent[r.number] = r.at;
     if (r.sent) out.longest = std::max(out.longest, datagram->bytes);
     if (r.sent || datagram->from != kLinkPort) return;
-    if (r.origin != Origin::kGenuine || r.number <= newest) return;
+    // A copy that came before its original was the first to tell.
+    const bool genuine = r.origin == Origin::kGenuine || r.origin == Origin::kDuplicate;
+    if (!genuine || r.number <= newest) return;
     newest = r.number;
     out.to_master.push_back(r.at);
   });
