@@ -71,7 +71,9 @@ class WireTruthTest : public ::testing::Test {
     near_tap->delivered(packet(false, 23, 500), 2, Origin::kGenuine, 85);
     near_tap->delivered(packet(false, 23), 3, Origin::kReplay, 86);
     near_tap->delivered(packet(false, 22), 4, Origin::kGenuine, 87);
-    near_tap->delivered(packet(false, 23), 1, Origin::kGenuine, 88);  // overtaken
+    near_tap->delivered(packet(false, 23), 1, Origin::kGenuine, 88);    // overtaken
+    near_tap->delivered(packet(false, 23), 5, Origin::kDuplicate, 90);  // before its original
+    near_tap->delivered(packet(false, 23), 5, Origin::kGenuine, 95);
     ASSERT_TRUE(near_tap->close() && far_tap->close());
   }
   TempFolder folder;
@@ -86,7 +88,7 @@ TEST_F(WireTruthTest, OnlyTheNewestGenuineStatesAreFresh) {
   EXPECT_EQ(truth->to_slave[0].at, 21);
   EXPECT_EQ(truth->to_slave[1].number, 4u);
   EXPECT_EQ(truth->to_slave[2].at, 61) << "a copy that came first";
-  EXPECT_THAT(truth->to_master, ElementsAre(85));
+  EXPECT_THAT(truth->to_master, ElementsAre(85, 90)) << "and here";
   EXPECT_EQ(truth->overtaken, 2u);
   EXPECT_EQ(truth->delivered(Origin::kDuplicate), 2u);
   EXPECT_EQ(truth->delivered(Origin::kReplay), 1u);
