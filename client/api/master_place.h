@@ -1,10 +1,14 @@
 // Where a master is.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <utility>
 
 namespace handrail {
+
+// Where a master's operator_port is, unless it is told another.
+inline constexpr std::uint16_t kOperatorPort = 47003;
 
 // One on this computer, by its operator socket's path; or, where `host` says something, one on
 // another, HOST or HOST:PORT, over TLS 1.3 with this user's key.

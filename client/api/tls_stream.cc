@@ -33,8 +33,6 @@ using boost::asio::ip::tcp;
 using boost::system::error_code;
 using Endpoints = std::vector<tcp::endpoint>;
 
-// Of the master's configuration, operator_port.
-constexpr std::uint16_t kUsualPort = 47003;
 // Between two looks whether the call is cancelled.
 constexpr auto kLookUpLook = std::chrono::milliseconds(50);
 
@@ -83,7 +81,7 @@ class TlsStream final : public MasterStream {
 };
 
 Status TlsStream::connect(Nanos deadline) {
-  const auto where = parse_host(host_, kUsualPort);
+  const auto where = parse_host(host_, kOperatorPort);
   if (!where) return failure(where.message());
   if (Status status = take_keys(); !status) return status;
   const auto endpoints = look_up(*where, deadline);

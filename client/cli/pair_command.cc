@@ -34,7 +34,7 @@ Result<Trusted> own_entry(const Options& o, Roles roles, const Console& console)
   for (int role = 0; role < kRoles; ++role) {
     const Role one = static_cast<Role>(role);
     if (!roles.has(one) || entry.roles.has(one)) continue;
-    return Status::error("this user's key is one of a " + roles_text(entry.roles) + ", not of a " +
+    return Status::error("this user's key is for " + roles_text(entry.roles) + ", not for " +
                          role_text(one) + ": expected the roles it was made for");
   }
   entry.roles = roles;

@@ -11,6 +11,7 @@
 #include "server/base/plain_text.h"
 #include "server/base/units.h"
 #include "server/base/version.h"
+#include "server/keys/host_port.h"
 #include "server/scene/field_check.h"
 
 namespace handrail {
@@ -106,6 +107,12 @@ std::string default_socket() {
   return default_operator_socket();
 }
 
+// Why `text` names no computer and port; empty: it does.
+std::string host_problem(std::string& text) {
+  const auto host = parse_host(text, kOperatorPort);
+  return host ? std::string() : host.message();
+}
+
 std::string default_master() {
   const char* host = std::getenv("HANDRAIL_MASTER");
   return host == nullptr ? "" : host;
@@ -163,7 +170,8 @@ ExitCode run_cli(const std::vector<std::string>& args, const Console& console) {
   app.add_option("--master", options.master.host,
                  "a master on another computer, with your key (or HANDRAIL_MASTER)")
       ->type_name("HOST[:PORT]")
-      ->excludes(socket);
+      ->excludes(socket)
+      ->check(CLI::Validator(host_problem, "", "host"));
   app.add_option("--as", options.as, "who you are; without it the master's user")
       ->type_name("NAME")
       ->check(
@@ -200,7 +208,12 @@ ExitCode run_cli(const std::vector<std::string>& args, const Console& console) {
   } catch (const CLI::ParseError& error) {
     return complain(console, std::string(error.what()) + " (see handrail --help)");
   }
-  if (options.master.host.empty() && socket->count() == 0) options.master.host = default_master();
+  if (options.master.host.empty() && socket->count() == 0) {
+    options.master.host = default_master();
+    const bool given = !options.master.host.empty();
+    const std::string problem = given ? host_problem(options.master.host) : std::string();
+    if (!problem.empty()) return complain(console, "HANDRAIL_MASTER " + problem);
+  }
   for (const auto& [leaf, command] : leaves) {
     if (leaf->parsed()) return command->run(options, console);
   }

@@ -149,7 +149,13 @@ int main(int argc, char** argv) {
   app.add_option("--results", arguments.results, "folder of the cells' files (build/links)");
   app.add_option("--commit", arguments.commit, "of this build; cells of another are not used");
   app.add_flag("--json", arguments.json, "one object, for programs");
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& asked) {
+    return app.exit(asked);
+  } catch (const CLI::ParseError& wrong) {
+    return complain(std::string(wrong.what()) + " (see handrail-links --help)", handrail::kUsage);
+  }
   if (arguments.coarse) make_coarse(arguments);
   if (table.delays_ms.empty()) table.delays_ms = full.delays_ms;
   if (table.jitters_ms.empty()) table.jitters_ms = full.jitters_ms;

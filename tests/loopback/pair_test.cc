@@ -161,7 +161,7 @@ TEST_F(Pair, WhatIsTypedWrongIsSaidBeforeAnybodyIsCalled) {
         {{"slave", "--with", "127.0.0.1:1", "--code", "12"}, 1, "expected 7 digits"},
         {{"slave", "--listen", "127.0.0.1:99999"}, 1, "--listen '127.0.0.1:99999'"},
         {{"slave", "--listen", "192.0.2.7:0"}, 1, "192.0.2.7"},
-        {{"master"}, 1, "one of a slave, not of a master"},
+        {{"master"}, 1, "is for slave, not for master"},
         {{"slave", "--as", "desk", "--listen", "127.0.0.1:0"}, 1, "leave --as out"}}) {
     const auto cell = pair_at(at_cell, arguments);
     EXPECT_EQ(cell->finish(), exit) << cell->output();

@@ -54,6 +54,19 @@ TEST(Cli, DoctorGoesOnWithoutAMasterAndItsExitCodeIsWhatItFound) {
   EXPECT_EQ(without_master({"doctor", "all"}).code, kExitUsage);
 }
 
+TEST(Cli, AMasterElsewhereIsNamedAsAHostAndAPort) {
+  for (const char* host : {"127.0.0.1:0", "a b", "cell:x", ":5", "[::1"}) {
+    const CliRun typed({"status", "--master", host});
+    EXPECT_EQ(typed.code, kExitUsage) << host;
+    EXPECT_NE(typed.err.find("expected a name or an address"), std::string::npos) << typed.err;
+    ::setenv("HANDRAIL_MASTER", host, 1);
+    const CliRun named({"status"});
+    ::unsetenv("HANDRAIL_MASTER");
+    EXPECT_EQ(named.code, kExitUsage) << host;
+    EXPECT_EQ(named.err.find("handrail: HANDRAIL_MASTER '"), 0u) << named.err;
+  }
+}
+
 TEST(Cli, AnUnknownCommandIsNamedWithTheNearest) {
   const std::pair<std::vector<std::string>, std::string> cases[] = {
       {{"statsu"}, "handrail: no command 'statsu'; did you mean 'status'?\n"},
