@@ -224,8 +224,9 @@ Result<std::string> KeyFolder::trust(const Trusted& entry, const std::string& ho
   const auto act = [&](TrustList& list) -> Result<std::string> {
     if (const Status fits = may_trust(entry); !fits) return fits;
     if (const Status added = list.add(entry); !added) return added;
-    return "trusted " + entry.name + " as " + roles_text(entry.roles) + ", key " +
-           key_id(entry.key) + (entry.next ? ", the next " + key_id(*entry.next) : "");
+    const Trusted& now = *list.find(entry.name);  // perhaps without the old one of two keys
+    return "trusted " + now.name + " as " + roles_text(now.roles) + ", key " + key_id(now.key) +
+           (now.next ? ", the next " + key_id(*now.next) : "");
   };
   return change(act, how);
 }

@@ -287,5 +287,13 @@ TEST_F(NextKeyTest, OfTheOtherSideReplacesItsKeyInTheListAtItsFirstSession) {
   EXPECT_EQ(history(), before);
 }
 
+TEST_F(KeyFolderTest, WhoHasChangedItsKeyAlreadyIsSaidToBeTrustedWithTheNewOneAlone) {
+  const PublicKey old_key = key(), new_key = key();
+  ASSERT_TRUE(keys_.trust({"desk", Role::kMaster, new_key}));
+  const auto said = keys_.trust({"desk", Role::kMaster, old_key, new_key});
+  ASSERT_TRUE(said) << said.message();
+  EXPECT_EQ(*said, "trusted desk as master, key " + key_id(new_key));
+}
+
 }  // namespace
 }  // namespace handrail
