@@ -159,7 +159,7 @@ Status KeyFolder::confirm_ours(OwnEntry own, const PublicKey& theirs) const {
   }
   own.confirmed.push_back(who->name);
   if (waits.size() == 1) return take_next(own, "confirmed by " + who->name).status();
-  const Status written = write_whole(next_path(), own_text(own, *own.next), false);
+  Status written = write_whole(next_path(), own_text(own, *own.next), false);
   if (written) {
     remember("next key " + key_id(own.next->public_key()) + " is confirmed by " + who->name);
   }
