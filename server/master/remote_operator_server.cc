@@ -9,12 +9,12 @@
 #include <tuple>
 
 #include <boost/asio/buffer.hpp>
-#include <boost/asio/ip/v6_only.hpp>
 #include <boost/asio/local/connect_pair.hpp>
 #include <boost/asio/ssl/stream.hpp>
 #include <boost/asio/write.hpp>
 
 #include "server/base/clock.h"
+#include "server/keys/own_socket.h"
 #include "server/link/secure/secure_text.h"
 #include "server/link/secure/udp_socket.h"
 
@@ -212,41 +212,7 @@ Status RemoteOperatorServer::open(const RemoteOperatorOptions& options) {
   SSL_CTX_up_ref(keys_->get());  // the other's reference
   tls_ = std::make_unique<ssl::context>(keys_->get());
   options_ = options;
-  if (Status bound = bind(options.address, options.port); !bound) return bound;
-  return Status::ok();
-}
-
-Status RemoteOperatorServer::bind(const std::string& address, std::uint16_t port) {
-  TlsError error;
-  for (const bool v6 : {true, false}) {
-    const auto ip = own_ip(address, v6);
-    if (!ip) return Status::error("operator address " + ip.message());
-    const tcp::endpoint own(*ip, port);
-    acceptor_.open(own.protocol(), error);
-    // A kernel without IPv6 has IPv4.
-    if (error && v6 && address == "any") continue;
-    if (!error && ip->is_v6()) {
-      acceptor_.set_option(boost::asio::ip::v6_only(address != "any"), error);
-    }
-    if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
-    if (!error) acceptor_.bind(own, error);
-    if (!error) acceptor_.non_blocking(true, error);
-    if (!error) acceptor_.listen(tcp::acceptor::max_listen_connections, error);
-    break;
-  }
-  if (!error) return Status::ok();
-  TlsError ignored;
-  acceptor_.close(ignored);
-  const std::string place = "operator port " + std::to_string(port) + " on " + address;
-  if (error == boost::asio::error::address_in_use) {
-    return Status::error(place + " is in use: end the program that has it, or set operator_port");
-  }
-  if (error == boost::system::errc::address_not_available) {
-    return Status::error(place +
-                         ": this computer has no such address: expected any, or one that "
-                         "`ip address` shows");
-  }
-  return Status::error(place + ": " + error.message());
+  return open_own(acceptor_, {"operator", "set operator_port", options.address, options.port});
 }
 
 std::string RemoteOperatorServer::place() const {

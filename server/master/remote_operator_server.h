@@ -68,7 +68,6 @@ class RemoteOperatorServer {
 
  private:
   class Session;
-  Status bind(const std::string& address, std::uint16_t port);
   void accept();
   // Of one that has sent its hello, if its network's turn has come.
   void begin_handshake();

@@ -1,7 +1,6 @@
 #include "server/keys/pairing/pairing_socket.h"
 
 #include <boost/asio/buffer.hpp>
-#include <boost/asio/ip/v6_only.hpp>
 #include <boost/asio/write.hpp>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include <optional>
 
 #include "server/base/clock.h"
+#include "server/keys/own_socket.h"
 
 namespace handrail {
 namespace {
@@ -31,44 +31,17 @@ std::string place_text(const tcp::endpoint& at) {
   return (address.is_v6() ? "[" + text + "]" : text) + ":" + std::to_string(at.port());
 }
 
-Result<tcp::endpoint> listening_at(const HostPort& where, bool v6) {
-  if (where.host == "any") {
-    return v6 ? tcp::endpoint(ip::address_v6::any(), where.port)
-              : tcp::endpoint(ip::address_v4::any(), where.port);
-  }
-  boost::system::error_code error;
-  const ip::address address = ip::make_address(where.host, error);
-  if (!error) return tcp::endpoint(address, where.port);
-  return Status::error("'" + where.host +
-                       "': expected any, or an address of this computer, such as 192.0.2.7 or "
-                       "[2001:db8::7]:47002");
-}
-
 }  // namespace
 
 Status PairingSocket::listen(const HostPort& where) {
-  Error error;
-  for (const bool v6 : {true, false}) {
-    const auto own = listening_at(where, v6);
-    if (!own) return own.status();
-    acceptor_.open(own->protocol(), error);
-    // A kernel without IPv6 has IPv4.
-    if (error && v6 && where.host == "any") continue;
-    if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
-    if (!error && own->address().is_v6()) {
-      acceptor_.set_option(ip::v6_only(where.host != "any"), error);
-    }
-    if (!error) acceptor_.bind(*own, error);
-    if (!error) acceptor_.listen(tcp::acceptor::max_listen_connections, error);
-    break;
+  if (Status opened = open_own(
+          acceptor_, {"pairing", "name another as --listen any:PORT", where.host, where.port});
+      !opened) {
+    return opened;
   }
-  const tcp::endpoint bound = error ? tcp::endpoint() : acceptor_.local_endpoint(error);
-  port_ = bound.port();
-  if (!error) return Status::ok();
-  return Status::error("TCP port " + std::to_string(where.port) + " of " + where.host + ": " +
-                       error.message() +
-                       ": expected a port that is free, of an address that "
-                       "`ip address` shows, or any");
+  Error error;
+  port_ = acceptor_.local_endpoint(error).port();
+  return error ? Status::error("pairing port: " + error.message()) : Status::ok();
 }
 
 PairingSocket::Error PairingSocket::wait(

@@ -1,27 +1,10 @@
 #include "server/link/secure/peer_resolver.h"
 
-#include <boost/asio/ip/address_v6.hpp>
-
 #include <utility>
 
 #include "server/link/secure/udp_socket.h"
 
 namespace handrail {
-
-Result<boost::asio::ip::address> own_ip(const std::string& text, bool v6) {
-  namespace ip = boost::asio::ip;
-  if (text == "any") {
-    return v6 ? ip::address(ip::address_v6::any()) : ip::address(ip::address_v4::any());
-  }
-  boost::system::error_code error;
-  const ip::address address = ip::make_address(text, error);
-  if (!error) return address;
-  std::string expected = "'";
-  expected.append(text).append(
-      "': expected any, or an address of this computer, IPv4 such as 192.0.2.7 or IPv6 such as "
-      "2001:db8::7");
-  return Status::error(expected);
-}
 
 bool PeerResolver::ask(const HostPort& where,
                        std::function<void(Result<std::vector<Address>>)> found) {

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/address.hpp>
 #include <boost/asio/ip/udp.hpp>
 
 #include "server/base/status.h"
@@ -14,10 +13,6 @@
 #include "server/link/secure/address.h"
 
 namespace handrail {
-
-// An address of this computer to listen at: "any" (all there are; `v6`: of which kind) or a number.
-// The error says what was expected.
-Result<boost::asio::ip::address> own_ip(const std::string& text, bool v6);
 
 class PeerResolver {
  public:

@@ -1,12 +1,11 @@
 #include "server/link/secure/udp_socket.h"
 
 #include <boost/asio/buffer.hpp>
-#include <boost/asio/ip/v6_only.hpp>
 
 #include <algorithm>
 #include <utility>
 
-#include "server/link/secure/peer_resolver.h"
+#include "server/keys/own_socket.h"
 
 namespace handrail {
 namespace {
@@ -15,20 +14,6 @@ namespace asio = boost::asio;
 namespace ip = boost::asio::ip;
 using boost::system::error_code;
 using Endpoint = ip::udp::endpoint;
-
-Status bind_error(const std::string& address, std::uint16_t port, const error_code& error) {
-  const std::string place = "link port " + std::to_string(port) + " on " + address;
-  if (error == asio::error::address_in_use) {
-    return Status::error(place + " is in use, likely by a program like this one that still runs: " +
-                         "end it, or set link_port to another");
-  }
-  if (error == boost::system::errc::address_not_available) {
-    return Status::error(place +
-                         ": this computer has no such address: expected any, or one that "
-                         "`ip address` shows");
-  }
-  return Status::error(place + ": " + error.message());
-}
 
 }  // namespace
 
@@ -49,27 +34,15 @@ Address address_of(const Endpoint& endpoint) noexcept {
 
 Status UdpSocket::open(const std::string& address, std::uint16_t port) {
   close();
+  if (Status opened = open_own(socket_, {"link", "set link_port to another", address, port});
+      !opened) {
+    return opened;
+  }
   error_code error;
-  for (const bool v6 : {true, false}) {
-    const auto ip = own_ip(address, v6);
-    if (!ip) return Status::error("link address " + ip.message());
-    const Endpoint own(*ip, port);
-    v6_ = own.address().is_v6();
-    socket_.open(own.protocol(), error);
-    // A kernel without IPv6 has IPv4.
-    if (error && v6 && address == "any") continue;
-    if (!error && v6_) socket_.set_option(ip::v6_only(address != "any"), error);
-    if (!error) socket_.non_blocking(true, error);
-    if (!error) socket_.bind(own, error);
-    break;
-  }
-  const Endpoint bound = error ? Endpoint() : socket_.local_endpoint(error);
-  if (error) {
-    close();
-    return bind_error(address, port, error);
-  }
+  const Endpoint bound = socket_.local_endpoint(error);
+  v6_ = bound.address().is_v6();
   port_ = bound.port();
-  return Status::ok();
+  return error ? Status::error("link port: " + error.message()) : Status::ok();
 }
 
 void UdpSocket::on_readable(std::function<void()> readable) {
