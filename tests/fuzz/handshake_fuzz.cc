@@ -3,19 +3,15 @@
 // it needs.
 #include <malloc.h>
 #include <openssl/crypto.h>
-#include <sys/time.h>
 
 #include <cstdlib>
 #include <set>
 
 #include "tests/fuzz/fixed_random.h"
 #include "tests/fuzz/fuzz_target.h"
-#include "tests/unit/link_secure/made_up_net.h"
+#include "tests/support/made_up_net/made_up_net.h"
 
 namespace handrail {
-
-Nanos test::wall_clock = 1'700'000'000 * kSecond;
-
 namespace {
 
 using fuzz::require;
@@ -201,10 +197,3 @@ HANDRAIL_FUZZ(handshake) {
 }
 
 }  // namespace handrail
-
-// libssl asks this one: of two of a name the program's own is taken.
-extern "C" int gettimeofday(timeval* now, void*) noexcept {
-  now->tv_sec = handrail::test::wall_clock / handrail::kSecond;
-  now->tv_usec = handrail::test::wall_clock % handrail::kSecond / handrail::kMicrosecond;
-  return 0;
-}

@@ -84,6 +84,11 @@ void try_list(fuzz::Input in) {
         require(*list == before, "a key that is nobody's next changes nothing");
       }
     } else if (list->add(entry)) {
+      // One that has changed its key to this line's next has done so: its old key stays away.
+      const Trusted* was = before.find(entry.name);
+      const bool changed = was != nullptr && entry.key != was->key && entry.key != was->next;
+      require(!changed || entry.next == was->key, "a key comes in place of its own old one");
+      if (changed) entry = {entry.name, entry.roles, was->key, was->next};
       require(*list->find(entry.name) == entry, "what is added is there");
     } else {
       require(*list == before, "what is refused changes nothing");

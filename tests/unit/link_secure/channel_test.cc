@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "tests/unit/link_secure/made_up_net.h"
+#include "tests/support/made_up_net/made_up_net.h"
 
 namespace handrail {
 namespace {

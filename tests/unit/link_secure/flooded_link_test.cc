@@ -4,7 +4,7 @@
 #include <functional>
 #include <random>
 
-#include "tests/unit/link_secure/made_up_net.h"
+#include "tests/support/made_up_net/made_up_net.h"
 
 namespace handrail {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <deque>
 
-#include "tests/unit/link_secure/made_up_net.h"
+#include "tests/support/made_up_net/made_up_net.h"
 
 namespace handrail {
 namespace {

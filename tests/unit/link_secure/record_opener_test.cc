@@ -7,8 +7,8 @@
 #include <random>
 
 #include "server/link/arrivals.h"
+#include "tests/support/made_up_net/made_up_net.h"
 #include "tests/support/no_allocation.h"
-#include "tests/unit/link_secure/made_up_net.h"
 
 namespace handrail {
 namespace {

@@ -1,15 +1,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <sys/time.h>
-
 #include <algorithm>
 #include <map>
 #include <random>
 
 #include "server/link/codec.h"
+#include "tests/support/made_up_net/made_up_net.h"
 #include "tests/support/no_allocation.h"
-#include "tests/unit/link_secure/made_up_net.h"
 
 namespace handrail {
 namespace {
@@ -210,7 +208,7 @@ TEST(SecureLink, AMasterThatWasStartedAnewAtTheSamePortGetsASessionAndLeads) {
   EXPECT_THAT(pair.slave_got, ElementsAre(kCommand, kState));
 }
 
-// OpenSSL's clock is gettimeofday(): the test's own stands in its place, see below.
+// OpenSSL's clock is gettimeofday(): the test's own stands in its place (made_up_net.cc).
 TEST(SecureLink, AtThirtyPercentLossEachWayAHandshakeTakesLessThanASecondInNineteenOfTwenty) {
   const auto seed = std::random_device{}();
   Random random(seed);
@@ -310,13 +308,4 @@ TEST(SecureLink, AValidDatagramAllocatesNothing) {
 
 }  // namespace
 
-Nanos test::wall_clock = 1'700'000'000 * kSecond;
-
 }  // namespace handrail
-
-// libssl asks this one: of two of a name the program's own is taken.
-extern "C" int gettimeofday(timeval* now, void*) noexcept {
-  now->tv_sec = handrail::test::wall_clock / handrail::kSecond;
-  now->tv_usec = handrail::test::wall_clock % handrail::kSecond / handrail::kMicrosecond;
-  return 0;
-}
