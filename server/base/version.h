@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <cstdio>
+#include <cstring>
 #include <string>
 
 #include "handrail_version.h"
@@ -11,6 +12,13 @@ namespace handrail {
 
 // "0.1.0", of the build.
 inline const char* program_version() noexcept { return HANDRAIL_VERSION; }
+
+// Prints "handrail-lab 0.1.0" where a program is asked for its version and nothing else.
+inline bool says_version(const char* program, int argc, const char* const* argv) {
+  if (argc != 2 || std::strcmp(argv[1], "--version") != 0) return false;
+  std::printf("%s %s\n", program, program_version());
+  return true;
+}
 
 inline constexpr unsigned kLargestVersionPart = 1023;  // ten bits
 

@@ -5,9 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "server/base/version.h"
 #include "tests/bench/percentile.h"
 
 int main(int argc, char** argv) {
+  if (handrail::says_version("handrail-bench", argc, argv)) return 0;
   static char json[] = "--benchmark_format=json";
   std::vector<char*> args(argv, argv + argc);
   bool machine_format = false;

@@ -20,6 +20,7 @@
 #include "server/base/clock.h"
 #include "server/base/fnv.h"
 #include "server/base/time.h"
+#include "server/base/version.h"
 
 namespace {
 
@@ -146,6 +147,7 @@ int ping(const char* address, const char* port, std::size_t count, Nanos every, 
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (handrail::says_version("handrail-netfault-echo", argc, argv)) return 0;
   ::setvbuf(stdout, nullptr, _IOLBF, 0);
   const std::string verb = argc > 1 ? argv[1] : "";
   if (verb == "serve" && argc == 3) return serve(std::atoi(argv[2]));

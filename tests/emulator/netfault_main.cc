@@ -10,6 +10,7 @@
 
 #include "server/base/output.h"
 #include "server/base/signals.h"
+#include "server/base/version.h"
 #include "tests/emulator/netfault_args.h"
 #include "tests/emulator/order_desk.h"
 #include "tests/emulator/orders.h"
@@ -154,5 +155,6 @@ int run(const std::vector<std::string>& words) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (handrail::says_version("handrail-netfault", argc, argv)) return 0;
   return handrail::end_output("handrail-netfault", run({argv + 1, argv + argc}));
 }

@@ -13,6 +13,7 @@
 #include "server/base/clock.h"
 #include "server/base/output.h"
 #include "server/base/pacer.h"
+#include "server/base/version.h"
 #include "server/lab/console/console.h"
 #include "tests/faults/faults_args.h"
 #include "tests/faults/kept.h"
@@ -130,5 +131,6 @@ int run(const std::vector<std::string>& words) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (handrail::says_version("handrail-faults", argc, argv)) return 0;
   return handrail::end_output("handrail-faults", run({argv + 1, argv + argc}));
 }

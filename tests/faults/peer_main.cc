@@ -18,6 +18,7 @@
 
 #include "server/base/clock.h"
 #include "server/base/pacer.h"
+#include "server/base/version.h"
 #include "server/link/codec.h"
 #include "server/link/frame.h"
 #include "server/link/secure/secure_transport.h"
@@ -144,4 +145,7 @@ int run(const std::vector<std::string>& words) {
 
 }  // namespace
 
-int main(int argc, char** argv) { return run({argv + 1, argv + argc}); }
+int main(int argc, char** argv) {
+  if (handrail::says_version("handrail-faults-peer", argc, argv)) return 0;
+  return run({argv + 1, argv + argc});
+}

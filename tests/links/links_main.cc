@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "client/cli/interrupt.h"
+#include "server/base/version.h"
 #include "server/lab/console/console.h"
 #include "tests/links/cell.h"
 #include "tests/links/results.h"
@@ -116,6 +117,7 @@ int run_side(const std::vector<std::string>& words) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (handrail::says_version("handrail-links", argc, argv)) return 0;
   const std::vector<std::string> words(argv + 1, argv + argc);
   if (!words.empty() && (words[0] == "--near" || words[0] == "--far")) return run_side(words);
 

@@ -13,6 +13,7 @@
 
 #include "client/cli/interrupt.h"
 #include "server/base/output.h"
+#include "server/base/version.h"
 #include "server/lab/console/console.h"
 #include "tests/storm/crowded.h"
 #include "tests/storm/demos.h"
@@ -318,4 +319,7 @@ int run(int argc, char** argv) {
 
 }  // namespace
 
-int main(int argc, char** argv) { return handrail::end_output("handrail-storm", run(argc, argv)); }
+int main(int argc, char** argv) {
+  if (handrail::says_version("handrail-storm", argc, argv)) return 0;
+  return handrail::end_output("handrail-storm", run(argc, argv));
+}

@@ -1,0 +1,126 @@
+#include "server/stability/sampled_wall.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace handrail {
+namespace {
+
+using std::numbers::pi;
+
+// How a force that is held for a period moves the device: by h F at its end and h_next F at the end
+// of the next, beside its own motion, whose speed falls by e (zero-order hold).
+struct Held {
+  double e, h, h_next;
+};
+
+Held hold(const SampledWall& wall) {
+  const double x = wall.damping * wall.period / wall.mass;
+  const double unit = wall.period * wall.period / wall.mass;
+  const double e = std::exp(-x);
+  // Series where the closed forms lose their digits: the next term is below 1e-14.
+  if (x < 1e-3) {
+    return {e, unit * (1.0 / 2 - x / 6 + x * x / 24 - x * x * x / 120),
+            unit * (1.0 / 2 - x / 3 + x * x / 8 - x * x * x / 30)};
+  }
+  return {e, unit * (x - 1.0 + e) / (x * x), unit * (1.0 - e - x * e) / (x * x)};
+}
+
+// Whether all roots lie inside the unit circle (Schur and Cohn): the polynomial is brought down a
+// degree at a time. `a`: real, its highest power first.
+bool all_inside(std::vector<double> a) {
+  while (a.size() > 1) {
+    const double share = a.back() / a.front();
+    if (!(std::abs(share) < 1.0)) return false;
+    const std::size_t degree = a.size() - 1;
+    std::vector<double> next(degree);
+    for (std::size_t i = 0; i < degree; ++i) next[i] = a[i] - share * a[degree - i];
+    a = std::move(next);
+  }
+  return true;
+}
+
+// (z - 1) (z - e) z^(d+1) + (h z + h_next) ((K + B/T) z - B/T)
+std::vector<double> characteristic(const SampledWall& wall, double stiffness) {
+  const Held held = hold(wall);
+  const double past = wall.wall_damping / wall.period, now = stiffness + past;
+  std::vector<double> a(static_cast<std::size_t>(wall.delay) + 4, 0.0);
+  a[0] = 1.0;
+  a[1] = -(1.0 + held.e);
+  a[2] = held.e;
+  const std::size_t last = a.size() - 1;
+  a[last - 2] += held.h * now;
+  a[last - 1] += held.h_next * now - held.h * past;
+  a[last] -= held.h_next * past;
+  return a;
+}
+
+}  // namespace
+
+bool is_stable(const SampledWall& wall, double stiffness) {
+  return all_inside(characteristic(wall, stiffness));
+}
+
+double stiffness_onset(const SampledWall& wall) {
+  // No undelayed wall reaches m / T^2 (is best with B T / m = 0.83: 0.686 of it), and damping of
+  // the device adds at most 2 b / T.
+  double unstable = wall.mass / (wall.period * wall.period) + 3.0 * wall.damping / wall.period;
+  double stable = 1e-9 * unstable;
+  if (!is_stable(wall, stable)) return 0.0;
+  // From below, so that it is the first.
+  for (double k = stable; k < unstable; k *= 1.1) {
+    if (!is_stable(wall, k)) {
+      unstable = k;
+      break;
+    }
+    stable = k;
+  }
+  while (unstable - stable > 1e-9 * unstable) {
+    const double middle = 0.5 * (stable + unstable);
+    (is_stable(wall, middle) ? stable : unstable) = middle;
+  }
+  return unstable;
+}
+
+double passive_damping(const SampledWall& wall, double stiffness) noexcept {
+  const double late = 2.0 * wall.delay + 1.0;
+  const auto at = [&](double angle) {
+    return 0.5 * stiffness * wall.period * std::sin(0.5 * late * angle) / std::sin(0.5 * angle) -
+           wall.wall_damping * std::cos((wall.delay + 1.0) * angle);
+  };
+  // Its waves are no shorter than 2 pi / (delay + 1): of a hundred points a wave the highest is
+  // within a thousandth of the wave's height, and a parabola through it and its neighbours far
+  // nearer.
+  const int points = 100 * (wall.delay + 1);
+  double most = 0.5 * stiffness * wall.period * late - wall.wall_damping;  // at angle 0
+  for (int i = 1; i <= points; ++i) {
+    const double step = pi / points, angle = i * step;
+    const double here = at(angle);
+    most = std::max(most, here);
+    const double before = at(angle - 0.5 * step), behind = at(std::min(angle + 0.5 * step, pi));
+    const double bend = before - 2.0 * here + behind;
+    if (here >= before && here >= behind && bend < 0.0) {
+      const double slope = 0.5 * (behind - before);
+      most = std::max(most, here - 0.5 * slope * slope / bend);
+    }
+  }
+  return std::max(most, 0.0);
+}
+
+double energy_per_cycle(double stiffness, double amplitude, double frequency, double period,
+                        double delay) noexcept {
+  const double w = 2.0 * pi * frequency, half = 0.5 * w * period;
+  const double held = half == 0.0 ? 1.0 : std::sin(half) / half;
+  return pi * stiffness * amplitude * amplitude * std::sin(half + w * delay) * held;
+}
+
+std::optional<double> speed_that_grows(const SampledWall& wall, double stiffness,
+                                       double friction) noexcept {
+  const double made = stiffness * wall.period * (0.5 + wall.delay) - wall.damping;
+  if (!(made > 0.0)) return std::nullopt;
+  return 4.0 / pi * friction / made;
+}
+
+}  // namespace handrail
