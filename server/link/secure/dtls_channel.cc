@@ -138,6 +138,11 @@ bool DtlsChannel::listen(std::span<const std::uint8_t> datagram, const Address& 
 
 std::size_t DtlsChannel::take(std::span<const std::uint8_t> datagram, const Address& from,
                               std::span<std::uint8_t> plain) noexcept {
+  // Once the version is agreed, OpenSSL passes over the head of a record of another version and
+  // takes its body for records (dtls1_get_record in its ssl/record), so that is_records() has not
+  // seen them.
+  const bool agreed = state_ == State::kOpen || SSL_is_server(ssl_) == 1;
+  if (agreed && is_before_version(datagram)) return 0;
   if (state_ == State::kOpen && is_data(datagram)) {
     const std::size_t size = is_one_data(datagram) ? opener_.open(datagram, plain) : 0;
     if (size != 0) from_ = from;

@@ -19,13 +19,15 @@ inline constexpr std::size_t kSealing = 8 + 16;  // nonce and tag of AES-GCM (RF
 // Datagrams of a handshake are no longer: what IPv6 carries everywhere (1280) without its headers.
 inline constexpr std::size_t kLongestHandshake = 1280 - 40 - 8;
 
-// True when a datagram is a row of whole records of DTLS 1.0 or 1.2, those from epoch 1 on no
-// shorter than sealed ones are. OpenSSL ends a session at a shorter one, which anybody can forge;
-// it is to see none. Real-time safe, like all here.
+// True when a datagram is a row of whole records of DTLS 1.2, or one of DTLS 1.0; those from epoch
+// 1 on are no shorter than sealed ones. OpenSSL ends a session at a shorter one, which anybody can
+// forge; it is to see none. Real-time safe, like all here.
 inline bool is_records(std::span<const std::uint8_t> bytes) noexcept {
-  const auto sound = [](std::span<const std::uint8_t> b) {
-    return b.size() >= kRecordHeader && b[0] >= 20 && b[0] <= 23 && b[1] == 0xfe &&
-           (b[2] == 0xff || b[2] == 0xfd);
+  const std::size_t all = bytes.size();
+  const auto sound = [all](std::span<const std::uint8_t> b) {
+    if (b.size() < kRecordHeader || b[0] < 20 || b[0] > 23 || b[1] != 0xfe) return false;
+    const std::size_t size = kRecordHeader + (std::size_t{b[11]} << 8 | b[12]);
+    return b[2] == 0xfd || (b[2] == 0xff && size == all);
   };
   do {
     if (!sound(bytes)) return false;
@@ -36,7 +38,13 @@ inline bool is_records(std::span<const std::uint8_t> bytes) noexcept {
   } while (!bytes.empty());
   return true;
 }
-// Of the first record, like what follows. For records only.
+
+// Of the first record, like what follows; for records only. As it is sent before both ends have
+// agreed on DTLS 1.2: a hello, or a cookie.
+inline bool is_before_version(std::span<const std::uint8_t> bytes) noexcept {
+  return bytes[2] == 0xff;
+}
+
 inline bool is_data(std::span<const std::uint8_t> bytes) noexcept {
   return bytes[0] == static_cast<std::uint8_t>(RecordType::kData);
 }
