@@ -1,5 +1,7 @@
 // The bytes that an operator sends, in pieces or at once, to requests and to whose they are. The
 // first byte is the size of the pieces and who speaks.
+#include <google/protobuf/stubs/logging.h>
+
 #include <string>
 #include <utility>
 #include <vector>
@@ -61,6 +63,7 @@ Heard hear(fuzz::Bytes bytes, std::size_t piece, const Trusted* who) {
 }  // namespace
 
 HANDRAIL_FUZZ(operator_frames) {
+  const google::protobuf::LogSilencer silence;  // it writes of names that are no UTF-8
   static const Trusted kWho[] = {speaker(Role::kOperator), speaker(Role::kObserver)};
   fuzz::Input in(bytes);
   const auto how = in.take<std::uint8_t>();
