@@ -193,12 +193,21 @@ Bytes forgery(Random& random, const SeenSession& seen, bool to_slave, int i) {
   const std::uint64_t next =
       (i % 3 == 0 ? 0 : kEpoch) | ((seen.record & (kEpoch - 1)) + random.bits() % kAhead);
   Bytes payload;
-  switch (i % 5) {
-    // A state, a close in plain, a fatal alert, a change of ciphers, a hello's answer.
+  switch (i % 6) {
+    // A state, a close in plain, a fatal alert, a change of ciphers, a hello's answer, and an alert
+    // that is too short to be sealed in what OpenSSL takes for a record of another version.
     case 0: payload = record_of(23, kEpoch | next, random_bytes(random, 560)); break;
     case 1: payload = record_of(21, next, {1, 0}); break;
     case 2: payload = record_of(21, next, random_bytes(random, random.bits() % 40)); break;
     case 3: payload = record_of(20, next, {1}); break;
+    case 4: {
+      Bytes body(13);
+      const Bytes hidden = record_of(21, kEpoch | next, random_bytes(random, 1 + i % 24));
+      body.insert(body.end(), hidden.begin(), hidden.end());
+      payload = record_of(static_cast<std::uint8_t>(20 + random.bits() % 3), next, body);
+      payload[2] = 0xff;  // DTLS 1.0
+      break;
+    }
     default: payload = record_of(22, next, random_bytes(random, random.bits() % 200)); break;
   }
   if (i % 7 == 0) payload.resize(random.bits() % (payload.size() + 1));
