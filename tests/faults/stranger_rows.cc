@@ -202,7 +202,8 @@ Bytes forgery(Random& random, const SeenSession& seen, bool to_slave, int i) {
     case 3: payload = record_of(20, next, {1}); break;
     case 4: {
       Bytes body(13);
-      const Bytes hidden = record_of(21, kEpoch | next, random_bytes(random, 1 + i % 24));
+      const Bytes hidden =
+          record_of(21, kEpoch | next, random_bytes(random, 1 + random.bits() % 24));
       body.insert(body.end(), hidden.begin(), hidden.end());
       payload = record_of(static_cast<std::uint8_t>(20 + random.bits() % 3), next, body);
       payload[2] = 0xff;  // DTLS 1.0
