@@ -57,7 +57,7 @@ class SubpixelWall final : public WallProxy {
     bool arrived = touching_ && hand_ == held_;
     while (!arrived && work_ < kMaxWork) {
       arrived = touching_ ? slide() : travel();
-      if (arrived && touching_) arrived = !escape();
+      if (arrived && touching_) arrived = !let_go() && !escape();
     }
     // A tick's whole work that leads no nearer to a waiting hand goes round in a corner.
     if (!arrived && touching_ && hand_ == last && (hand_ - p_).norm() > before - kAtRest) {
@@ -250,6 +250,22 @@ class SubpixelWall final : public WallProxy {
     limit_ = std::min(2.0 * limit_, kLongSlide);
     hold(at);
     return false;
+  }
+
+  // At rest where the normal turns within a hundredth of a pixel, as in a notch that pixels make in
+  // a tip, the normal may point anywhere. Nothing holds the proxy if the way to the hand begins
+  // free. True if so.
+  bool let_go() noexcept {
+    if (!fine_) return false;
+    const Vec2 e = hand_ - p_;
+    const double far = e.norm();
+    if (far <= kOff) return false;
+    const Vec2 ahead = p_ + kOff / far * e;
+    if (!(probe(ahead).distance > kOnSurface)) return false;
+    p_ = ahead;
+    touching_ = false;
+    clearance_ = 0.0;
+    return true;
   }
 
   // The pixels of an inner corner can hold a proxy that the corner itself would not. At rest in a

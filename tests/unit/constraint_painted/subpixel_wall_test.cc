@@ -100,6 +100,27 @@ TEST(SubpixelWall, AProxyLeavesAPocketWhenTheHandDoes) {
   EXPECT_LT((settle(*proxy, {-5e-3, 6e-3}).proxy - Vec2(-5e-3, 6e-3)).norm(), 1e-12);
 }
 
+// Found by a property: a wall's tip two pixels thick, where the pixels make a notch in its end
+// face. The proxy came to rest in it with a normal that points into the wall.
+TEST(SubpixelWall, ANotchInAWallsTipLetsGoOfAProxyWhoseHandLeaves) {
+  constexpr double kThick = 2.06691 * kWallPixel, kDeep = 3.459305 * kWallPixel;
+  constexpr double kTurn = 0.62228 * 2.0 * M_PI;
+  const Vec2 t(std::cos(kTurn), std::sin(kTurn)), n(-t.y(), t.x());
+  const Vec2 tip = Vec2(0.733168, -0.577644) * kWallPixel, face = tip + 0.5 * kThick * n;
+  const Walls walls = test::WallPainter(240, 240, kWallPixel)
+                          .wall(test::rectangle(tip - 4e-3 * t, 8e-3, kThick, kTurn))
+                          .finish(tip + 2e-3 * n);
+  const auto proxy = make_subpixel_proxy(walls);
+  proxy->start(face + 1e-3 * n - 4e-4 * t);
+  WallContact contact;
+  Vec2 hand;
+  for (double s = -4e-4; s < 1e-3; s += 2e-5) {
+    hand = face - kDeep * n + s * t;
+    contact = settle(*proxy, hand);
+  }
+  EXPECT_LT((contact.proxy - hand).norm(), 1e-9);
+}
+
 TEST(SubpixelWall, NoStairOfPixelsHoldsASlidingProxyBack) {
   // A wall almost along the rows steps by a pixel every 60; the greedy search stops at each step.
   const double angle = 1.0 / 60.0;
