@@ -21,7 +21,7 @@ using test::between;
 using test::within_square;
 
 constexpr double kMapPixel = 1e-4;
-constexpr int kSide = 240;         // of the map [pixels]
+constexpr int kMapSide = 240;      // of the map [pixels]
 constexpr double kRoom = 0.014;    // the hand stays this near the map's middle [m]
 constexpr double kFastest = 5e-3;  // a tick of 1 ms at 5 m/s [m]
 
@@ -75,13 +75,13 @@ RC_GTEST_PROP(RecordedWallProperty, NoRecordedHandTakesTheProxyOutOfTheFarFace, 
   // From the wall's middle toward the side where the hand begins.
   const double sign = above(hand[0]) > 0.0 ? 1.0 : -1.0;
 
-  test::WallPainter painter(kSide, kSide, kMapPixel);
+  test::WallPainter painter(kMapSide, kMapSide, kMapPixel);
   if (ring) {
     painter.wall_disc(off, r + 0.5 * thickness).open_disc(off, r - 0.5 * thickness);
   } else {
     painter.wall(test::rectangle(off, 1.0, thickness, angle));
   }
-  const double edge = 0.5 * kSide * kMapPixel;
+  const double edge = 0.5 * kMapSide * kMapPixel;
   const auto on_map = [&](const Vec2& p) {
     return p.cwiseAbs().maxCoeff() < edge - 2.0 * kMapPixel;
   };

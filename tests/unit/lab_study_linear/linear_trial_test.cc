@@ -144,7 +144,7 @@ TEST(LinearTrial, ToolsHoldTheTipOnTheSegmentsAndTheOrientationStill) {
 // The line keeps the way, its stop is felt, and the point keeps the place.
 TEST(LinearTrial, WhoHasToolsNeedsNoEyeForThePlace) {
   const StudyMachine m = machine();
-  for (const std::uint64_t seed : {1, 2, 3}) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
     TrialOptions options = trial(StudyMode::kTools, seed);
     const double time = run(m, options).execution_time;
     options.person.vision_noise_lateral *= 3.0;

@@ -84,7 +84,7 @@ TEST(ScrewTrial, ToolsKeepTheKeyOverTheScrewWhileItIsTurnedBack) {
 TEST(ScrewTrial, AnUnsteadyHandTurnsBackQuicklyOnItsTools) {
   double time = 0.0;
   int turns = 0;
-  for (const std::uint64_t seed : {1, 2, 3, 4}) {
+  for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {
     Screwing screwing(ScrewMode::kNCV);
     screwing.options.person.drift_angle *= 2.0;
     screwing.options.seed = seed;

@@ -32,7 +32,7 @@ class WrenchRun : public ::testing::Test {
 };
 
 TEST_F(WrenchRun, ForcePeaksRiseStrictlyWhileTightening) {
-  for (const std::uint64_t seed : {1, 2, 3}) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
     for (int person = 0; person < 4; ++person) {
       const WrenchResult r = turn(5.0, 4, 0, person, seed);
       ASSERT_EQ(r.turns.size(), 4u);

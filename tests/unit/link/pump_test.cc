@@ -58,7 +58,7 @@ class PumpTest : public ::testing::Test {
 };
 
 TEST_F(PumpTest, TakesEverythingThatWaitsAndKeepsTheNewest) {
-  for (const std::uint64_t n : {1, 3, 2}) arrive(n);
+  for (const std::uint64_t n : {1U, 3U, 2U}) arrive(n);
   EXPECT_TRUE(pump.receive(kPumpStart));
   EXPECT_EQ(peer.newest().stop_epoch, 3u);
   EXPECT_TRUE(net.waiting.empty());
