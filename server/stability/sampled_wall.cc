@@ -64,19 +64,11 @@ bool is_stable(const SampledWall& wall, double stiffness) {
 }
 
 double stiffness_onset(const SampledWall& wall) {
-  // No undelayed wall reaches m / T^2 (is best with B T / m = 0.83: 0.686 of it), and damping of
-  // the device adds at most 2 b / T.
-  double unstable = wall.mass / (wall.period * wall.period) + 3.0 * wall.damping / wall.period;
-  double stable = 1e-9 * unstable;
+  double stable = 1e-9 * wall.mass / (wall.period * wall.period);
   if (!is_stable(wall, stable)) return 0.0;
-  // From below, so that it is the first.
-  for (double k = stable; k < unstable; k *= 1.1) {
-    if (!is_stable(wall, k)) {
-      unstable = k;
-      break;
-    }
-    stable = k;
-  }
+  // From below, so that it is the first. It ends: stiff enough, every sampled wall is unstable.
+  double unstable = 1.1 * stable;
+  for (; is_stable(wall, unstable); unstable *= 1.1) stable = unstable;
   while (unstable - stable > 1e-9 * unstable) {
     const double middle = 0.5 * (stable + unstable);
     (is_stable(wall, middle) ? stable : unstable) = middle;

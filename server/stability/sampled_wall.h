@@ -23,9 +23,9 @@ struct SampledWall {
 // loop.
 bool is_stable(const SampledWall& wall, double stiffness);
 
-// The least stiffness with which a motion does not die away any more [N/m], to 1e-9 of it; 0: there
-// is none that does, as without damping, or with more wall damping than the delay lets. As
-// is_stable().
+// The least stiffness with which a motion does not die away any more [N/m], to 1e-9 of it; 0: with
+// none does every motion die away, as without damping, or with more wall damping than the delay
+// lets. As is_stable().
 double stiffness_onset(const SampledWall& wall);
 
 // The viscous damping with which the device takes up all that the wall makes, whatever hand holds

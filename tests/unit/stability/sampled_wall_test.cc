@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <deque>
@@ -48,6 +49,19 @@ TEST(SampledWall, WithWallDampingToo) {
       EXPECT_NEAR(stiffness_onset(small_mass(0.1, delay, kWall[i])), row[i], 1.02 * printed)
           << "B " << kWall[i] << ", d " << delay;
     }
+  }
+}
+
+// Without delay and wall damping the polynomial is of the second degree, and Jury's two conditions
+// are all. From a device that hardly brakes to one that stands within a period.
+TEST(SampledWall, HoweverMuchTheDeviceBrakesTheOnsetIsJurys) {
+  for (const double x : {0.01, 0.3, 1.0, 3.0, 10.0, 30.0}) {  // b T / m
+    const double e = std::exp(-x);
+    const double h = (x - 1.0 + e) / (x * x), h_next = (1.0 - e - x * e) / (x * x);
+    const double jury =
+        std::min((1.0 - e) / h_next, h > h_next ? 2.0 * (1.0 + e) / (h - h_next) : 1e300);
+    EXPECT_NEAR(stiffness_onset({.mass = 1.0, .damping = x, .period = 1.0}), jury, 1e-7 * jury)
+        << x;
   }
 }
 
