@@ -8,7 +8,7 @@ namespace handrail {
 namespace {
 
 // "42 s", "5 min", "3 h 10 min"
-std::string text_of(Nanos time) {
+std::string seconds_text(Nanos time) {
   const Nanos seconds = time / kSecond;
   if (seconds < 120) return std::to_string(seconds) + " s";
   const Nanos minutes = seconds / 60;
@@ -36,7 +36,7 @@ LeaseAnswer Lease::take(const std::string& who, Nanos now) {
   }
   if (!asked_by_.empty() && asked_by_ != who) {
     return {false, asked_by_ + " has asked " + holder_ + " for the lease already; " +
-                       text_of(ask_left(now)) + " left for the answer"};
+                       seconds_text(ask_left(now)) + " left for the answer"};
   }
   if (asked_by_.empty()) {
     asked_by_ = who;
@@ -109,8 +109,8 @@ void Lease::end_question(const std::string& how) {
 
 LeaseAnswer Lease::not_holder(Nanos now) const {
   if (holder_.empty()) return {false, "nobody holds the lease: 'handrail lease take' takes it"};
-  return {false, holder_ + " has the lease for " + text_of(held_for(now)) + " (last order " +
-                     text_of(idle_for(now)) + " ago): 'handrail lease take' asks for it"};
+  return {false, holder_ + " has the lease for " + seconds_text(held_for(now)) + " (last order " +
+                     seconds_text(idle_for(now)) + " ago): 'handrail lease take' asks for it"};
 }
 
 }  // namespace handrail

@@ -16,11 +16,11 @@ struct Given {
 
 // The wall of the first of the 8 neighbours that has one, straight ones first.
 std::uint8_t wall_beside(const CoverageMap& map, std::size_t i) {
-  static constexpr int kAround[8][2] = {{0, -1},  {-1, 0}, {1, 0},  {0, 1},
-                                        {-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
+  static constexpr int kNeighbours[8][2] = {{0, -1},  {-1, 0}, {1, 0},  {0, 1},
+                                            {-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
   const auto width = static_cast<std::size_t>(map.width);
   const int x = static_cast<int>(i % width), y = static_cast<int>(i / width);
-  for (const auto& step : kAround) {
+  for (const auto& step : kNeighbours) {
     const int u = x + step[0], v = y + step[1];
     if (u < 0 || v < 0 || u >= map.width || v >= map.height) continue;
     const std::uint8_t wall =

@@ -14,7 +14,7 @@ namespace {
 constexpr int kRigTurns = 10, kRigBatches = 3;
 
 // What a rig without effect `i` would run; a thread goes with its socket.
-Scene without(const Scene& scene, std::size_t i) {
+Scene without_rig_effect(const Scene& scene, std::size_t i) {
   Scene out = scene;
   out.simulate = simulated_by(scene);
   auto& effects = out.simulate->effects;
@@ -38,7 +38,8 @@ std::vector<RigWithout> rigs_without_each(const Scene& scene) {
         std::count_if(effects.begin(), effects.begin() + static_cast<std::ptrdiff_t>(i),
                       [kind](const RigEffectSpec& e) { return kind_of(e) == kind; });
     const std::string name = name_of(kind);
-    out.push_back({same > 0 ? fmt::format("{} {}", name, same + 1) : name, without(scene, i)});
+    out.push_back(
+        {same > 0 ? fmt::format("{} {}", name, same + 1) : name, without_rig_effect(scene, i)});
   }
   return out;
 }

@@ -26,7 +26,7 @@ Vec2 target_at(const Scene& scene, const View& view, double t) {
   return p.cwiseMax(-kJoystickHalf).cwiseMin(kJoystickHalf);
 }
 
-Scene without(const Scene& scene, std::size_t effect) {
+Scene without_effect(const Scene& scene, std::size_t effect) {
   Scene out = scene;
   out.effects.erase(out.effects.begin() + static_cast<std::ptrdiff_t>(effect));
   return out;
@@ -100,9 +100,9 @@ std::vector<PricedEffect> price_once(const Scene& scene, const std::vector<HandR
     effect.name = name_of(kind);
     effect.on_rig = is_of_device(kind);
     if (effect.on_rig) {
-      enter(sticks, std::make_shared<Stick>(without(scene, i), hands));
+      enter(sticks, std::make_shared<Stick>(without_effect(scene, i), hands));
     } else {
-      enter(steps, std::make_shared<Stepper>(without(scene, i), hands));
+      enter(steps, std::make_shared<Stepper>(without_effect(scene, i), hands));
     }
     place.push_back(effect.on_rig ? stick_count++ : step_count++);
     out.push_back(effect);

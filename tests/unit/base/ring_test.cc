@@ -42,10 +42,10 @@ TEST(Ring, HasRoomAgainAfterEachPop) {
 
 TEST(Ring, DeliversEverythingInOrderBetweenThreads) {
   constexpr std::uint64_t kValues = 200'000;
-  using Wide = std::array<std::uint64_t, 16>;
-  Ring<Wide, 64> ring;
+  using Row = std::array<std::uint64_t, 16>;
+  Ring<Row, 64> ring;
   std::thread producer([&ring] {
-    Wide value;
+    Row value;
     for (std::uint64_t i = 0; i < kValues;) {
       value.fill(i);
       if (ring.push(value)) {
@@ -56,7 +56,7 @@ TEST(Ring, DeliversEverythingInOrderBetweenThreads) {
     }
   });
   std::uint64_t wrong = 0;
-  Wide out;
+  Row out;
   for (std::uint64_t i = 0; i < kValues;) {
     if (!ring.pop(out)) {
       std::this_thread::yield();
