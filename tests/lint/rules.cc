@@ -39,7 +39,7 @@ Table part_rows() {
           {"server/constraint/painted", kModel + Folders{"server/constraint"}},
           {"server/effects", kModel},
           {"server/session", kModel},
-          {"server/stability", {}},
+          {"server/stability", kModel},
           {"server/motion", kModel + Folders{"server/kinematics"}},
           {"server/haptic",
            kModel + Folders{"server/session", "server/constraint", "server/constraint/drawn",

@@ -8,7 +8,9 @@
 namespace handrail::storm {
 namespace {
 
-constexpr Nanos kWindow = 10 * kSecond;
+// To reset, engage, lead the arm back and repeat a move takes up to 13 s. Windows of 20 s leave so much time after four of
+// five pauses (two neighbours are 0 to 40 s apart), so the demo's ten repetitions of a move do not run out.
+constexpr Nanos kWindow = 20 * kSecond;
 constexpr Nanos kShortest = 20 * kMillisecond, kLongest = 500 * kMillisecond;
 constexpr Nanos kDemoPatience = 600 * kSecond;  // ten repeated moves, and a busy machine
 constexpr Who kDemoPrograms[] = {Who::kRig, Who::kSlave, Who::kMaster};

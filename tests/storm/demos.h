@@ -13,7 +13,7 @@ struct DemoOutcome {
 };
 
 // Rig, slave and master as they are shipped, and the demo, whose programs are paused once in every
-// 10 s, one at random, for 20 to 500 ms. Takes about a minute of real time.
+// 20 s, one at random, for 20 to 500 ms. Takes about a minute of real time.
 DemoOutcome run_demo(std::uint64_t seed, bool (*interrupted)());
 
 }  // namespace handrail::storm

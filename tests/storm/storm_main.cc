@@ -43,7 +43,7 @@ const char kUsage[] =
     "usage\n"
     "or bad file, 130 stopped.\n"
     "\n"
-    "  --demos N        N times `handrail demo`, once every 10 s with one of its programs paused "
+    "  --demos N        N times `handrail demo`, once every 20 s with one of its programs paused "
     "for\n"
     "                   20 to 500 ms; each has to end with its table\n"
     "  --crowded STOPS  stops and engages so often while logs and a disk are stuck and 1000 "

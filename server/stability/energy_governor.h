@@ -1,0 +1,81 @@
+// Keeps what is rendered at the hand from making energy.
+#pragma once
+
+#include "server/base/spatial.h"
+
+namespace handrail {
+
+// What the device takes up by itself. All >= 0.
+struct GovernorSettings {
+  bool on = false;
+  double friction = 0.0;   // of the device, Coulomb [N]
+  double damping = 0.0;    // of the device, viscous [N s/m]
+  double period = 1e-3;    // of the loop, nominal, > 0 [s]
+  double most_way = 0.05;  // a hand further away than this after a tick has jumped [m]
+};
+
+// The force that is asked for, by what makes it. Frame M.
+struct RenderedForce {
+  Vec3 wanted = Vec3::Zero();   // in all [N]
+  Vec3 springs = Vec3::Zero();  // of it, what springs give: what they took comes back [N]
+  double stiffness = 0.0;       // of these springs together, the most it can be now [N/m]
+};
+
+// What a tick of the governor came to.
+struct Governed {
+  Vec3 force = Vec3::Zero();  // in the direction of what was wanted, no larger [N]
+  double made = 0.0;          // energy that was made and not yet taken back, >= 0 [J]
+  bool acted = false;
+};
+
+// Observer and controller at the hand port, for forces that are held for a period.
+//
+// A spring that is held for a period pushes less on the way in, and more on the way out, than the
+// spring of its law: each tick makes K dx^2 / 2. What was made in a tick is the work that the
+// device did less the work of the law's springs on the same way, by the trapezoid between its ends;
+// what a damper takes counts as taken, and what one makes as made. The device takes its own
+// friction and damping of it. The rest is taken back when the hand is next pushed: the force is
+// made smaller, by as much as this tick is about to make, and by what is left over, spread over the
+// spring's way to its rest. It is never larger or turned round, and a hand that presses or stands
+// meets all of it.
+//
+// A spring that is touched, or left, within a tick is taken to begin or end on the way. Tools and
+// walls that move do work that their reason pays for; only how the hand moves counts here.
+class EnergyGovernor {
+ public:
+  // One tick. `moved`: of the hand since the last tick [M, m]; `dt` since then [s]. Values that are
+  // not finite count as none; a jump of the hand, or of the clock, credits nothing. Real-time safe.
+  Governed govern(const GovernorSettings& settings, const RenderedForce& force, const Vec3& moved,
+                  double dt) noexcept;
+  // What the device was told of it in the end, within its limits; it acts until the next tick [N].
+  void told(const Vec3& force) noexcept { told_ = is_finite(force) ? force : Vec3(Vec3::Zero()); }
+  // The hand is elsewhere, or is not heard: the way since the last tick is not known.
+  void restart() noexcept { told_.setZero(), springs_.setZero(); }
+
+  double made() const noexcept { return made_; }  // as in Governed [J]
+
+ private:
+  Vec3 told_ = Vec3::Zero();     // [N]
+  Vec3 springs_ = Vec3::Zero();  // of the tick before, within what the device was told [N]
+  double made_ = 0.0;            // [J]
+};
+
+// A spring whose other end is told over a link may give the hand no more than the hand has put into
+// it: the energy in it is counted from zero, and is never more than the spring would hold at this
+// force. What its other end does to it gives nothing. `stiffness` > 0 [N/m].
+class EnergyTank {
+ public:
+  // One tick, as EnergyGovernor's.
+  Governed govern(const GovernorSettings& settings, const Vec3& wanted, double stiffness,
+                  const Vec3& moved, double dt) noexcept;
+  void told(const Vec3& force) noexcept { told_ = is_finite(force) ? force : Vec3(Vec3::Zero()); }
+  void restart() noexcept { told_.setZero(), energy_ = 0.0; }
+
+  double energy() const noexcept { return energy_; }  // that it may give back [J]
+
+ private:
+  Vec3 told_ = Vec3::Zero();  // [N]
+  double energy_ = 0.0;       // [J]
+};
+
+}  // namespace handrail
