@@ -1,0 +1,135 @@
+// The governor in the two steps: what reaches the device, and what is said of it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/haptic/wall_step.h"
+#include "tests/unit/haptic/haptic_rig.h"
+#include "tests/unit/haptic/wall_rig.h"
+
+namespace handrail {
+namespace {
+
+using test::HapticRig;
+using test::WallRig;
+
+GovernorSettings governed(double friction, double peak) {
+  GovernorSettings out;
+  out.on = true;
+  out.friction = friction;
+  out.peak = peak;
+  return out;
+}
+
+// Energy that the hand gets while it goes to 4 mm into the wall and out again, at 0.5 m/s [J].
+double through_the_wall(WallRig& rig) {
+  double given = 0.0;
+  Vec2 last(-4e-3, 0.0), force = rig.move(last);
+  for (int i = 0; i <= 32; ++i) {
+    const Vec2 p(-4e-3 + (i <= 16 ? 5e-4 * i : 5e-4 * (32 - i)), 0.0);
+    given += force.dot(p - last);
+    last = p;
+    force = rig.move(p);
+  }
+  return given;
+}
+
+TEST(GovernedStep, AWallGivesTheHandNoMoreThanItGave) {
+  WallRig held;
+  const double made = through_the_wall(held);
+  EXPECT_GT(made, 5e-3);  // K v T / 2 on 8 mm
+  WallRig rig;
+  rig.settings.governor = governed(0.0, 25.3);
+  EXPECT_LT(through_the_wall(rig), 0.1 * made);
+  // With friction that takes as much up it does not act.
+  WallRig dry;
+  dry.settings.governor = governed(1.3, 25.3);
+  EXPECT_EQ(through_the_wall(dry), made);
+}
+
+TEST(GovernedStep, WhatItTakesIsInTheLedgerAndHasItsReason) {
+  WallRig rig;
+  rig.settings.governor = governed(0.0, 25.3);
+  bool said = false;
+  rig.move({-4e-3, 0.0});
+  for (int i = 0; i <= 32; ++i) {
+    rig.move({-4e-3 + (i <= 16 ? 5e-4 * i : 5e-4 * (32 - i)), 0.0});
+    const ForceLedger& f = rig.out.ledger;
+    ASSERT_LT((f.walls + f.governor + f.limits + f.clamp - f.device).norm(), 1e-12);
+    ASSERT_EQ(rig.out.reasons.has(Reason::kForceEnergy), f.governor.norm() > 0.0) << i;
+    said = said || rig.out.reasons.has(Reason::kForceEnergy);
+    if (i <= 16) {
+      ASSERT_EQ(f.governor.norm(), 0.0) << "on the way in";
+    }
+  }
+  EXPECT_TRUE(said);
+}
+
+TEST(GovernedStep, OnlyItsShareIsRendered) {
+  WallRig rig;
+  rig.settings.share = 0.25;
+  rig.move({-1e-3, 0.0});
+  for (int i = 0; i <= 20; ++i) rig.move({1e-4 * i, 0.0});
+  EXPECT_NEAR(rig.move({2e-3, 0.0}).x(), -0.25 * 5000.0 * 2e-3, 1e-9);
+}
+
+TEST(GovernedStep, AStageThatComesIsNotTheHandsWork) {
+  WallRig rig;
+  rig.settings.governor = governed(0.0, 25.3);
+  rig.walls->stages[1].gone = {1};
+  rig.in.stage = 1;
+  rig.move({2e-3, 0.0});
+  rig.in.stage = 0;
+  for (int i = 0; i < 200; ++i) rig.move({2e-3, 0.0});
+  EXPECT_EQ(rig.out.energy_made, 0.0);
+  EXPECT_NEAR(rig.out.f_H_M.force.x(), -10.0, 1e-9);
+}
+
+TEST(GovernedStep, AToolIsNoStifferThanTheDeviceHolds) {
+  HapticRig rig;
+  rig.settings.guide.most_stiffness = 300.0;
+  rig.engage();
+  ToolCall line;
+  line.kind = ToolKind::kLine;
+  line.direction_S = Vec3::UnitX();
+  line.stiffness = 5000.0;
+  ASSERT_EQ(rig.call(line), Reason::kNone);
+  for (int i = 0; i < 500; ++i) {
+    rig.in.hand.X_MH.p.y() += 1e-5;
+    rig.tick();
+  }
+  EXPECT_NEAR(rig.out.shares.tool.norm(), 300.0 * 5e-3, 0.02 * 1.5);
+  EXPECT_EQ(rig.out.link.position_tool.stiffness, 5000.0) << "what both sides hash stays";
+}
+
+// A tip that swings by itself pulls a hand to and fro that goes with it.
+TEST(GovernedStep, ATipThatMovesByItselfGivesTheHandNothing) {
+  for (const bool on : {false, true}) {
+    HapticRig rig;
+    rig.play_slave = true;
+    rig.engage();
+    if (on) rig.settings.governor = governed(0.0, 3.3);
+    rig.play_slave = false;
+    const Vec3 home = rig.in.slave.X_ST.p, start = rig.in.hand.X_MH.p;
+    double given = 0.0;
+    for (int i = 1; i <= 4000; ++i) {
+      const double swing = std::sin(2.0 * 3.14159265 * 2.0 * 1e-3 * i);
+      rig.in.slave.X_ST.p = home + rig.settings.mapping.R_SM * Vec3(0.01 * swing, 0, 0);
+      const Vec3 before = rig.in.hand.X_MH.p;
+      // A quarter behind the tip's pull: the worst for the energy.
+      rig.in.hand.X_MH.p = start + Vec3(-2e-3 * std::cos(2.0 * 3.14159265 * 2.0 * 1e-3 * i), 0, 0);
+      given += rig.out.f_H_M.force.dot(rig.in.hand.X_MH.p - before);
+      rig.in.slave_age = 0;
+      rig.tick();
+    }
+    if (on) {
+      EXPECT_LT(given, 1e-4);
+    } else {
+      EXPECT_GT(given, 5e-3);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace handrail
