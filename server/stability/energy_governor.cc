@@ -48,7 +48,6 @@ void EnergyGovernor::told(const Vec3& force) noexcept {
   told_ = is_finite(force) ? force : Vec3(Vec3::Zero());
   const double size = told_.norm();
   limit_ = size < asked_ ? size : kNoLimit;
-  springs_ = no_larger(springs_, limit_);
 }
 
 Governed EnergyGovernor::govern(const GovernorSettings& settings, const RenderedForce& force,

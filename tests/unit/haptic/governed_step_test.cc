@@ -103,6 +103,26 @@ TEST(GovernedStep, AToolIsNoStifferThanTheDeviceHolds) {
   EXPECT_EQ(rig.out.link.position_tool.stiffness, 5000.0) << "what both sides hash stays";
 }
 
+TEST(GovernedStep, AStandingTipGivesBackWhatWasPutIntoTheSpring) {
+  HapticRig rig;
+  rig.settings.guide.smoother_length = 1;
+  rig.engage();
+  rig.settings.governor = governed(0.0, 3.3);
+  rig.play_slave = false;
+  double put = 0.0, back = 0.0;
+  for (int i = 0; i < 400; ++i) {
+    const Vec3 before = rig.in.hand.X_MH.p;
+    rig.in.hand.X_MH.p.x() += i < 200 ? 2e-5 : -2e-5;
+    const double work = rig.out.f_H_M.force.dot(rig.in.hand.X_MH.p - before);
+    (work < 0.0 ? put : back) += std::abs(work);
+    rig.in.slave_age = 0;
+    rig.tick();
+  }
+  EXPECT_GT(put, 0.5e-3);
+  EXPECT_GT(back, 0.9 * put);
+  EXPECT_LE(back, put);
+}
+
 // A tip that swings by itself pulls a hand to and fro that goes with it.
 TEST(GovernedStep, ATipThatMovesByItselfGivesTheHandNothing) {
   for (const bool on : {false, true}) {

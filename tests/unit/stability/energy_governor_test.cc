@@ -33,6 +33,7 @@ struct Port {
   double stiffness = 1000.0;
   bool both_sides = false;
   double damping = 0.0;  // rendered, by backward difference [N s/m]
+  double warm = 1e9;     // what the device's heat leaves of its peak [N]
   EnergyGovernor governor;
   Vec3 last = Vec3::Zero(), force = Vec3::Zero();
   double given = 0.0;    // to the hand [J]
@@ -54,8 +55,8 @@ struct Port {
     EXPECT_GE(out.force.dot(law.wanted), 0.0);
     changed += (out.force - law.wanted).norm();
     asked += law.wanted.norm();
-    force = out.force.norm() > settings.peak ? Vec3(out.force * (settings.peak / out.force.norm()))
-                                             : out.force;
+    const double most = std::min(settings.peak, warm), size = out.force.norm();
+    force = size > most ? Vec3(out.force * (most / size)) : out.force;
     governor.told(force);
     return force.x();
   }
@@ -183,6 +184,14 @@ TEST(EnergyGovernor, AForceAtTheDevicesPeakMakesNothingOfItself) {
   Port port;
   port.settings = governed(0.3);
   port.settings.peak = 3.0;
+  swing(port, 20e-3, 2.0, 5);
+  EXPECT_LT(port.changed, 1e-9);
+}
+
+TEST(EnergyGovernor, NorDoesOneThatHeatHoldsBelowThePeak) {
+  Port port;
+  port.settings = governed(0.3);
+  port.warm = 2.0;
   swing(port, 20e-3, 2.0, 5);
   EXPECT_LT(port.changed, 1e-9);
 }
