@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 
 #include "server/stability/sampled_wall.h"
@@ -73,6 +74,27 @@ double stiffness_by_friction(const DeviceDynamics& device, double peak, double l
   const double root = std::sqrt(c * c + 4.0 * peak * peak * late * device.damping);
   const double s = (c + root) / (2.0 * peak * late);
   return s * s;
+}
+
+// Whether the damper of `wall` takes energy of an oscillation of `stiffness`: what it does is less
+// than a quarter of a cycle late. A difference is half a period old, and held for one.
+bool damper_takes(const SampledWall& wall, const RenderingLoop& loop, double stiffness) {
+  if (wall.wall_damping == 0.0) return true;
+  const double w = std::sqrt(stiffness / wall.mass);
+  const double filtered = wall.velocity_pole > 0.0 ? std::atan(w * loop.velocity_lag) : 0.0;
+  return filtered + w * wall.period * (1.0 + wall.delay) < 0.5 * std::numbers::pi;
+}
+
+// As margin_of(), for a spring of 1 N/m: the stiffness that friction holds [N/m].
+StabilityMargin held_by_friction(const DeviceDynamics& device, const RenderingLoop& loop,
+                                 const SampledWall& wall) {
+  if (device.resolution == 0.0) return {0.0, StabilityLimit::kFriction};
+  const double late = loop.period * (0.5 + wall.delay);
+  const double grown = stiffness_by_friction(device, loop.peak, late);
+  const double counted = 2.0 * device.friction / device.resolution;
+  const double held = std::min(grown, counted);
+  if (!damper_takes(wall, loop, held)) return {0.0, StabilityLimit::kFriction};
+  return {held, counted < grown ? StabilityLimit::kCounts : StabilityLimit::kFriction};
 }
 
 Rendering make(std::string name, double stiffness, double damping, bool own_velocity = false) {
@@ -168,13 +190,9 @@ StabilityMargin margin_of(const DeviceDynamics& device, const RenderingLoop& loo
   const double softest = 1e-6 * device.mass / (loop.period * loop.period);
   StabilityMargin out{loop_share(*wall, std::max(rendering.stiffness, softest)),
                       StabilityLimit::kLoop};
-  if (rendering.damping > 0.0 || rendering.stiffness == 0.0) return out;
-  const double late = loop.period * (0.5 + wall->delay);
-  if (device.resolution == 0.0) return out;
-  const double grown = stiffness_by_friction(device, loop.peak, late) / rendering.stiffness;
-  const double counted = 2.0 * device.friction / device.resolution / rendering.stiffness;
-  const StabilityMargin held = counted < grown ? StabilityMargin{counted, StabilityLimit::kCounts}
-                                               : StabilityMargin{grown, StabilityLimit::kFriction};
+  if (rendering.stiffness == 0.0) return out;
+  StabilityMargin held = held_by_friction(device, loop, *wall);
+  held.share /= rendering.stiffness;
   return held.share > out.share ? held : out;
 }
 
@@ -183,7 +201,7 @@ double most_stiffness(const DeviceDynamics& device, const RenderingLoop& loop, d
   const std::optional<SampledWall> wall = sampled(device, loop, unit);
   if (!wall) return 0.0;
   if (device.mass > 0.0) {
-    return damping > 0.0 ? stiffness_onset(*wall) : margin_of(device, loop, unit).share;
+    return std::max(stiffness_onset(*wall), held_by_friction(device, loop, *wall).share);
   }
   // Passive without delay: b >= K T / 2 + B.
   return std::max(2.0 * (device.damping - damping) / loop.period, 0.0);

@@ -10,8 +10,8 @@ namespace {
 
 // To engage (2 s), lead the arm back (one to four moves of the hand, 3.3 s each) and repeat a move
 // takes 9 to 18 s. Pauses in neighbouring windows of 20 s are 0 to 40 s apart, three in five of
-// them over 18 s: that eleven in a row are closer, at which the demo gives up, is chance once in 20
-// 000 moves. Windows of 10 s let it give up once in some 20 demos.
+// them over 18 s. That eleven in a row are closer, at which the demo gives up, is chance in one of
+// twenty thousand moves.
 constexpr Nanos kWindow = 20 * kSecond;
 constexpr Nanos kShortest = 20 * kMillisecond, kLongest = 500 * kMillisecond;
 constexpr Nanos kDemoPatience = 600 * kSecond;  // ten repeated moves, and a busy machine

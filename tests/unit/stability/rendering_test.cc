@@ -102,6 +102,17 @@ TEST(Rendering, WithinThePeakForceFrictionDecides) {
   EXPECT_TRUE(grown);
 }
 
+TEST(Rendering, ADamperThatIsInTimeDoesNotSpoilWhatFrictionHolds) {
+  RenderingLoop slow;
+  slow.velocity_lag = 5.3e-3;
+  const double bare = margin_of(kDry, slow, spring(1000.0)).share;
+  EXPECT_EQ(margin_of(kDry, slow, spring(1000.0, 0.4)).share, bare);
+  EXPECT_NEAR(most_stiffness(kDry, slow, 0.4), 1000.0 * bare, 1e-6);
+  // An oscillation so quick that the damper pushes the way it goes.
+  const StabilityMargin quick = margin_of(made_of(1e-3, 0.0, 1.0), slow, spring(1000.0, 0.4));
+  EXPECT_EQ(quick.by, StabilityLimit::kLoop);
+}
+
 TEST(Rendering, FrictionHasToHoldACount) {
   DeviceDynamics coarse = kDry;
   coarse.resolution = 1e-3;
