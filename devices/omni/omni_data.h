@@ -2,6 +2,8 @@
 // otherwise.
 #pragma once
 
+#include <numbers>
+
 #include "devices/haptic_device.h"
 #include "server/base/spatial.h"
 
@@ -12,6 +14,8 @@ inline constexpr double kOmniContinuousForce = 0.88;  // [N]
 inline constexpr double kOmniFriction = 0.26;         // back-drive friction at the tip [N]
 inline constexpr double kOmniMass = 0.045;            // apparent, at the tip [kg]
 inline constexpr double kOmniResolution = 0.055e-3;   // [m]
+// Low-pass of the velocity, our choice [Hz].
+inline constexpr double kOmniVelocityCutoff = 30.0;
 // The torque variant does not exist as a product; our choice, between a fingertip's comfort and
 // what larger devices of the family give [N m].
 inline constexpr double kOmniTorque = 0.2;
@@ -36,6 +40,7 @@ inline HapticCapabilities omni_capabilities(bool torque) {
                 .source = "data sheet; viscous damping not published"};
   c.workspace_half = omni_workspace_half();
   c.buttons = 2;
+  c.velocity_lag = 1.0 / (2.0 * std::numbers::pi * kOmniVelocityCutoff);
   return c;
 }
 

@@ -7,10 +7,9 @@
 namespace handrail {
 namespace {
 
-constexpr double kStopMargin = 0.010;     // beyond the nominal work space [m]
-constexpr double kStopStiffness = 10e3;   // [N/m]; keeps an arm's push within a few mm
-constexpr double kStopDamping = 20.0;     // [N s/m]
-constexpr double kVelocityCutoff = 30.0;  // of the velocity's low-pass, our choice [Hz]
+constexpr double kStopMargin = 0.010;    // beyond the nominal work space [m]
+constexpr double kStopStiffness = 10e3;  // [N/m]; keeps an arm's push within a few mm
+constexpr double kStopDamping = 20.0;    // [N s/m]
 constexpr Nanos kLongestAdvance = kSecond;
 
 HeldBody omni_body() noexcept {
@@ -82,7 +81,7 @@ void SimOmni::simulate(const DeviceEffects&, const Vec3& home_M) noexcept {
 void SimOmni::observe(double dt) noexcept {
   Pose pose = hand_.pose();
   pose.p = quantised(pose.p);
-  const double follow = -std::expm1(-2.0 * std::numbers::pi * kVelocityCutoff * dt);
+  const double follow = -std::expm1(-2.0 * std::numbers::pi * kOmniVelocityCutoff * dt);
   sample_.v_MH += follow * ((pose.p - sample_.X_MH.p) / dt - sample_.v_MH);
   sample_.X_MH = pose;
   sample_.buttons = hand_.buttons();

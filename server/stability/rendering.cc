@@ -46,8 +46,9 @@ double loop_share(const SampledWall& wall, double stiffness) {
     part.wall_damping *= share;
     return is_stable(part, share * stiffness);
   };
-  // From a millionth on, from below, so that it is the first.
-  double good = 1e-6;
+  // From below, so that it is the first; less than a thousandth of it is nothing, and the roots
+  // come so near to 1 that they cannot be told from it.
+  double good = 1e-3;
   if (!stable(good)) return 0.0;
   double bad = 1.1 * good;
   for (; stable(bad); bad *= 1.1) {
