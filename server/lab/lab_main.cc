@@ -21,6 +21,7 @@
 #include "server/lab/hand/hand_command.h"
 #include "server/lab/links/link_command.h"
 #include "server/lab/scenes/price_command.h"
+#include "server/lab/stability/stability_command.h"
 #include "server/lab/study/linear/linear_command.h"
 #include "server/lab/study/screw/screw_command.h"
 #include "server/lab/walls/wall_command.h"
@@ -306,6 +307,21 @@ void add_links(CLI::App& app, LinkCommand& links) {
   sub->add_flag("--json", links.json, "print every figure as JSON");
 }
 
+void add_stability(CLI::App& app, StabilityCommand& stability) {
+  CLI::App* sub = app.add_subcommand(
+      "stability", "whether what is rendered at the hand is stable: theory, walls, effects");
+  sub->add_flag("--quick", stability.quick, "one seed of each case");
+  sub->add_option("--case", stability.only, "a case of --list, or the first parts of its name");
+  sub->add_option("--seed", stability.seed, "the first: other kicks and moments")
+      ->capture_default_str();
+  sub->add_option("--seeds", stability.seeds, "of each case; without it 20, or 1 of --case")
+      ->check(CLI::Range(1, 100000));
+  sub->add_flag("--list", stability.list, "print the cases' names and run none");
+  add_threads(*sub, stability.threads);
+  sub->add_flag("--json", stability.json, "print a line of JSON a run");
+  sub->add_option("--figures", stability.figures, "folder for the figure (SVG)");
+}
+
 // Names the first of `words` that is no command of `app`, or of the command before it, and the
 // nearest that is one, or all; also all where one is missing. Empty when nothing is wrong.
 std::string unknown_command(const CLI::App& app, std::span<char* const> words) {
@@ -350,6 +366,8 @@ int run(int argc, char** argv) {
   add_bumper(app, bumper);
   LinkCommand links;
   add_links(app, links);
+  StabilityCommand stability;
+  add_stability(app, stability);
   PriceCommand prices;
   add_price_check(app, prices);
   const std::span<char* const> words(argv + 1, static_cast<std::size_t>(std::max(argc - 1, 0)));
@@ -380,6 +398,7 @@ int run(int argc, char** argv) {
   if (app.got_subcommand("price-check")) return run_price_command(prices, cancelled);
   if (app.got_subcommand("bumper")) return run_bumper_command(bumper, cancelled);
   if (app.got_subcommand("links")) return run_link_command(links, cancelled);
+  if (app.got_subcommand("stability")) return run_stability_command(stability, cancelled);
   if (const auto code = run_studies(app, studies)) return *code;
   return run_fault_command(faults, cancelled);
 }

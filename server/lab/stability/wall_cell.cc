@@ -1,0 +1,164 @@
+#include "server/lab/stability/wall_cell.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "server/base/random.h"
+#include "server/base/units.h"
+#include "server/lab/stability/bench_scene.h"
+#include "server/lab/stability/contact_meter.h"
+#include "server/lab/stability/governed_walls.h"
+#include "server/master/wall_runs.h"
+
+namespace handrail {
+namespace {
+
+constexpr double kSeconds = 4.0, kSecondKick = 1.0;  // [s]
+constexpr double kStart = 0.2e-3;                    // from the wall [m]
+constexpr double kMostGiven = 1e-3;                  // in a contact, with ticks in time [J]
+// Chosen: what a swing may be more than a second before, and the counts that it may be anyway.
+constexpr double kMoreSwing = 1.05, kCounts = 2.0;
+constexpr double kSmall = 0.02e-3;   // where there are none [m]
+constexpr double kLateShare = 0.02;  // of the ticks that are late at random
+constexpr int kLateEvery = 50;       // ticks, where they are late periodically
+constexpr double kMostAngle = 0.35;  // of the first kick from straight at the wall [rad]
+
+HapticCapabilities seen(const WallCell& cell) {
+  HapticCapabilities out = cell.device->capabilities;
+  const double cutoff = cell.cutoff < 0.0 ? cell.device->cutoff : cell.cutoff;
+  out.velocity_lag = cutoff > 0.0 ? 1.0 / (2.0 * std::numbers::pi * cutoff) : 0.0;
+  return out;
+}
+
+GovernorSettings governor_for(const WallCell& cell) {
+  GovernorSettings out;
+  out.on = cell.governed;
+  out.friction = cell.device->body.friction;
+  out.damping = cell.device->body.damping;
+  out.period = 1.0 / cell.rate;
+  return out;
+}
+
+// Device, driver, walls and what is measured of them.
+class Bench {
+ public:
+  Bench(const WallCell& cell, std::uint64_t seed);
+
+  CaseFigures run();
+
+ private:
+  double resolution() const {
+    return cell_.resolution < 0.0 ? cell_.device->capabilities.position_resolution
+                                  : cell_.resolution;
+  }
+  Vec2 ahead() const;
+  PassiveGrip grip() const;
+  double late();
+  void tick();
+  CaseFigures figures() const;
+
+  const WallCell& cell_;
+  Random random_;
+  double period_;  // [s]
+  GovernedWalls walls_;
+  BareDevice device_;
+  Encoder encoder_;
+  ContactMeter meter_;
+  Swing before_, last_;  // of the last two seconds
+  double t_ = 0.0, dt_;  // [s]
+  std::int64_t ticks_ = 0;
+  Vec2 force_ = Vec2::Zero();  // [N]
+  double step_ = 0.0;          // [N]
+};
+
+Bench::Bench(const WallCell& cell, std::uint64_t seed)
+    : cell_(cell),
+      random_(seed),
+      period_(1.0 / cell.rate),
+      walls_(make_wall_run(bench_scene(cell), seen(cell)), governor_for(cell)),
+      device_(cell.device->body, grip(),
+              // A drawn part of a count, too.
+              Vec2(cell.at_wall ? -kStart * ahead() : Vec2(Vec2::Zero())) +
+                  resolution() * Vec2(random_.uniform(), random_.uniform())),
+      encoder_(resolution(), cell.cutoff < 0.0 ? cell.device->cutoff : cell.cutoff),
+      dt_(period_) {}
+
+// Into the wall, or the corner; where there is none, along X.
+Vec2 Bench::ahead() const {
+  return cell_.form == WallForm::kCorner ? Vec2(Vec2::Ones().normalized()) : Vec2(Vec2::UnitX());
+}
+
+PassiveGrip Bench::grip() const {
+  PassiveGrip out = cell_.device->grip(cell_.grip);
+  if (cell_.at_wall) out.push = cell_.device->lean * ahead();
+  return out;
+}
+
+double Bench::late() {
+  if (cell_.lateness == Lateness::kPeriodic) return ticks_ % kLateEvery == 0 ? cell_.gap : 0.0;
+  if (cell_.lateness == Lateness::kNone || random_.uniform() >= kLateShare) return 0.0;
+  return cell_.gap * random_.uniform();
+}
+
+void Bench::tick() {
+  encoder_.read(device_.position(), dt_);
+  HandReading hand;
+  hand.X_MH.p.head<2>() = encoder_.position();
+  hand.v_MH.head<2>() = encoder_.velocity();
+  hand.valid = true;
+  const Vec2 force = walls_.step(hand, dt_);
+  const double spare = walls_.spare_step() * dt_ * 1e3;
+  step_ = std::max(step_, (force - force_).norm() - walls_.explained() - spare);
+  force_ = force;
+  const double late = this->late();
+  dt_ = period_ + late;
+  const double work = device_.given(), taken = device_.lost(), speed = device_.velocity().norm();
+  device_.advance(dt_, force_);
+  const double fastest = std::max(speed, device_.velocity().norm());
+  meter_.add(!force_.isZero(0.0), device_.given() - work, device_.lost() - taken,
+             cell_.device->capabilities.max_force * fastest * late);
+  t_ += dt_;
+  ++ticks_;
+  if (t_ >= kSeconds - 1.0) {
+    last_.add(device_.position());
+  } else if (t_ >= kSeconds - 2.0) {
+    before_.add(device_.position());
+  }
+}
+
+CaseFigures Bench::run() {
+  const double speed = cell_.kick * (0.8 + 0.4 * random_.uniform());
+  const double angle = kMostAngle * (2.0 * random_.uniform() - 1.0);
+  device_.kick(speed * Pose2::turned(ahead(), angle));
+  bool again = true;
+  while (t_ < kSeconds) {
+    tick();
+    if (again && t_ >= kSecondKick) {
+      again = false;
+      const double anywhere = 2.0 * std::numbers::pi * random_.uniform();
+      device_.kick(0.5 * speed * Vec2(std::cos(anywhere), std::sin(anywhere)));
+    }
+  }
+  return figures();
+}
+
+CaseFigures Bench::figures() const {
+  const double fine = std::max(kCounts * resolution(), kSmall);
+  const double swing = before_.peak_to_peak();
+  return {
+      judged("over_mj", 1e3 * meter_.over(), 1e3 * kMostGiven),
+      judged("swing_mm", last_.peak_to_peak() / kMm, (kMoreSwing * swing + fine) / kMm),
+      judged("drift_mm", (last_.mean() - before_.mean()).norm() / kMm, (0.5 * swing + fine) / kMm),
+      told("given_mj", 1e3 * meter_.worst()),
+      told("contacts", meter_.contacts()),
+      told("step_n", std::max(step_, 0.0))};
+}
+
+}  // namespace
+
+CaseFigures run_wall_cell(const WallCell& cell, std::uint64_t seed) {
+  return Bench(cell, seed).run();
+}
+
+}  // namespace handrail

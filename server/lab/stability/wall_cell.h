@@ -1,0 +1,48 @@
+// A bare device at walls and effects of the master's own step, kicked.
+#pragma once
+
+#include <vector>
+
+#include "server/lab/stability/bench_device.h"
+#include "server/lab/stability/stability_case.h"
+#include "server/model/effect_list.h"
+
+namespace handrail {
+
+enum class WallForm : std::uint8_t {
+  kWall,    // drawn, straight
+  kCorner,  // drawn, two that meet in the room's corner
+  kThin,    // painted, one pixel
+};
+
+enum class Lateness : std::uint8_t { kNone, kRandom, kPeriodic };
+
+// SI. What is less than 0 is as the device has it.
+struct WallCell {
+  const BenchDevice* device = nullptr;
+  GripKind grip = GripKind::kNone;
+  WallForm form = WallForm::kWall;
+  double stiffness = 800.0;  // [N/m]
+  bool damped = false;       // the wall, by the device's `damping`
+  double rate = 1000.0;      // of the loop [Hz]
+  Lateness lateness = Lateness::kNone;
+  double gap = 0.0;          // the most by which a tick is late [s]
+  double resolution = -1.0;  // [m]
+  double cutoff = -1.0;      // of the velocity's low-pass [Hz]
+  double kick = 0.5;         // [m/s], within a fifth; later again by half of it, anywhere
+  std::vector<EffectKind> effects = {EffectKind::kWall};
+  bool at_wall = true;  // leans on it; else it is in the middle of the effects
+  bool governed = false;
+};
+
+// Runs the cell for four seconds.
+//
+//   over_mj      energy that a contact gave, less what the device took by itself and what ticks
+//                that came late may have made: most force times speed times the time they were late
+//   swing_mm     from side to side in the last second; judged by the second before it
+//   drift_mm     of the middle of that swing
+//   step_n       largest change of the force beyond what the hand's motion over the springs and the
+//                arbiter's own step explain, told
+CaseFigures run_wall_cell(const WallCell& cell, std::uint64_t seed);
+
+}  // namespace handrail
