@@ -8,16 +8,25 @@
 
 namespace handrail {
 
-// A contact lasts from the first force to the next tick without one. What it has given is the work
-// of the force so far, less what the device's own friction and damping took meanwhile: a spring
-// that begins and ends at rest gives nothing, and before it has ended it has given less.
+// What is given in a contact is the work of the force so far, less what the device's own friction
+// and damping took meanwhile: a spring that begins and ends at rest gives nothing, and before it
+// has ended it has given less. A contact lasts from the first force to the next tick without one;
+// where places pull from afar, it is all of a run that begins where they pull no further.
 class ContactMeter {
  public:
+  explicit ContactMeter(bool whole_run) noexcept : whole_run_(whole_run) {}
+
   // A tick under a force: its work and what the device took meanwhile [J]. `late`: what may have
-  // been made more, as the tick was held longer than it was to be [J].
+  // been made more, as the tick was held longer than it was to be [J]; of a tick without a force it
+  // counts for the contact that begins within it.
   void add(bool pushed, double work, double taken, double late) noexcept {
-    if (pushed && !in_contact_) given_ = allowed_ = 0.0, ++contacts_;
+    if (pushed && !in_contact_) {
+      if (!whole_run_) given_ = allowed_ = 0.0;
+      allowed_ += before_;
+      ++contacts_;
+    }
     in_contact_ = pushed;
+    before_ = late;
     if (!pushed) return;
     given_ += work - taken;
     allowed_ += late;
@@ -30,9 +39,9 @@ class ContactMeter {
   double over() const noexcept { return over_; }    // the same less what late ticks may make [J]
 
  private:
-  bool in_contact_ = false;
+  bool whole_run_, in_contact_ = false;
   int contacts_ = 0;
-  double given_ = 0.0, allowed_ = 0.0, worst_ = 0.0, over_ = 0.0;
+  double before_ = 0.0, given_ = 0.0, allowed_ = 0.0, worst_ = 0.0, over_ = 0.0;
 };
 
 // Of places: their mean, and how far they lie apart.

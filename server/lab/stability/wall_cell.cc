@@ -82,6 +82,7 @@ Bench::Bench(const WallCell& cell, std::uint64_t seed)
               Vec2(cell.at_wall ? -kStart * ahead() : Vec2(Vec2::Zero())) +
                   resolution() * Vec2(random_.uniform(), random_.uniform())),
       encoder_(resolution(), cell.cutoff < 0.0 ? cell.device->cutoff : cell.cutoff),
+      meter_(!cell.at_wall),
       dt_(period_) {}
 
 // Into the wall, or the corner; where there is none, along X.
