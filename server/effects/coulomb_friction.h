@@ -24,9 +24,11 @@ class CoulombFriction {
     known_ = true;
   }
 
-  Vec2 force(const EffectInput& in, EffectTick&) noexcept {
+  Vec2 force(const EffectInput& in, EffectTick& tick) noexcept {
     if (!known_) restart(in.hand);
-    return slider_.force(in.hand, law_, in.dt);
+    const Vec2 f = slider_.force(in.hand, law_, in.dt);
+    tick.by_spring(slider_.spring());
+    return f;
   }
 
   double stiffness() const noexcept { return law_.coupling; }

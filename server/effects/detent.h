@@ -50,6 +50,7 @@ class Detent {
       const double d = std::sqrt(d2);
       const Vec2 f =
           d <= 0.5 * r ? Vec2(place.slope * back) : Vec2((place.slope * (r - d) / d) * back);
+      tick.by_spring(f);
       return f - (0.75 * place.slope * in.dt * (1.0 - d / r)) * in.velocity;
     }
     return Vec2::Zero();

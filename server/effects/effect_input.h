@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 
 #include "server/base/plane.h"
 #include "server/model/effect_list.h"
@@ -25,6 +26,7 @@ struct Plant {
   double least_mass = 0.5;    // device and hand together [kg]
   double velocity_lag = 0.0;  // of the device's velocity, >= 0 [s]
   double most_force = 25.0;   // of the device [N]
+  double most_stiffness = std::numeric_limits<double>::infinity();  // that a wall renders [N/m]
 };
 
 struct EffectEvent {
@@ -35,11 +37,19 @@ struct EffectEvent {
 
 // What one tick of the effects came to.
 struct EffectTick {
-  Vec2 force = Vec2::Zero();  // on the hand [N]
-  bool locked = false;        // a detent holds the hand
-  int place = -1;             // which of its places does; -1: none
+  Vec2 force = Vec2::Zero();    // on the hand [N]
+  Vec2 springs = Vec2::Zero();  // of it, what springs give: what they took comes back [N]
+  // Of those among them that nothing makes up for being held for a period [N/m].
+  double held_stiffness = 0.0;
+  bool locked = false;  // a detent holds the hand
+  int place = -1;       // which of its places does; -1: none
   std::array<EffectEvent, 4> events{};
   int event_count = 0;
+
+  void by_spring(const Vec2& f, double held = 0.0) noexcept {
+    springs += f;
+    held_stiffness += held;
+  }
 
   void tell(EffectEvent event) noexcept {
     if (event_count < static_cast<int>(events.size())) {

@@ -20,7 +20,7 @@ class OneWayAisle {
 
   void restart(const Vec2&) noexcept { region_ = nullptr; }
 
-  Vec2 force(const EffectInput& in, EffectTick&) noexcept {
+  Vec2 force(const EffectInput& in, EffectTick& tick) noexcept {
     const bool inside = in.region->one_way.squaredNorm() > 0.0;
     if (inside && (in.region != region_)) {
       region_ = in.region;
@@ -36,6 +36,8 @@ class OneWayAisle {
     furthest_ = std::max(furthest_, travel);
     furthest_ = std::min(furthest_, travel + most_force_ / stiffness_);
     if (furthest_ == travel) return Vec2::Zero();
+    const double spring = std::min(stiffness_ * (furthest_ - travel), most_force_);
+    tick.by_spring(share * spring * direction_);
     const double push = stiffness_ * (furthest_ - travel) - 0.75 * stiffness_ * in.dt * rate;
     return (share * std::clamp(push, 0.0, most_force_)) * direction_;
   }

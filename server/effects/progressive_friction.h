@@ -32,7 +32,7 @@ class ProgressiveFriction {
     turning_ = false;
   }
 
-  Vec2 force(const EffectInput& in, EffectTick&) noexcept {
+  Vec2 force(const EffectInput& in, EffectTick& tick) noexcept {
     const bool inside = in.region->progressive;
     if (inside) turn(in.proxy - centre_);
     if (!inside) turning_ = false;
@@ -40,7 +40,9 @@ class ProgressiveFriction {
     const double share = fade_.move(inside, in.dt);
     if (share == 0.0) return Vec2::Zero();
     law_.viscosity = alpha_ > 0.0 ? c_ * alpha_ : 0.0;
-    return share * slider_.force(in.hand, law_, in.dt);
+    const Vec2 f = slider_.force(in.hand, law_, in.dt);
+    tick.by_spring(share * slider_.spring());
+    return share * f;
   }
 
   double alpha() const noexcept { return alpha_; }                                // [rad]

@@ -36,16 +36,21 @@ class Slider {
     const Vec2 stretch = hand - at_;
     const double stretched = k * stretch.norm();
     if (stretched > law.yield) at_ = hand - (law.yield / stretched) * stretch;
-    Vec2 f = k * (at_ - hand) - (b / dt) * (hand - last_);
+    spring_ = k * (at_ - hand);
+    Vec2 f = spring_ - (b / dt) * (hand - last_);
     last_ = hand;
     const double size = f.norm();
     if (size > law.yield) f *= law.yield / size;
     return f;
   }
 
+  // Of the last force, what the spring gave [N].
+  const Vec2& spring() const noexcept { return spring_; }
+
  private:
-  Vec2 at_ = Vec2::Zero();    // the slider [m]
-  Vec2 last_ = Vec2::Zero();  // the hand a tick before [m]
+  Vec2 spring_ = Vec2::Zero();  // [N]
+  Vec2 at_ = Vec2::Zero();      // the slider [m]
+  Vec2 last_ = Vec2::Zero();    // the hand a tick before [m]
 };
 
 }  // namespace handrail

@@ -22,7 +22,7 @@ class ViscousAisle {
 
   void restart(const Vec2& hand) noexcept { slider_.restart(hand); }
 
-  Vec2 force(const EffectInput& in, EffectTick&) noexcept {
+  Vec2 force(const EffectInput& in, EffectTick& tick) noexcept {
     constexpr double kChange = 0.020;  // time constant [s]
     constexpr double kNothing = 1e-3;  // [N s/m]
     if (law_.viscosity == 0.0) slider_.restart(in.hand);
@@ -31,7 +31,9 @@ class ViscousAisle {
       law_.viscosity = 0.0;
       return Vec2::Zero();
     }
-    return slider_.force(in.hand, law_, in.dt);
+    const Vec2 f = slider_.force(in.hand, law_, in.dt);
+    tick.by_spring(slider_.spring());
+    return f;
   }
 
   double stiffness() const noexcept { return law_.coupling; }

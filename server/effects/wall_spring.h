@@ -23,19 +23,20 @@ class WallSpring {
 
   void restart(const Vec2&) noexcept { stiffness_ = 0.0; }
 
-  Vec2 force(const EffectInput& in, EffectTick&) noexcept {
+  Vec2 force(const EffectInput& in, EffectTick& tick) noexcept {
     if (in.wall == nullptr) {
       stiffness_ = 0.0;
       return Vec2::Zero();
     }
     constexpr double kChange = 0.020;  // [s]
     constexpr double kOnset = 0.5e-3;  // [m]
-    const double wanted = in.wall->stiffness;
+    const double wanted = std::min(in.wall->stiffness, plant_.most_stiffness);
     stiffness_ = stiffness_ == 0.0
                      ? wanted
                      : stiffness_ + std::min(in.dt / kChange, 1.0) * (wanted - stiffness_);
     const Vec2 out = in.proxy - in.hand;
-    Vec2 spring = stiffness_ * out;
+    const Vec2 spring = stiffness_ * out;
+    tick.by_spring(spring, stiffness_);
     const double depth = out.norm();
     if (in.wall->damping == 0.0 || depth == 0.0) return spring;
     const double damping =

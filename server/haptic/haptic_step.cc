@@ -118,6 +118,7 @@ void decide(const HapticSettings& settings, const HapticInput& in, const LadderS
 // What tool and arm ask for on the hand, frame M [N], [N m].
 struct Wanted {
   Vec3 tool = Vec3::Zero(), spring = Vec3::Zero(), torque = Vec3::Zero();
+  Vec3 tool_spring = Vec3::Zero();  // of `tool`, without its damper
 };
 
 // The command by the hand, and what that is to feel like.
@@ -138,6 +139,7 @@ Wanted lead_tip(const HapticSettings& settings, const HapticInput& in, bool hand
   if (guidance.beyond) out.reasons.add(Reason::kOutOfReach);
   const Vec3 pull_M = command.engagement.to_hand(guidance.pull);
   wanted.tool = command.guide.stiffness(settings.guide) * pull_M;  // (3.4)
+  wanted.tool_spring = wanted.tool;
   if (command.guide.position().active() && hand_ok) wanted.tool -= settings.damping * in.hand.v_MH;
   // (3.3), against the command before the bumper, so that contact is felt.
   wanted.spring =
@@ -151,15 +153,38 @@ Wanted lead_tip(const HapticSettings& settings, const HapticInput& in, bool hand
   return wanted;
 }
 
+// What the governor makes of tool and spring, and what it says.
+struct GovernedForces {
+  Governed tool, spring;
+};
+
+GovernedForces govern(const HapticSettings& settings, const Wanted& wanted, double force_share,
+                      const Vec3& motion, double dt, ForceState& s, double tool_stiffness) {
+  const RenderedForce tool{force_share * wanted.tool, force_share * wanted.tool_spring,
+                           force_share * tool_stiffness};
+  return {s.governor.govern(settings.governor, tool, motion, dt),
+          s.tank.govern(settings.governor, force_share * wanted.spring, settings.spring_stiffness,
+                        motion, dt)};
+}
+
 // The device's force and torque. `motion`: of the hand in this tick [M, m]; `trusted` false: what
 // there is leaves fast; `before`: the session in the last tick.
 void give_force(const HapticSettings& settings, const HapticInput& in, const Wanted& wanted,
                 double force_share, const Vec3& motion, bool hand_ok, bool trusted,
                 SessionState before, double dt, HapticState& s, HapticOutput& out) {
-  if (!hand_ok) s.force.arbiter.cut();
-  out.shares = s.force.arbiter.share(
-      settings.force, force_share * wanted.tool, force_share * wanted.spring,
-      s.command.guide.stiffness(settings.guide) * motion.norm(), hand_ok && trusted, dt);
+  if (!hand_ok) {
+    s.force.arbiter.cut();
+    s.force.governor.restart();
+    s.force.tank.restart();
+  }
+  const double stiffness = s.command.guide.stiffness(settings.guide);
+  const GovernedForces governed =
+      govern(settings, wanted, force_share, motion, dt, s.force, stiffness);
+  out.energy_made = governed.tool.made;
+  out.shares = s.force.arbiter.share(settings.force, governed.tool.force, governed.spring.force,
+                                     stiffness * motion.norm(), hand_ok && trusted, dt);
+  s.force.governor.told(out.shares.device - out.shares.spring);
+  s.force.tank.told(out.shares.spring);
   const Vec3 cue = hand_ok ? play_cue(settings, in, before, out, dt, s) : Vec3(Vec3::Zero());
   out.shares.device += cue;
   out.shares.limited += cue;
@@ -167,6 +192,7 @@ void give_force(const HapticSettings& settings, const HapticInput& in, const Wan
   out.f_H_M.force = out.shares.device;
   out.f_H_M.torque = s.force.torque = limited_torque(
       settings, s.force.torque, hand_ok && trusted ? wanted.torque : Vec3(Vec3::Zero()), dt);
+  if (governed.tool.acted || governed.spring.acted) out.reasons.add(Reason::kForceEnergy);
   if (out.shares.clamped) out.reasons.add(Reason::kForceClamped);
   if (out.shares.thermal) out.reasons.add(Reason::kForceContinuous);
   if (out.shares.budget) out.reasons.add(Reason::kForceBudget);

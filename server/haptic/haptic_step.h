@@ -12,6 +12,7 @@
 #include "server/session/ladder.h"
 #include "server/session/presence.h"
 #include "server/session/session.h"
+#include "server/stability/energy_governor.h"
 
 namespace handrail {
 
@@ -22,8 +23,9 @@ struct HapticSettings {
   double damping = 0.0;             // B of (2.1), tools only [N s/m]
   double spring_stiffness = 200.0;  // K_s of (3.3) at the hand [N/m]
   ForceLimits force;
-  bool has_torque = false;  // the device can make torque
-  double max_torque = 0.0;  // [N m]
+  GovernorSettings governor;  // of the energy at the hand; off unless set
+  bool has_torque = false;    // the device can make torque
+  double max_torque = 0.0;    // [N m]
   LadderSettings ladder;
   Presence presence = Presence::kNone;
   SectionHashes hashes;  // of mapping, limits and robot; tools are hashed as they change
@@ -84,6 +86,7 @@ struct HapticOutput {
   ReasonSet reasons;             // every intervention of this tick
   ForceShares shares;            // device force, where it came from
   ForceLedger force;             // the same, stage by stage
+  double energy_made = 0.0;      // at the hand, that the governor has yet to take back, >= 0 [J]
   MotionLedger motion;           // from the hand to the arm
   double deviation = 0.0;        // hand from the position tool's proxy, at the hand [m]
   double deviation_angle = 0.0;  // hand from the orientation tool [rad]
@@ -129,6 +132,8 @@ struct CommandState {
 
 // What the device was told.
 struct ForceState {
+  EnergyGovernor governor;  // of the tool's force
+  EnergyTank tank;          // of the spring to the tip, which is told over the link
   Arbiter arbiter;
   Vec3 torque = Vec3::Zero();  // last torque on the hand, frame M [N m]
   KeptBack kept_back;

@@ -11,6 +11,7 @@ constexpr double kOnset = 0.5e-3;  // over which a wall's damper comes on [m]
 bool within(const Vec2& v, double most) { return v.allFinite() && v.cwiseAbs().maxCoeff() <= most; }
 
 Vec2 in_plane(const Vec3& v) { return v.head<2>(); }
+Vec3 in_space(const Vec2& v) { return {v.x(), v.y(), 0.0}; }
 
 // Puts the walls as they are in `stage`. True when the hand is elsewhere among them than before.
 bool enter_stage(const Walls& walls, int stage, WallState& s) {
@@ -63,6 +64,7 @@ void wall_step(const WallSettings& settings, const WallInput& in, double dt, Wal
 
   double allowed = 0.0;
   Vec2 force = Vec2::Zero();
+  Governed governed;
   if (hand_ok) {
     const bool back = s.hand_gap > kLongestHandGap;
     s.hand_gap = 0.0;
@@ -70,6 +72,7 @@ void wall_step(const WallSettings& settings, const WallInput& in, double dt, Wal
     if (!s.started || back) {
       s.proxy->start(there);
       s.effects.restart(there);
+      s.governor.restart();
       s.hand = hand;
       s.velocity = velocity;
       s.started = true;
@@ -88,21 +91,27 @@ void wall_step(const WallSettings& settings, const WallInput& in, double dt, Wal
     if (effect.wall != nullptr) s.wall_stiffness = effect.wall->stiffness;
     const Vec2 motion = hand - s.hand;
     const Vec2 acceleration = velocity - s.velocity;
+    const RenderedForce rendered{in_space(force), in_space(s.turn * out.effects.springs),
+                                 out.effects.held_stiffness};
+    governed = s.governor.govern(settings.governor, rendered, in_space(motion), dt);
     s.hand = hand;
     s.velocity = velocity;
     allowed = allowance(s, effect.wall, motion, acceleration);
   } else {
     s.hand_gap = std::min(s.hand_gap + dt, 1.0);
     s.arbiter.cut();
+    s.governor.restart();
     out.reasons.add(Reason::kDeviceInvalid);
   }
 
-  out.shares = s.arbiter.share(settings.force, Vec3(force.x(), force.y(), 0.0), Vec3::Zero(),
-                               allowed, hand_ok && !in.release, dt);
-  out.ledger = account(out.shares, Vec3::Zero(), Vec3(force.x(), force.y(), 0.0), Vec3::Zero(),
-                       Vec3::Zero());
+  out.shares = s.arbiter.share(settings.force, governed.force, Vec3::Zero(), allowed,
+                               hand_ok && !in.release, dt);
+  s.governor.told(out.shares.device);
+  out.energy_made = governed.made;
+  out.ledger = account(out.shares, Vec3::Zero(), in_space(force), Vec3::Zero(), Vec3::Zero());
   out.f_H_M.force = out.shares.device;
   out.f_H_M.torque.setZero();
+  if (governed.acted) out.reasons.add(Reason::kForceEnergy);
   if (out.shares.clamped) out.reasons.add(Reason::kForceClamped);
   if (out.shares.thermal) out.reasons.add(Reason::kForceContinuous);
   if (out.shares.stepped) out.reasons.add(Reason::kForceRate);

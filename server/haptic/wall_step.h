@@ -10,6 +10,7 @@
 #include "server/haptic/hand_reading.h"
 #include "server/haptic/ledger.h"
 #include "server/model/reason_set.h"
+#include "server/stability/energy_governor.h"
 
 namespace handrail {
 
@@ -18,6 +19,7 @@ struct WallSettings {
   std::shared_ptr<const Walls> walls;  // never null in a step
   ForceLimits force;                   // of the device; `step` bounds what no motion explains
   DeviceEffects device;                // what a simulated device shows meanwhile
+  GovernorSettings governor;           // of the energy at the hand; off unless set
 };
 
 struct WallInput {
@@ -33,6 +35,7 @@ struct WallOutput {
   EffectTick effects;        // before the limits, frame of the walls
   ForceShares shares;        // `tool` is what walls and effects got
   ForceLedger ledger;        // the same, stage by stage
+  double energy_made = 0.0;  // at the hand, that the governor has yet to take back, >= 0 [J]
   ReasonSet reasons;         // every intervention of this tick
   int stage = 0;
 };
@@ -41,6 +44,7 @@ struct WallOutput {
 struct WallState {
   std::unique_ptr<WallProxy> proxy;
   EffectStack effects;
+  EnergyGovernor governor;
   Arbiter arbiter;
   int stage = -1;                                      // in force; -1: none yet
   Pose2 pose;                                          // of the walls in M
@@ -59,6 +63,8 @@ struct WallRun {
 };
 
 // Pure and bounded: no clock, lock, log or allocation. `dt` > 0 [s].
+//
+// The governor keeps what walls and effects ask for from making energy, before the limits.
 //
 // The hand's X and Y in M are taken to the walls' frame of the stage; there the proxy advances, the
 // effects give their force, and it goes back to M through the limits of the device. Whatever makes

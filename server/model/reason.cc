@@ -82,6 +82,7 @@ constexpr auto kSentences = std::to_array<Sentence>({
     {Reason::kContactUnrelieved, "backing off does not relieve the contact force"},
     {Reason::kToolFar, "the tool is too far from the tip"},
     {Reason::kOtherMaster, "the slave is led by another master"},
+    {Reason::kForceEnergy, "force lowered so that it makes no energy"},
 });
 
 // One for every reason, in their order.

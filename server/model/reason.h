@@ -81,6 +81,8 @@ enum class Reason : std::uint8_t {
   kToolFar,            // further from the tip than a call may be
   // Two masters
   kOtherMaster,  // the slave is led by another master
+  // Energy at the hand
+  kForceEnergy,  // force lowered so that what is rendered makes no energy
   kCount
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace handrail {
 namespace {
@@ -18,7 +19,13 @@ double taken_by_device(const GovernorSettings& settings, double way, double dt) 
 double pushed_part(const Vec3& before, const Vec3& now, double stiffness, double way) {
   const bool begins = before.isZero(0.0), ends = now.isZero(0.0);
   if (begins == ends || way == 0.0) return 1.0;
-  return std::min((begins ? now : before).norm() / (stiffness * way), 1.0);
+  const double on_way = (begins ? now : before).norm();
+  return on_way < stiffness * way ? on_way / (stiffness * way) : 1.0;
+}
+
+Vec3 no_larger(const Vec3& force, double most) {
+  const double size = force.norm();
+  return size > most ? Vec3(force * (most / size)) : force;
 }
 
 bool usable(const Vec3& moved, double dt, double most_way) {
@@ -37,26 +44,35 @@ Governed reduced(const Vec3& force, double size, double less) {
 
 }  // namespace
 
+void EnergyGovernor::told(const Vec3& force) noexcept {
+  told_ = is_finite(force) ? force : Vec3(Vec3::Zero());
+  const double size = told_.norm();
+  limit_ = size < asked_ ? size : kNoLimit;
+  springs_ = no_larger(springs_, limit_);
+}
+
 Governed EnergyGovernor::govern(const GovernorSettings& settings, const RenderedForce& force,
                                 const Vec3& moved, double dt) noexcept {
-  const bool known = is_finite(force.wanted) && is_finite(force.springs) && force.stiffness > 0.0;
+  const bool known = is_finite(force.wanted) && is_finite(force.springs) && force.stiffness >= 0.0;
   Governed out{is_finite(force.wanted) ? force.wanted : Vec3(Vec3::Zero())};
-  if (!settings.on || !known || !usable(moved, dt, settings.most_way)) {
-    springs_ = known ? force.springs : Vec3(Vec3::Zero());
-    out.made = made_;
-    return out;
-  }
-  const double way = moved.norm(), size = force.wanted.norm();
-  const double part = pushed_part(springs_, force.springs, force.stiffness, way);
-  const double law = 0.5 * part * (springs_ + force.springs).dot(moved);
+  const Vec3 springs =
+      known ? no_larger(force.springs, std::min(settings.peak, limit_)) : Vec3(Vec3::Zero());
+  const Vec3 before = std::exchange(springs_, springs);
+  out.made = made_;
+  asked_ = out.force.norm();
+  if (!settings.on || !known || !usable(moved, dt, settings.most_way)) return out;
+  const double way = moved.norm(), size = asked_;
+  if (force.stiffness > 0.0) stiffness_ = force.stiffness;
+  const double law =
+      0.5 * pushed_part(before, springs, stiffness_, way) * (before + springs).dot(moved);
   made_ = std::max(made_ + told_.dot(moved) - law - taken_by_device(settings, way, dt), 0.0);
-  springs_ = force.springs;
   // The next way is taken to be as this one was.
   const double along = size > 0.0 ? force.wanted.dot(moved) / size : 0.0;
-  if (along > 0.0) {
+  if (along > 0.0 && force.stiffness > 0.0) {
     const double taken = taken_by_device(settings, along, dt) / along;
     const double left = made_ * force.stiffness / size;  // spread over size / stiffness
     out = reduced(force.wanted, size, 0.5 * force.stiffness * along + left - taken);
+    asked_ = out.force.norm();
   }
   out.made = made_;
   return out;

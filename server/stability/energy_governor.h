@@ -1,6 +1,8 @@
 // Keeps what is rendered at the hand from making energy.
 #pragma once
 
+#include <limits>
+
 #include "server/base/spatial.h"
 
 namespace handrail {
@@ -10,6 +12,7 @@ struct GovernorSettings {
   bool on = false;
   double friction = 0.0;   // of the device, Coulomb [N]
   double damping = 0.0;    // of the device, viscous [N s/m]
+  double peak = 3.3;       // largest force that the device makes [N]
   double period = 1e-3;    // of the loop, nominal, > 0 [s]
   double most_way = 0.05;  // a hand further away than this after a tick has jumped [m]
 };
@@ -39,8 +42,9 @@ struct Governed {
 // spring's way to its rest. It is never larger or turned round, and a hand that presses or stands
 // meets all of it.
 //
-// A spring that is touched, or left, within a tick is taken to begin or end on the way. Tools and
-// walls that move do work that their reason pays for; only how the hand moves counts here.
+// A spring that is touched, or left, within a tick is taken to begin or end on the way; one that
+// the device's limits cut off gives no more than they let pass. Tools and walls that move do work
+// that their reason pays for; only how the hand moves counts here.
 class EnergyGovernor {
  public:
   // One tick. `moved`: of the hand since the last tick [M, m]; `dt` since then [s]. Values that are
@@ -48,15 +52,20 @@ class EnergyGovernor {
   Governed govern(const GovernorSettings& settings, const RenderedForce& force, const Vec3& moved,
                   double dt) noexcept;
   // What the device was told of it in the end, within its limits; it acts until the next tick [N].
-  void told(const Vec3& force) noexcept { told_ = is_finite(force) ? force : Vec3(Vec3::Zero()); }
+  void told(const Vec3& force) noexcept;
   // The hand is elsewhere, or is not heard: the way since the last tick is not known.
   void restart() noexcept { told_.setZero(), springs_.setZero(); }
 
   double made() const noexcept { return made_; }  // as in Governed [J]
 
  private:
+  static constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+
   Vec3 told_ = Vec3::Zero();     // [N]
-  Vec3 springs_ = Vec3::Zero();  // of the tick before, within what the device was told [N]
+  Vec3 springs_ = Vec3::Zero();  // of the tick before, as far as the limits let them [N]
+  double asked_ = 0.0;           // size of the governed force of the tick before [N]
+  double limit_ = kNoLimit;      // what the device's limits let pass then [N]
+  double stiffness_ = 0.0;       // of the springs that pushed last [N/m]
   double made_ = 0.0;            // [J]
 };
 

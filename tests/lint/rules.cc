@@ -43,7 +43,7 @@ Table part_rows() {
           {"server/motion", kModel + Folders{"server/kinematics"}},
           {"server/haptic",
            kModel + Folders{"server/session", "server/constraint", "server/constraint/drawn",
-                            "server/constraint/painted", "server/effects"}},
+                            "server/constraint/painted", "server/effects", "server/stability"}},
           {"server/follow", kModel + Folders{"server/session", "server/constraint",
                                              "server/kinematics", "server/motion"}},
           {"server/painting", kModel},

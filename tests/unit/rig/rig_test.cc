@@ -10,7 +10,7 @@
 namespace handrail {
 namespace {
 
-constexpr PeerId kPc = 1;
+constexpr PeerId kComputer = 1;
 constexpr Nanos kStart = 3 * kSecond;
 
 TEST(Rig, RunsCyclesAndPeriodsAtTheirOwnTimes) {
@@ -79,11 +79,11 @@ struct Session {
       for (const std::uint8_t byte : record->bytes) hash.byte(byte);
       sensor.on_datagram(record->bytes, now, sample);
     } else if (sensor.counters().requests == 0) {
-      rig.sensor().on_datagram(sensor.start(now), kPc);
+      rig.sensor().on_datagram(sensor.start(now), kComputer);
     }
   }
 
-  void give(std::span<const std::uint8_t> bytes) { rig.controller().on_datagram(bytes, kPc); }
+  void give(std::span<const std::uint8_t> bytes) { rig.controller().on_datagram(bytes, kComputer); }
 
   Rig rig;
   MxtClient robot{MxtClientOptions{}};

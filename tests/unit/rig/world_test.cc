@@ -13,7 +13,7 @@
 namespace handrail {
 namespace {
 
-constexpr double kStep = 1e-3;  // [s]
+constexpr double kWorldStep = 1e-3;  // [s]
 constexpr PeerId kWorldPc = 1;
 
 Scene scene_of(const std::string& simulate) {
@@ -39,9 +39,10 @@ struct Arm {
   explicit Arm(const std::string& list)
       : world(*scene_of(list).simulate, ArmGeometry(), kWorldHome), p(world.tip().p) {}
   void to(const Vec3& target) {
-    for (int i = 0; i < 200; ++i) world.step(joints_at(p + (target - p) * (i + 1) / 200), kStep);
+    for (int i = 0; i < 200; ++i)
+      world.step(joints_at(p + (target - p) * (i + 1) / 200), kWorldStep);
     p = target;
-    for (int i = 0; i < 100; ++i) world.step(joints_at(p), kStep);
+    for (int i = 0; i < 100; ++i) world.step(joints_at(p), kWorldStep);
   }
   World world;
   Vec3 p;  // where the servos hold the tip
@@ -50,7 +51,7 @@ struct Arm {
 TEST(World, StartsWhereTheArmIsAndTouchesNothing) {
   Arm arm(kFloor);
   EXPECT_LT((arm.p - Vec3(0.350, 0, 0.429)).norm(), 1e-9) << "the tests below rely on it";
-  arm.world.step(kWorldHome, kStep);
+  arm.world.step(kWorldHome, kWorldStep);
   EXPECT_EQ(arm.world.tip().p, forward(ArmGeometry(), kWorldHome).p);
   EXPECT_EQ(arm.world.on_tip().force, Vec3::Zero());
 }
@@ -104,7 +105,7 @@ TEST(World, DoesNotAllocate) {
   Arm arm(std::string(kFloor) + "effect { arm_compliance {} }");
   const JointVector q = joints_at(Vec3(0.350, 0, 0.418));
   test::NoAllocation guard("World::step");
-  for (int i = 0; i < 10; ++i) arm.world.step(q, kStep);
+  for (int i = 0; i < 10; ++i) arm.world.step(q, kWorldStep);
   const World copy = arm.world;
   EXPECT_GT(copy.on_tip().force.z(), 10.0);
 }

@@ -1,0 +1,276 @@
+#include "server/stability/energy_governor.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "server/base/random.h"
+#include "server/stability/sampled_wall.h"
+#include "tests/support/no_allocation.h"
+
+namespace handrail {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kTick = 1e-3;  // [s]
+
+GovernorSettings governed(double friction = 0.0, double damping = 0.0) {
+  GovernorSettings out;
+  out.on = true;
+  out.friction = friction;
+  out.damping = damping;
+  out.peak = 1e3;
+  return out;
+}
+
+// A wall of x > 0 in springs of `stiffness`, or a spring to x = 0 on both sides, that a governor
+// watches; the force of a tick is told as it is.
+struct Port {
+  GovernorSettings settings;
+  double stiffness = 1000.0;
+  bool both_sides = false;
+  double damping = 0.0;  // rendered, by backward difference [N s/m]
+  EnergyGovernor governor;
+  Vec3 last = Vec3::Zero(), force = Vec3::Zero();
+  double given = 0.0;    // to the hand [J]
+  double changed = 0.0;  // sum of |change of the force| [N]
+  double asked = 0.0;    // sum of |force| that the law asks for [N]
+
+  double push(double x, double dt = kTick) {
+    const Vec3 p(x, 0.0, 0.0), moved = p - last;
+    last = p;
+    given += force.dot(moved);
+    RenderedForce law;
+    if (both_sides || x > 0.0) {
+      law.springs = -stiffness * p;
+      law.stiffness = stiffness;
+    }
+    law.wanted = law.springs - (law.springs.isZero() ? 0.0 : damping / dt) * moved;
+    const Governed out = governor.govern(settings, law, moved, dt);
+    EXPECT_LE(out.force.norm(), law.wanted.norm() * (1.0 + 1e-12));
+    EXPECT_GE(out.force.dot(law.wanted), 0.0);
+    changed += (out.force - law.wanted).norm();
+    asked += law.wanted.norm();
+    force = out.force.norm() > settings.peak ? Vec3(out.force * (settings.peak / out.force.norm()))
+                                             : out.force;
+    governor.told(force);
+    return force.x();
+  }
+};
+
+// Into the wall and out again, `times` times, as a sine of `amplitude` [m] and `frequency` [Hz].
+void swing(Port& port, double amplitude, double frequency, int times) {
+  const int ticks = static_cast<int>(std::lround(times / (frequency * kTick)));
+  for (int i = 1; i <= ticks; ++i) {
+    port.push(amplitude * std::sin(2.0 * std::numbers::pi * frequency * kTick * i));
+  }
+}
+
+TEST(EnergyGovernor, OffItChangesNothingAndSaysWhatWasMadeByNoOne) {
+  Port port;
+  port.settings = governed();
+  port.settings.on = false;
+  port.both_sides = true;
+  swing(port, 5e-3, 5.0, 1);
+  EXPECT_EQ(port.changed, 0.0);
+  // What stability has to say of it.
+  EXPECT_NEAR(port.given, energy_per_cycle(1000.0, 5e-3, 5.0, kTick, 0.0), 1e-6);
+}
+
+TEST(EnergyGovernor, SeesTheEnergyThatAHeldSpringMakes) {
+  // As much friction as takes it up exactly keeps it from acting; nothing is left over then.
+  for (const double frequency : {1.0, 2.0, 5.0, 10.0}) {
+    Port port;
+    port.both_sides = true;
+    port.settings = governed();
+    port.settings.damping = 0.5 * port.stiffness * kTick * 0.999;
+    swing(port, 5e-3, frequency, 4);
+    const double made = 4.0 * energy_per_cycle(1000.0, 5e-3, frequency, kTick, 0.0);
+    EXPECT_LT(port.governor.made(), 0.01 * made) << frequency;
+    EXPECT_GT(port.governor.made(), 0.0) << frequency;
+  }
+}
+
+TEST(EnergyGovernor, WhatTheDeviceTakesUpItLeavesAlone) {
+  Port viscous, dry;
+  viscous.settings = governed(0.0, 0.5 * viscous.stiffness * kTick * (1.0 + 1e-9));
+  dry.settings = governed(0.3);  // K v T / 2 is 0.16 N at most
+  for (Port* port : {&viscous, &dry}) {
+    for (const bool both : {false, true}) {
+      port->both_sides = both;
+      swing(*port, 10e-3, 5.0, 20);
+    }
+    EXPECT_EQ(port->changed, 0.0);
+    EXPECT_LT(port->governor.made(), 1e-12);
+  }
+}
+
+TEST(EnergyGovernor, WithoutAnythingTakenUpTheHandGetsNoMoreThanItGave) {
+  for (const double frequency : {0.5, 2.0, 10.0, 30.0}) {
+    for (const bool both : {false, true}) {
+      Port port;
+      port.both_sides = both;
+      port.settings = governed();
+      swing(port, 10e-3, frequency, 20);
+      port.push(0.0);
+      // What the ways turned out other than foreseen, once.
+      EXPECT_LT(port.given, 0.02 * 0.5 * 1000.0 * 1e-4) << frequency << both;
+    }
+  }
+}
+
+TEST(EnergyGovernor, APressingHandMeetsAllOfTheForce) {
+  Port port;
+  port.settings = governed();
+  for (int i = 0; i <= 1000; ++i) {
+    const double x = 1e-5 * i;
+    EXPECT_EQ(port.push(x), i == 0 ? 0.0 : -1000.0 * x);
+  }
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(port.push(10e-3), -10.0);
+}
+
+TEST(EnergyGovernor, ADampersWorkIsTakenUpToo) {
+  Port port;
+  port.settings = governed();
+  port.damping = 0.6;  // more than K T / 2
+  swing(port, 5e-3, 2.0, 20);
+  EXPECT_LT(port.changed, 0.01 * port.asked);
+}
+
+TEST(EnergyGovernor, AnUnstableWallDoesNotGrow) {
+  // A bare mass between the two sides of a spring far beyond its onset of 200 N/m; the motion of a
+  // held force is exact: no damping.
+  for (const bool on : {false, true}) {
+    Port port;
+    port.both_sides = true;
+    port.stiffness = 3000.0;
+    port.settings = governed();
+    port.settings.on = on;
+    double x = 0.0, v = 0.2, most_late = 0.0;
+    for (int i = 0; i < 5000; ++i) {
+      const double a = port.push(x) / 0.1;
+      x += v * kTick + 0.5 * a * kTick * kTick;
+      v += a * kTick;
+      if (i >= 4000) most_late = std::max(most_late, std::abs(v));
+      if (std::abs(v) > 50.0) break;
+    }
+    if (on) {
+      EXPECT_LT(most_late, 1.01 * 0.2);
+    } else {
+      EXPECT_GT(std::max(most_late, std::abs(v)), 10.0);
+    }
+  }
+}
+
+TEST(EnergyGovernor, AForceThatWasHeldForLongIsTakenBack) {
+  Port port;
+  port.settings = governed();
+  for (int i = 0; i <= 50; ++i) port.push(1e-4 * i);
+  // The loop stood still for 20 ms while the hand was thrown out.
+  port.push(1e-3, 0.020);
+  EXPECT_GT(port.governor.made(), 5e-3);
+  port.push(-1e-3);
+  const double before = port.given;
+  for (int i = -10; i <= 50; ++i) port.push(1e-4 * i);
+  for (int i = 50; i >= -10; --i) port.push(1e-4 * i);
+  EXPECT_LT(port.given, before - 5e-3);
+}
+
+TEST(EnergyGovernor, AForceAtTheDevicesPeakMakesNothingOfItself) {
+  Port port;
+  port.settings = governed(0.3);
+  port.settings.peak = 3.0;
+  swing(port, 20e-3, 2.0, 5);
+  EXPECT_LT(port.changed, 1e-9);
+}
+
+TEST(EnergyGovernor, WhatIsNoNumberCreditsNothing) {
+  EnergyGovernor governor;
+  const GovernorSettings settings = governed(1e9, 1e9);
+  const RenderedForce push{{-1.0, 0.0, 0.0}, {-1.0, 0.0, 0.0}, 1000.0};
+  for (const Vec3& moved : {Vec3(kNan, 0, 0), Vec3(1e9, 0, 0)}) {
+    EXPECT_TRUE(is_finite(governor.govern(settings, push, moved, kTick).force));
+  }
+  for (const double dt : {0.0, -1.0, kNan, std::numeric_limits<double>::infinity()}) {
+    EXPECT_EQ(governor.govern(settings, push, Vec3(1e-4, 0, 0), dt).force, push.wanted);
+  }
+  const RenderedForce none{{kNan, 0.0, 0.0}, {0.0, 0.0, 0.0}, kNan};
+  EXPECT_EQ(governor.govern(settings, none, Vec3(1e-4, 0, 0), kTick).force, Vec3::Zero());
+  governor.told({kNan, 0.0, 0.0});
+  EXPECT_EQ(governor.made(), 0.0);
+}
+
+TEST(EnergyGovernor, AClockThatLeapsBackwardCreditsNoMoreThanAPeriod) {
+  Port slow, quick;
+  slow.settings = quick.settings = governed(0.0, 0.3);
+  for (int i = 0; i <= 40; ++i) {
+    slow.push(1e-4 * i, kTick);
+    quick.push(1e-4 * i, 1e-6);
+  }
+  EXPECT_EQ(slow.governor.made(), quick.governor.made());
+  EXPECT_GT(slow.governor.made(), 0.0);
+}
+
+TEST(EnergyGovernor, AllocatesNothing) {
+  EnergyGovernor governor;
+  EnergyTank tank;
+  const test::NoAllocation none("governor and tank");
+  const RenderedForce push{{-1.0, 0.0, 0.0}, {-1.0, 0.0, 0.0}, 1000.0};
+  for (int i = 0; i < 100; ++i) {
+    governor.told(governor.govern(governed(), push, Vec3(1e-4, 0, 0), kTick).force);
+    tank.told(tank.govern(governed(), push.wanted, 200.0, Vec3(1e-4, 0, 0), kTick).force);
+  }
+  EXPECT_EQ(none.allocations(), 0u);
+}
+
+TEST(EnergyTank, WhateverItsOtherEndDoesTheHandGetsNoMoreThanItGave) {
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    Random random(seed);
+    EnergyTank tank;
+    GovernorSettings settings = governed();
+    Vec3 tip = Vec3::Zero(), hand = Vec3::Zero(), v = Vec3::Zero(), force = Vec3::Zero();
+    double given = 0.0, most_work = 0.0, most_given = 0.0;
+    const auto any = [&random] {
+      return Vec3(random.uniform() - 0.5, random.uniform() - 0.5, random.uniform() - 0.5);
+    };
+    for (int i = 0; i < 3000; ++i) {
+      v += 0.02 * any() - 0.01 * v;
+      const Vec3 moved = v * kTick;
+      hand += moved;
+      tip += 2e-4 * any();
+      if (random.uniform() < 1e-3) tip += 0.02 * any();
+      given += force.dot(moved);
+      most_work = std::max(most_work, std::abs(force.dot(moved)));
+      most_given = std::max(most_given, given);
+      force = tank.govern(settings, 200.0 * (tip - hand), 200.0, moved, kTick).force;
+      tank.told(force);
+    }
+    // A way may turn out other than the one before it, by which the force was made smaller.
+    EXPECT_LE(most_given, 0.1 * most_work) << "seed " << seed;
+  }
+}
+
+TEST(EnergyTank, AStandingTipIsFeltInFull) {
+  EnergyTank tank;
+  for (int i = 1; i <= 100; ++i) {
+    const Vec3 wanted(-0.2 * 0.1 * i, 0.0, 0.0);
+    const Governed out = tank.govern(governed(), wanted, 200.0, Vec3(1e-4, 0, 0), kTick);
+    ASSERT_EQ(out.force, wanted);
+    tank.told(out.force);
+  }
+  // And gives back what was put in, but for what holding it made.
+  Vec3 force(-2.0, 0.0, 0.0);
+  double back = 0.0;
+  for (int i = 99; i >= 0; --i) {
+    back += force.x() * -1e-4;
+    force = tank.govern(governed(), Vec3(-0.02 * i, 0, 0), 200.0, Vec3(-1e-4, 0, 0), kTick).force;
+    tank.told(force);
+  }
+  EXPECT_NEAR(back, 0.5 * 200.0 * 1e-4, 0.03 * 0.5 * 200.0 * 1e-4);
+}
+
+}  // namespace
+}  // namespace handrail
