@@ -8,7 +8,6 @@
 #include "server/base/units.h"
 #include "server/lab/stability/bench_scene.h"
 #include "server/lab/stability/contact_meter.h"
-#include "server/lab/stability/governed_walls.h"
 #include "server/master/wall_runs.h"
 
 namespace handrail {
@@ -36,8 +35,15 @@ GovernorSettings governor_for(const WallCell& cell) {
   out.on = cell.governed;
   out.friction = cell.device->body.friction;
   out.damping = cell.device->body.damping;
+  out.peak = cell.device->capabilities.max_force;
   out.period = 1.0 / cell.rate;
   return out;
+}
+
+std::unique_ptr<WallRun> run_of(const WallCell& cell) {
+  auto run = make_wall_run(bench_scene(cell), seen(cell));
+  run->settings.governor = governor_for(cell);
+  return run;
 }
 
 // Device, driver, walls and what is measured of them.
@@ -61,22 +67,24 @@ class Bench {
   const WallCell& cell_;
   Random random_;
   double period_;  // [s]
-  GovernedWalls walls_;
+  std::unique_ptr<WallRun> walls_;
+  WallOutput out_;
   BareDevice device_;
   Encoder encoder_;
   ContactMeter meter_;
   Swing before_, last_;  // of the last two seconds
   double t_ = 0.0, dt_;  // [s]
   std::int64_t ticks_ = 0;
-  Vec2 force_ = Vec2::Zero();  // [N]
-  double step_ = 0.0;          // [N]
+  Vec2 force_ = Vec2::Zero();            // [N]
+  double change_ = 0.0;                  // most of the force from tick to tick [N]
+  std::int64_t pushed_ = 0, acted_ = 0;  // ticks with a force, and with one that was governed
 };
 
 Bench::Bench(const WallCell& cell, std::uint64_t seed)
     : cell_(cell),
       random_(seed),
       period_(1.0 / cell.rate),
-      walls_(make_wall_run(bench_scene(cell), seen(cell)), governor_for(cell)),
+      walls_(run_of(cell)),
       device_(cell.device->body, grip(),
               // A drawn part of a count, too.
               Vec2(cell.at_wall ? -kStart * ahead() : Vec2(Vec2::Zero())) +
@@ -104,13 +112,15 @@ double Bench::late() {
 
 void Bench::tick() {
   encoder_.read(device_.position(), dt_);
-  HandReading hand;
-  hand.X_MH.p.head<2>() = encoder_.position();
-  hand.v_MH.head<2>() = encoder_.velocity();
-  hand.valid = true;
-  const Vec2 force = walls_.step(hand, dt_);
-  const double spare = walls_.spare_step() * dt_ * 1e3;
-  step_ = std::max(step_, (force - force_).norm() - walls_.explained() - spare);
+  WallInput in;
+  in.hand.X_MH.p.head<2>() = encoder_.position();
+  in.hand.v_MH.head<2>() = encoder_.velocity();
+  in.hand.valid = true;
+  wall_step(walls_->settings, in, dt_, walls_->state, out_);
+  const Vec2 force = out_.f_H_M.force.head<2>();
+  if (ticks_ > 0) change_ = std::max(change_, (force - force_).norm());
+  pushed_ += !force.isZero(0.0);
+  acted_ += out_.reasons.has(Reason::kForceEnergy);
   force_ = force;
   const double late = this->late();
   dt_ = period_ + late;
@@ -153,7 +163,9 @@ CaseFigures Bench::figures() const {
       judged("drift_mm", (last_.mean() - before_.mean()).norm() / kMm, (0.5 * swing + fine) / kMm),
       told("given_mj", 1e3 * meter_.worst()),
       told("contacts", meter_.contacts()),
-      told("step_n", std::max(step_, 0.0))};
+      told("change_n", change_),
+      told("governed_share",
+           static_cast<double>(acted_) / static_cast<double>(std::max<std::int64_t>(pushed_, 1)))};
 }
 
 }  // namespace

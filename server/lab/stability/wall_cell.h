@@ -41,8 +41,8 @@ struct WallCell {
 //                that came late may have made: most force times speed times the time they were late
 //   swing_mm     from side to side in the last second; judged by the second before it
 //   drift_mm     of the middle of that swing
-//   step_n       largest change of the force beyond what the hand's motion over the springs and the
-//                arbiter's own step explain, told
+//   given_mj, contacts, change_n (largest change of the force from tick to tick) and governed_share
+//   (of the ticks with a force, those in which the governor made it smaller) are told
 CaseFigures run_wall_cell(const WallCell& cell, std::uint64_t seed);
 
 }  // namespace handrail
