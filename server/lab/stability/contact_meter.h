@@ -10,7 +10,7 @@ namespace handrail {
 
 // What is given in a contact is the work of the force so far, less what the device's own friction
 // and damping took meanwhile: a spring that begins and ends at rest gives nothing, and before it
-// has ended it has given less. A contact lasts from the first force to the next tick without one;
+// has ended it has given less. A contact lasts for as long as a force is asked for;
 // where places pull from afar, it is all of a run that begins where they pull no further.
 class ContactMeter {
  public:
