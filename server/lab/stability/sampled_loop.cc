@@ -55,23 +55,31 @@ void SampledLoop::tick() {
   forces_.pop_front();
 }
 
-double growth_rate(const SampledWall& wall, double stiffness) {
+double growth_of(const std::function<double()>& next, int swing, int settle, double period) {
   // The mean square over so many swings does not depend on where they begin, to 0.2 %.
   constexpr int kSwings = 50, kBefore = 20, kLeastTicks = 2000;
   constexpr double kEndless = 1e60;  // no need to see more
-  const int swing = ticks_a_swing(wall, stiffness);
-  const int settle = std::max(kBefore * swing, kLeastTicks + 10 * wall.delay);
+  settle = std::max(settle, kBefore * swing);
   const int window = std::max(kSwings * swing, kLeastTicks);
-  SampledLoop loop(wall, stiffness);
-  loop.kick(1.0);
   double sums[2] = {0.0, 0.0};
   for (int i = 0; i < settle + 2 * window; ++i) {
-    loop.tick();
-    const double x = loop.position();
-    if (!(std::abs(x) < kEndless)) return std::log(kEndless) / (i * wall.period);
+    const double x = next();
+    if (!(std::abs(x) < kEndless)) return std::log(kEndless) / (i * period);
     if (i >= settle) sums[i >= settle + window] += x * x;
   }
-  return 0.5 * std::log(sums[1] / sums[0]) / (window * wall.period);
+  return 0.5 * std::log(sums[1] / sums[0]) / (window * period);
+}
+
+double growth_rate(const SampledWall& wall, double stiffness) {
+  constexpr int kSettle = 2000, kSettlePerDelay = 10;  // [ticks]
+  SampledLoop loop(wall, stiffness);
+  loop.kick(1.0);
+  const auto next = [&loop] {
+    loop.tick();
+    return loop.position();
+  };
+  return growth_of(next, ticks_a_swing(wall, stiffness), kSettle + kSettlePerDelay * wall.delay,
+                   wall.period);
 }
 
 double measured_onset(const SampledWall& wall, double near, double within) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 
 #include "server/lab/stability/bare_device.h"
 #include "server/stability/sampled_wall.h"
@@ -28,6 +29,10 @@ class SampledLoop {
   double last_ = 0.0;          // position a tick before [m]
   std::deque<double> forces_;  // on their way [N]
 };
+
+// How fast what `next` gives, tick by tick, grows: an oscillation about zero of about `swing`
+// ticks, on its own after `settle` ticks [1/s]. Below 0: it dies away.
+double growth_of(const std::function<double()>& next, int swing, int settle, double period);
 
 // How fast an oscillation grows: of its size, over many periods after a kick [1/s]. Below 0: it
 // dies away. Without friction it does not depend on the kick.

@@ -45,6 +45,8 @@ struct StabilityCase {
 
 // What theory and published tables say of a plain sampled spring.
 std::vector<StabilityCase> truth_cases();
+// Whether the master's own wall is such a spring, without a governor.
+std::vector<StabilityCase> rendered_cases();
 // The walls and effects of the master's own step.
 std::vector<StabilityCase> wall_cases();
 

@@ -24,7 +24,7 @@ bool begins_with(const std::string& name, const std::string& only) {
 
 std::vector<StabilityCase> chosen(const StabilityCommand& command) {
   std::vector<StabilityCase> out;
-  for (auto* cases : {&truth_cases, &wall_cases}) {
+  for (auto* cases : {&truth_cases, &rendered_cases, &wall_cases}) {
     for (StabilityCase& one : cases()) {
       if (begins_with(one.name, command.only)) out.push_back(std::move(one));
     }

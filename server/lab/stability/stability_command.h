@@ -8,14 +8,14 @@
 namespace handrail {
 
 struct StabilityCommand {
-  bool quick = false;      // one seed of what is drawn, and fewer values of each kind
-  std::string only;        // a case, or the first parts of its name; empty: all
+  bool quick = false;      // one seed of what is drawn
+  std::string only = {};   // a case, or the first parts of its name; empty: all
   std::uint64_t seed = 1;  // the first
   int seeds = 0;           // of each case that is drawn; 0: as many as the suite has
   bool list = false;
   int threads = 0;  // 0: one a core; results do not depend on it
   bool json = false;
-  std::string figures;  // folder; empty: none
+  std::string figures = {};  // folder; empty: none
 };
 
 // A LabExit; kFailed where a case that must hold does not.
