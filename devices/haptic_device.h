@@ -7,6 +7,7 @@
 #include "server/base/spatial.h"
 #include "server/base/status.h"
 #include "server/base/time.h"
+#include "server/model/device_dynamics.h"
 #include "server/model/effect_list.h"
 
 namespace handrail {
@@ -21,11 +22,10 @@ struct HapticCapabilities {
   bool simulated = false;
   bool senses_rotation = false;
   bool actuates_torque = false;
-  double max_force = 0.0;            // peak [N]
-  double continuous_force = 0.0;     // sustainable [N]
-  double max_torque = 0.0;           // peak [N m]; 0 without torque
-  double max_stiffness = 0.0;        // highest stiffness known to render stably at 1 kHz [N/m]
-  double position_resolution = 0.0;  // [m]
+  double max_force = 0.0;         // peak [N]
+  double continuous_force = 0.0;  // sustainable [N]
+  double max_torque = 0.0;        // peak [N m]; 0 without torque
+  DeviceDynamics dynamics;        // what stability is reckoned with
   Vec3 workspace_half =
       Vec3::Zero();  // half extents of the nominal work space about M's origin [m]
   int buttons = 0;

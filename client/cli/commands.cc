@@ -96,7 +96,7 @@ constexpr Command kCommands[] = {
      "Show a scene with its defaults",
      run_scene_show,
      {.json = true, .word = "NAME|FILE"}},
-    {"scene check", "Check a scene file", run_scene_check, {.word = "NAME|FILE"}},
+    {"scene check", "Check a scene file", run_scene_check, {.json = true, .word = "NAME|FILE"}},
     {"scene preview",
      "Draw a scene's walls, forces and a proxy's way",
      run_scene_preview,

@@ -111,8 +111,10 @@ ExitCode run_scene_check(const Options& options, const Console& console) {
   for (const std::string& warning : warnings_of(*scene)) {
     console.err << *file << ": warning: " << warning << '\n';
   }
-  console.out << *file << ": ok\n";
-  return kExitDone;
+  if (!options.json) console.out << *file << ": ok\n";
+  std::vector<std::string> words = {"scene-stability", *file};
+  if (options.json) words.push_back("--json");
+  return run_lab(console, std::move(words));
 }
 
 ExitCode run_scene_preview(const Options& options, const Console& console) {

@@ -22,8 +22,6 @@ inline constexpr double kJoystickHalf = 0.100;          // each way [m]
 inline constexpr double kJoystickMass = 0.3;       // [kg]
 inline constexpr double kJoystickFriction = 0.3;   // Coulomb [N]
 inline constexpr double kJoystickViscosity = 3.0;  // [N s/m]
-// What 1 kHz renders passively, min(2 b / T, 2 f_c / resolution) (Abbott and Okamura 2005) [N/m].
-inline constexpr double kJoystickStiffness = 6000.0;
 // Low-pass of the velocity, our choice [Hz].
 inline constexpr double kJoystickVelocityCutoff = 30.0;
 
@@ -33,8 +31,11 @@ inline HapticCapabilities joystick_capabilities() {
   c.simulated = true;
   c.max_force = kJoystickPeakForce;
   c.continuous_force = kJoystickRatedForce;
-  c.max_stiffness = kJoystickStiffness;
-  c.position_resolution = kJoystickResolution;
+  c.dynamics = {.mass = kJoystickMass,
+                .damping = kJoystickViscosity,
+                .friction = kJoystickFriction,
+                .resolution = kJoystickResolution,
+                .source = "resolution as published; mass, friction and damping chosen"};
   c.workspace_half = Vec3(kJoystickHalf, kJoystickHalf, 1e-3);
   c.buttons = 2;
   c.velocity_lag = 1.0 / (2.0 * std::numbers::pi * kJoystickVelocityCutoff);

@@ -12,8 +12,6 @@ inline constexpr double kOmniContinuousForce = 0.88;  // [N]
 inline constexpr double kOmniFriction = 0.26;         // back-drive friction at the tip [N]
 inline constexpr double kOmniMass = 0.045;            // apparent, at the tip [kg]
 inline constexpr double kOmniResolution = 0.055e-3;   // [m]
-// Highest stiffness CHAI3D renders on this device [N/m].
-inline constexpr double kOmniStiffness = 700.0;
 // The torque variant does not exist as a product; our choice, between a fingertip's comfort and
 // what larger devices of the family give [N m].
 inline constexpr double kOmniTorque = 0.2;
@@ -31,8 +29,11 @@ inline HapticCapabilities omni_capabilities(bool torque) {
   c.max_force = kOmniPeakForce;
   c.continuous_force = kOmniContinuousForce;
   c.max_torque = torque ? kOmniTorque : 0.0;
-  c.max_stiffness = kOmniStiffness;
-  c.position_resolution = kOmniResolution;
+  // No viscous damping is published, and little of it is felt: none is counted on.
+  c.dynamics = {.mass = kOmniMass,
+                .friction = kOmniFriction,
+                .resolution = kOmniResolution,
+                .source = "data sheet; viscous damping not published"};
   c.workspace_half = omni_workspace_half();
   c.buttons = 2;
   return c;

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <limits>
 
 #include "server/base/plane.h"
 #include "server/model/effect_list.h"
@@ -26,7 +25,6 @@ struct Plant {
   double least_mass = 0.5;    // device and hand together [kg]
   double velocity_lag = 0.0;  // of the device's velocity, >= 0 [s]
   double most_force = 25.0;   // of the device [N]
-  double most_stiffness = std::numeric_limits<double>::infinity();  // that a wall renders [N/m]
 };
 
 struct EffectEvent {

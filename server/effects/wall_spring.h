@@ -30,7 +30,7 @@ class WallSpring {
     }
     constexpr double kChange = 0.020;  // [s]
     constexpr double kOnset = 0.5e-3;  // [m]
-    const double wanted = std::min(in.wall->stiffness, plant_.most_stiffness);
+    const double wanted = in.wall->stiffness;
     stiffness_ = stiffness_ == 0.0
                      ? wanted
                      : stiffness_ + std::min(in.dt / kChange, 1.0) * (wanted - stiffness_);

@@ -206,8 +206,8 @@ Guidance Guide::step(const GuideSettings& settings, const Pose& X_SH, double dt)
 }
 
 double Guide::stiffness(const GuideSettings& settings) const noexcept {
-  return std::max(kSoftest,
-                  position_.active() ? position_.definition().stiffness : settings.stiffness);
+  const double wanted = position_.active() ? position_.definition().stiffness : settings.stiffness;
+  return std::max(kSoftest, std::min(wanted, settings.most_stiffness));
 }
 
 double Guide::torque_stiffness(const GuideSettings& settings) const noexcept {

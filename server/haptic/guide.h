@@ -14,6 +14,7 @@ struct GuideSettings {
   GuidanceMethod method = GuidanceMethod::kExact;
   double delta = 2e-4;               // published method's step in S [m]
   double stiffness = 800.0;          // K_t where a tool does not say [N/m]
+  double most_stiffness = 1e9;       // no tool is rendered stiffer, whatever it says [N/m]
   double torque_stiffness = 0.5;     // K_N, K_F where a tool does not say [N m/rad]
   double catch_up = 0.060;           // bound on letting go of a position offset [m/s]
   double catch_up_rotation = 0.262;  // the same for orientation [rad/s]

@@ -87,12 +87,13 @@ void wall_step(const WallSettings& settings, const WallInput& in, double dt, Wal
     effect.wall = out.contact.touching ? region_of(walls, out.contact.wall) : nullptr;
     effect.dt = dt;
     out.effects = s.effects.step(effect);
-    force = s.turn * out.effects.force;
+    force = settings.share * (s.turn * out.effects.force);
     if (effect.wall != nullptr) s.wall_stiffness = effect.wall->stiffness;
     const Vec2 motion = hand - s.hand;
     const Vec2 acceleration = velocity - s.velocity;
-    const RenderedForce rendered{in_space(force), in_space(s.turn * out.effects.springs),
-                                 out.effects.held_stiffness};
+    const RenderedForce rendered{in_space(force),
+                                 in_space(settings.share * (s.turn * out.effects.springs)),
+                                 settings.share * out.effects.held_stiffness};
     governed = s.governor.govern(settings.governor, rendered, in_space(motion), dt);
     s.hand = hand;
     s.velocity = velocity;

@@ -20,6 +20,7 @@ struct WallSettings {
   ForceLimits force;                   // of the device; `step` bounds what no motion explains
   DeviceEffects device;                // what a simulated device shows meanwhile
   GovernorSettings governor;           // of the energy at the hand; off unless set
+  double share = 1.0;  // of walls and effects that is rendered: what the device holds
 };
 
 struct WallInput {

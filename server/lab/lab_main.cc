@@ -78,6 +78,10 @@ void add_scene_tools(CLI::App& app, SceneToolCommand& tool) {
       "scene-explain", "what a scene simulates, where, and what it costs; what it does not");
   explain->add_option("SCENE", tool.scene, "name, or a file")->required();
   explain->add_flag("--json", tool.json, "print it as JSON");
+  CLI::App* stability = app.add_subcommand(
+      "scene-stability", "what of a scene's walls, tools and springs a device can hold");
+  stability->add_option("SCENE", tool.scene, "name, or a file")->required();
+  stability->add_flag("--json", tool.json, "print it as JSON");
   CLI::App* preview =
       app.add_subcommand("scene-preview", "draw a scene's walls, forces and a proxy's way");
   preview->add_option("SCENE", tool.scene, "name, or a file")->required();
@@ -276,6 +280,7 @@ int run(int argc, char** argv) {
   let_ctrl_c_cancel();
   if (app.got_subcommand("accuracy")) return run_accuracy_command(accuracy, cancelled);
   if (app.got_subcommand("scene-explain")) return run_explain_command(tool, cancelled);
+  if (app.got_subcommand("scene-stability")) return run_stability_check(tool);
   if (app.got_subcommand("effects")) return run_effects_command(tool, cancelled);
   if (app.got_subcommand("scene-preview")) return run_preview_command(tool);
   if (app.got_subcommand("scene-resolve")) return run_resolve_command(tool, cancelled);

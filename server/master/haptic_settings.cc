@@ -1,5 +1,9 @@
 #include "server/master/haptic_settings.h"
 
+#include <algorithm>
+
+#include "server/master/governing.h"
+
 namespace handrail {
 namespace {
 
@@ -7,7 +11,8 @@ constexpr double kToolForceRate = 25.0;  // half of what the arbiter lets pass [
 
 }  // namespace
 
-HapticSettings haptic_settings(const Scene& scene, const HapticCapabilities& device) {
+HapticSettings haptic_settings(const Scene& scene, const HapticCapabilities& device,
+                               bool governor) {
   HapticSettings out;
   out.mapping.scale = scene.mapping.scale;
   out.mapping.R_SM = scene.mapping.R_SM;
@@ -22,6 +27,13 @@ HapticSettings haptic_settings(const Scene& scene, const HapticCapabilities& dev
   out.guide.reach = scene.guidance.tool_reach;
   out.guide.smoother_length = scene.smoother_samples;
   out.damping = scene.guidance.damping;
+  if (governor && !scene.walls) {
+    const RenderingLoop loop = rendering_loop(device);
+    // A damper that the device does not hold comes down with the scene's tools.
+    out.damping *= governed_share(check_renderings(scene, device));
+    out.guide.most_stiffness = kGoverned * most_stiffness(device.dynamics, loop, out.damping);
+  }
+  out.governor = governor_settings(device, governor);
   out.spring_stiffness = scene.guidance.spring;
   out.force.peak = device.max_force;
   out.force.continuous = device.continuous_force;

@@ -7,7 +7,9 @@
 
 namespace handrail {
 
-HapticSettings haptic_settings(const Scene& scene, const HapticCapabilities& device);
+// `governor`: what the device cannot hold is rendered less stiff, and no energy is made.
+HapticSettings haptic_settings(const Scene& scene, const HapticCapabilities& device,
+                               bool governor = false);
 
 // The device's reading as the step takes it.
 HandReading hand_reading(const HapticSample& sample) noexcept;

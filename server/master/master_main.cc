@@ -24,6 +24,7 @@
 #include "server/daemon/errand.h"
 #include "server/link/secure/secure_transport.h"
 #include "server/link/unix_transport.h"
+#include "server/master/governing.h"
 #include "server/master/haptic_loop.h"
 #include "server/master/haptic_settings.h"
 #include "server/master/master_server.h"
@@ -194,12 +195,16 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
   if (!scene) return fail(scene.message());
   WallRuns wall_runs;
   const auto loop_scene = [&](const Scene& s) {
-    LoopScene out{haptic_settings(s, capabilities), wall_runs.make(s, capabilities)};
+    LoopScene out{haptic_settings(s, capabilities, config.governor()),
+                  wall_runs.make(s, capabilities, config.governor())};
     out.haptic.presence = presence_of(config, capabilities);
     out.haptic.ladder.fade_loop = milliseconds(config.loop_limit_ms());
     out.haptic.ladder.good_for = milliseconds(config.good_link_ms());
     for (const std::string& text : warnings_of(s)) spdlog::warn("{}", text);
-    for (const std::string& text : wall_warnings(s, capabilities)) spdlog::warn("{}", text);
+    const auto checked = check_renderings(s, capabilities);
+    for (const std::string& text : stability_warnings(checked, capabilities, config.governor())) {
+      spdlog::warn("{}", text);
+    }
     return out;
   };
   const LoopScene first = loop_scene(*scene);
@@ -209,6 +214,10 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
   if (!remote) return fail(remote.message());
   if (check_only) {
     std::puts("configuration ok");
+    const auto checked = check_renderings(*scene, capabilities);
+    for (const std::string& text : stability_lines(checked, capabilities, config.governor())) {
+      std::puts(text.c_str());
+    }
     return end_output("handrail-master", 0);
   }
 

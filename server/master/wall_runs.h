@@ -3,8 +3,6 @@
 
 #include <deque>
 #include <memory>
-#include <string>
-#include <vector>
 
 #include "devices/haptic_device.h"
 #include "server/haptic/wall_step.h"
@@ -12,19 +10,18 @@
 
 namespace handrail {
 
-// The walls of `scene`, which has some, with their proxy and the scene's effects, for a device. May
-// block and allocate.
-std::unique_ptr<WallRun> make_wall_run(const Scene& scene, const HapticCapabilities& device);
-
-// One sentence for each wall this device cannot hold, and what follows.
-std::vector<std::string> wall_warnings(const Scene& scene, const HapticCapabilities& device);
+// The walls of `scene`, which has some, with their proxy and the scene's effects, for a device.
+// `governor`: what the device cannot hold is rendered less stiff, and no energy is made. May block
+// and allocate.
+std::unique_ptr<WallRun> make_wall_run(const Scene& scene, const HapticCapabilities& device,
+                                       bool governor = false);
 
 // Keeps what the haptic loop may still use, so that it never has to free anything: the loop takes a
 // scene within a tick, and the desk has at most one under way.
 class WallRuns {
  public:
   // Null for a scene without walls. Valid until three more were made.
-  WallRun* make(const Scene& scene, const HapticCapabilities& device);
+  WallRun* make(const Scene& scene, const HapticCapabilities& device, bool governor = false);
 
  private:
   std::deque<std::unique_ptr<WallRun>> runs_;

@@ -42,14 +42,17 @@ bool all_inside(std::vector<double> a) {
   return true;
 }
 
-// (z - 1) (z - e) z^(d+1) + (h z + h_next) ((K + B/T) z - B/T)
+// (z - 1) (z - e) (z - p) z^d + (h z + h_next) (K (z - p) + G (z - 1)), G = B (1 - p) / T: with p =
+// 0 a factor z and the law (K + B/T) z - B/T.
 std::vector<double> characteristic(const SampledWall& wall, double stiffness) {
   const Held held = hold(wall);
-  const double past = wall.wall_damping / wall.period, now = stiffness + past;
+  const double p = wall.velocity_pole, gain = wall.wall_damping * (1.0 - p) / wall.period;
+  const double now = stiffness + gain, past = stiffness * p + gain;
   std::vector<double> a(static_cast<std::size_t>(wall.delay) + 4, 0.0);
   a[0] = 1.0;
-  a[1] = -(1.0 + held.e);
-  a[2] = held.e;
+  a[1] = -(1.0 + held.e) - p;
+  a[2] = held.e + p * (1.0 + held.e);
+  a[3] = -p * held.e;
   const std::size_t last = a.size() - 1;
   a[last - 2] += held.h * now;
   a[last - 1] += held.h_next * now - held.h * past;

@@ -14,8 +14,11 @@ struct SampledWall {
   double mass = 0.0;          // that moves, > 0 [kg]
   double damping = 0.0;       // of the device, viscous, >= 0 [N s/m]
   double period = 1e-3;       // of the loop, > 0; a force is held for so long [s]
-  double wall_damping = 0.0;  // rendered, of the velocity by backward difference, >= 0 [N s/m]
-  int delay = 0;              // from measuring to force beside that, >= 0 [periods]
+  double wall_damping = 0.0;  // rendered, >= 0 [N s/m]
+  // Of the low-pass of the velocity, a backward difference, that the wall's damper gets: 0 <= p <
+  // 1, v += (1 - p) (difference - v) a period; 0: none.
+  double velocity_pole = 0.0;
+  int delay = 0;  // from measuring to force beside that, >= 0 [periods]
 };
 
 // Whether a wall of `stiffness` [N/m] on both sides of zero lets every motion die away. Exact for

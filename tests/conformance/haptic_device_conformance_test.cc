@@ -67,8 +67,10 @@ TEST_P(HapticDeviceConformance, CapabilitiesArePositive) {
   EXPECT_GT(c.continuous_force, 0.0);
   EXPECT_GE(c.max_force, c.continuous_force);
   EXPECT_EQ(c.max_torque > 0.0, c.actuates_torque);
-  EXPECT_GT(c.max_stiffness, 0.0);
-  EXPECT_GT(c.position_resolution, 0.0);
+  EXPECT_GT(c.dynamics.mass, 0.0);
+  EXPECT_GT(c.dynamics.damping + c.dynamics.friction, 0.0);
+  EXPECT_STRNE(c.dynamics.source, "");
+  EXPECT_GT(c.dynamics.resolution, 0.0);
   EXPECT_GT(c.workspace_half.minCoeff(), 0.0);
   EXPECT_GT(c.buttons, 0);
 }

@@ -58,8 +58,8 @@ Table program_rows() {
   const Folders daemons = kModel + Folders{"server/daemon",      "server/keys",   "server/link",
                                            "server/link/secure", "server/record", "server/scene",
                                            "server/session",     "proto",         "devices"};
-  return {{"server/master",
-           daemons + Folders{"server/haptic", "server/constraint", "server/kinematics"}},
+  return {{"server/master", daemons + Folders{"server/haptic", "server/stability",
+                                              "server/constraint", "server/kinematics"}},
           {"server/slave", daemons + Folders{"server/follow", "devices/melfa", "devices/net_ft"}},
           {"client/api", kBase + Folders{"proto", "server/keys", "server/link/secure"}},
           {"client/doctor", kModel + Folders{"proto", "server/keys", "server/link", "client/api"}},
@@ -92,7 +92,7 @@ Table lab_rows() {
           {"server/lab/hand", lab + kHands + sides},
           {"server/lab/scenes", lab + kHands + kRigs +
                                     Folders{"server/master", "server/haptic", "server/kinematics",
-                                            "server/constraint/drawn"}},
+                                            "server/constraint/drawn", "server/stability"}},
           {"server/lab/accuracy", lab + kHands +
                                       Folders{"server/lab/scenes", "server/master", "server/haptic",
                                               "server/constraint", "server/link"}},

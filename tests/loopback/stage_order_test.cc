@@ -56,7 +56,6 @@ HapticCapabilities stick() {
   HapticCapabilities c;
   c.max_force = 25.3;
   c.continuous_force = 8.5;
-  c.max_stiffness = 6000.0;
   return c;
 }
 

@@ -12,6 +12,7 @@
 #include "server/lab/scenes/explain.h"
 #include "server/lab/scenes/preview.h"
 #include "server/lab/scenes/report_io.h"
+#include "server/lab/scenes/stability.h"
 #include "server/scene/scene_io.h"
 #include "server/scene/scene_library.h"
 
@@ -70,6 +71,14 @@ int run_explain_command(const SceneToolCommand& command, const std::atomic<bool>
   if (!explained) return complain(explained.status(), kCancelled);
   const std::string text =
       command.json ? explanation_json(*explained) : explanation_table(*explained);
+  std::fputs(text.c_str(), stdout);
+  return kDone;
+}
+
+int run_stability_check(const SceneToolCommand& command) {
+  const Result<Scene> scene = scene_of(command.scene);
+  if (!scene) return complain(scene.status(), kUsage);
+  const std::string text = command.json ? stability_json(*scene) : stability_text(*scene);
   std::fputs(text.c_str(), stdout);
   return kDone;
 }

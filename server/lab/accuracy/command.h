@@ -28,6 +28,7 @@ struct SceneToolCommand {
 // usage, 130 cancelled. Results go to the standard output, errors to the error output.
 int run_accuracy_command(const AccuracyCommand& command, const std::atomic<bool>& cancelled);
 int run_explain_command(const SceneToolCommand& command, const std::atomic<bool>& cancelled);
+int run_stability_check(const SceneToolCommand& command);
 int run_effects_command(const SceneToolCommand& command, const std::atomic<bool>& cancelled);
 int run_preview_command(const SceneToolCommand& command);
 int run_resolve_command(const SceneToolCommand& command, const std::atomic<bool>& cancelled);

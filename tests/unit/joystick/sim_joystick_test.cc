@@ -77,7 +77,7 @@ TEST(SimJoystick, CapabilitiesAreThoseOfTheDataSheet) {
   const HapticCapabilities c = joystick_capabilities();
   EXPECT_NEAR(c.max_force, 25.3, 0.05);
   EXPECT_NEAR(c.continuous_force, 8.5, 0.05);
-  EXPECT_NEAR(c.position_resolution, 0.0942e-3, 0.0001e-3);
+  EXPECT_NEAR(c.dynamics.resolution, 0.0942e-3, 0.0001e-3);
   EXPECT_EQ(c.workspace_half.x(), 0.1);
   EXPECT_EQ(c.workspace_half.y(), 0.1);
   EXPECT_TRUE(c.simulated);

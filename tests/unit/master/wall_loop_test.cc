@@ -43,7 +43,6 @@ HapticCapabilities joystick() {
   c.name = "stick";
   c.max_force = 25.3;
   c.continuous_force = 8.5;
-  c.max_stiffness = 6000.0;
   return c;
 }
 
@@ -171,19 +170,6 @@ TEST_F(WallLoop, StatusShowsTheHandAmongTheWalls) {
   EXPECT_NEAR(s.device_force().magnitude_n(), 10.0, 0.01);
   report.walls = WallReport();
   EXPECT_FALSE(status_report(identity, report, SlaveState(), LinkSnapshot(), now).has_walls());
-}
-
-TEST(WallRuns, WarnsOfAWallTheDeviceCannotHold) {
-  Scene scene = room();
-  EXPECT_TRUE(wall_warnings(scene, joystick()).empty());
-  Walls stiff = *scene.walls;
-  stiff.regions[1].stiffness = 20e3;
-  scene.walls = std::make_shared<Walls>(stiff);
-  const auto warnings = wall_warnings(scene, joystick());
-  ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_THAT(warnings[0], HasSubstr("'brick'"));
-  EXPECT_THAT(warnings[0], HasSubstr("20 N/mm"));
-  EXPECT_THAT(warnings[0], HasSubstr("6 N/mm"));
 }
 
 TEST(WallRuns, ASceneWithoutWallsHasNone) {

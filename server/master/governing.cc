@@ -1,0 +1,96 @@
+#include "server/master/governing.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/base/units.h"
+
+namespace handrail {
+namespace {
+
+std::string times(double share) {
+  return std::isfinite(share) ? fmt::format("{:.3g} times", share) : std::string("any");
+}
+
+std::string what(const Rendering& r) {
+  std::string out = fmt::format("{}: {:g} N/mm", r.name, r.stiffness / kNewtonPerMm);
+  if (r.damping > 0.0) out += fmt::format(", {:.3g} N s/m", r.damping);
+  if (r.delay > 0.0) out += fmt::format(", {:g} ms late", 1e3 * r.delay);
+  return out;
+}
+
+std::string done(const CheckedRendering& c) {
+  if (c.bounded) return "rendered as it is, its energy bounded";
+  if (c.share >= 1.0) return "rendered as it is";
+  return fmt::format("rendered at {:.3g} N/mm", c.share * c.rendering.stiffness / kNewtonPerMm);
+}
+
+}  // namespace
+
+RenderingLoop rendering_loop(const HapticCapabilities& device) {
+  RenderingLoop out;
+  out.velocity_lag = device.velocity_lag;
+  out.peak = device.max_force;
+  out.least_mass = device.least_mass;
+  return out;
+}
+
+GovernorSettings governor_settings(const HapticCapabilities& device, bool on) {
+  GovernorSettings out;
+  out.on = on;
+  out.peak = device.max_force;
+  // What a device of unknown mass takes up is not known either.
+  if (device.dynamics.mass <= 0.0) return out;
+  out.friction = std::max(device.dynamics.friction, 0.0);
+  out.damping = std::max(device.dynamics.damping, 0.0);
+  return out;
+}
+
+std::vector<CheckedRendering> check_renderings(const Scene& scene,
+                                               const HapticCapabilities& device) {
+  const RenderingLoop loop = rendering_loop(device);
+  std::vector<CheckedRendering> out;
+  for (const Rendering& rendering : renderings_of(scene, loop)) {
+    CheckedRendering& c = out.emplace_back();
+    c.rendering = rendering;
+    c.margin = margin_of(device.dynamics, loop, rendering);
+    c.bounded = rendering.delay > 0.0;
+    if (!c.bounded) c.share = std::min(1.0, kGoverned * c.margin.share);
+  }
+  return out;
+}
+
+double governed_share(const std::vector<CheckedRendering>& checked) {
+  double share = 1.0;
+  for (const CheckedRendering& c : checked) {
+    if (!c.bounded) share = std::min(share, c.share);
+  }
+  return share;
+}
+
+std::vector<std::string> stability_lines(const std::vector<CheckedRendering>& checked,
+                                         const HapticCapabilities& device, bool governor) {
+  std::vector<std::string> out;
+  for (const CheckedRendering& c : checked) {
+    out.push_back(fmt::format("{}; {} holds {} that, by its {}; {}", what(c.rendering), device.name,
+                              times(c.margin.share), name_of(c.margin.by),
+                              governor ? done(c) : "governor off: rendered as it is"));
+  }
+  return out;
+}
+
+std::vector<std::string> stability_warnings(const std::vector<CheckedRendering>& checked,
+                                            const HapticCapabilities& device, bool governor) {
+  std::vector<std::string> out;
+  for (const CheckedRendering& c : checked) {
+    if (c.margin.share >= 1.0 || c.bounded) continue;
+    out.push_back(fmt::format("{}: {} holds {:.3g} N/mm, by its {}: {}", what(c.rendering),
+                              device.name, c.margin.share * c.rendering.stiffness / kNewtonPerMm,
+                              name_of(c.margin.by), governor ? done(c) : "it may buzz"));
+  }
+  return out;
+}
+
+}  // namespace handrail

@@ -1,0 +1,46 @@
+// What the governor does with a scene on a device: what is rendered, how near that is to the
+// device's limits, and what is rendered less stiff than asked for.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "devices/haptic_device.h"
+#include "server/model/scene.h"
+#include "server/stability/energy_governor.h"
+#include "server/stability/rendering.h"
+
+namespace handrail {
+
+// Of this much of a limit the governor renders at most: on the limit itself an oscillation would
+// last. The choice is the middle of what a tenth of room leaves.
+inline constexpr double kGoverned = 0.95;
+
+struct CheckedRendering {
+  Rendering rendering;
+  StabilityMargin margin;
+  // Its other end is told over the link: what it may give back is bounded while it runs, and it
+  // stays as stiff as the scene says.
+  bool bounded = false;
+  double share = 1.0;  // of it that is rendered with the governor on
+};
+
+RenderingLoop rendering_loop(const HapticCapabilities& device);
+
+GovernorSettings governor_settings(const HapticCapabilities& device, bool on);
+
+std::vector<CheckedRendering> check_renderings(const Scene& scene,
+                                               const HapticCapabilities& device);
+
+// The least share of those that are not bounded.
+double governed_share(const std::vector<CheckedRendering>& checked);
+
+// A line for each: margin, what limits it, and what the governor does.
+std::vector<std::string> stability_lines(const std::vector<CheckedRendering>& checked,
+                                         const HapticCapabilities& device, bool governor);
+
+// One sentence for each that is not stable without the governor.
+std::vector<std::string> stability_warnings(const std::vector<CheckedRendering>& checked,
+                                            const HapticCapabilities& device, bool governor);
+
+}  // namespace handrail

@@ -1,0 +1,193 @@
+#include "server/stability/rendering.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "server/stability/sampled_wall.h"
+
+namespace handrail {
+namespace {
+
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+constexpr double kLongestDelay = 2000.0;  // the polynomial's work goes with its square [periods]
+constexpr double kRounded = 1e-9;         // of a period: so much beyond whole ones is rounding
+// By how much the dampers of sliders and pawls, and those of detents at half their pull, make up
+// for a spring that is held: shares of K T, as in server/effects.
+constexpr double kSliderDamping = 0.75, kDetentDamping = 0.375;
+
+bool usable(double value) { return value >= 0.0 && value < kUnlimited; }
+
+std::optional<SampledWall> sampled(const DeviceDynamics& device, const RenderingLoop& loop,
+                                   const Rendering& r) {
+  for (const double value : {device.mass, device.damping, device.friction, r.stiffness, r.damping,
+                             r.delay, loop.velocity_lag}) {
+    if (!usable(value)) return std::nullopt;
+  }
+  if (!(loop.period > 0.0 && usable(loop.period) && loop.peak > 0.0)) return std::nullopt;
+  const double delay = std::ceil(r.delay / loop.period - kRounded);
+  if (delay > kLongestDelay) return std::nullopt;
+  SampledWall out{.mass = device.mass, .damping = device.damping, .period = loop.period};
+  out.wall_damping = r.damping;
+  out.delay = static_cast<int>(std::max(delay, 0.0));
+  if (!r.own_velocity && loop.velocity_lag > 0.0) {
+    out.velocity_pole = std::exp(-loop.period / loop.velocity_lag);
+  }
+  return out;
+}
+
+// The largest share of stiffness and damping together up to which every motion dies away.
+double loop_share(const SampledWall& wall, double stiffness) {
+  const auto stable = [&](double share) {
+    SampledWall part = wall;
+    part.wall_damping *= share;
+    return is_stable(part, share * stiffness);
+  };
+  // From a millionth on, from below, so that it is the first.
+  double good = 1e-6;
+  if (!stable(good)) return 0.0;
+  double bad = 1.1 * good;
+  for (; stable(bad); bad *= 1.1) {
+    if (bad > 1e6) return kUnlimited;
+    good = bad;
+  }
+  while (bad - good > 1e-9 * bad) {
+    const double middle = 0.5 * (good + bad);
+    (stable(middle) ? good : bad) = middle;
+  }
+  return good;
+}
+
+// Energy that an oscillation beyond the peak force F makes a cycle beside what friction takes: with
+// the amplitude a F / K its speed on the way through the spring is sqrt(2 a - 1 - (x K / F)^2) F /
+// sqrt(K m), so that it makes 4 (K t - b) times the integral of that. Beside 4 f_c a F / K that is
+// most at a = 1.370, this much times (K t - b) F / (f_c sqrt(K m)); within the peak, a = 1, it is
+// pi / 4.
+constexpr double kMostMade = 0.86033;
+
+// (K t - b) F kMostMade = f_c sqrt(K m), for sqrt(K).
+double stiffness_by_friction(const DeviceDynamics& device, double peak, double late) {
+  const double c = device.friction * std::sqrt(device.mass) / kMostMade;
+  const double root = std::sqrt(c * c + 4.0 * peak * peak * late * device.damping);
+  const double s = (c + root) / (2.0 * peak * late);
+  return s * s;
+}
+
+Rendering make(std::string name, double stiffness, double damping, bool own_velocity = false) {
+  return {std::move(name), stiffness, damping, own_velocity, 0.0};
+}
+
+std::optional<Rendering> rendering_of(const EffectSpec& e, double period) {
+  const auto named = [&](double stiffness, double share, bool own) {
+    return make(std::string("effect '") + name_of(e.kind) + "'", stiffness,
+                share * stiffness * period, own);
+  };
+  switch (e.kind) {
+    case EffectKind::kReturn: return named(e.stiffness, 0.0, true);
+    case EffectKind::kOneWay: return named(e.stiffness, kSliderDamping, true);
+    case EffectKind::kViscous:
+    case EffectKind::kProgressive:
+    case EffectKind::kCoulomb: return named(e.coupling, kSliderDamping, true);
+    case EffectKind::kDetent: {
+      double steepest = e.radii.empty() && e.radius > 0.0 ? 2.0 * e.peak / e.radius : 0.0;
+      for (std::size_t i = 0; i < std::min(e.radii.size(), e.peaks.size()); ++i) {
+        if (e.radii[i] > 0.0) steepest = std::max(steepest, 2.0 * e.peaks[i] / e.radii[i]);
+      }
+      return named(steepest, kDetentDamping, false);
+    }
+    default: return std::nullopt;
+  }
+}
+
+std::vector<Rendering> of_walls(const Scene& scene, const RenderingLoop& loop) {
+  std::vector<Rendering> out;
+  Rendering most;
+  const bool rendered =
+      std::any_of(scene.effects.begin(), scene.effects.end(),
+                  [](const EffectSpec& e) { return e.kind == EffectKind::kWall; });
+  for (const WallRegion& region : scene.walls->regions) {
+    if (region.kind != RegionKind::kWall || !rendered) continue;
+    const double h = loop.period + loop.velocity_lag;
+    out.push_back(make("wall '" + region.name + "'", region.stiffness,
+                       region.damping / (1.0 + region.damping * h / loop.least_mass)));
+    if (out.back().stiffness >= most.stiffness) most = out.back();
+  }
+  for (const EffectSpec& e : scene.effects) {
+    const std::optional<Rendering> effect = rendering_of(e, loop.period);
+    if (!effect) continue;
+    out.push_back(*effect);
+    most.own_velocity = most.own_velocity || (most.damping == 0.0 && effect->own_velocity);
+    most.stiffness += effect->stiffness;
+    most.damping += effect->damping;
+  }
+  if (out.size() > 1) {
+    most.name = "all together";
+    out.push_back(most);
+  }
+  return out;
+}
+
+std::vector<Rendering> of_tools(const Scene& scene, const RenderingLoop& loop) {
+  std::vector<Rendering> out;
+  const Scene::Guidance& g = scene.guidance;
+  out.push_back(make("position tools", g.stiffness, g.damping));
+  for (const ToolCall& call : scene.tools) {
+    if (!is_position_tool(call.kind) || call.stiffness == 0.0) continue;
+    out.push_back(
+        make(std::string("tool '") + name_of(call.kind) + "'", call.stiffness, g.damping));
+  }
+  Rendering spring = make("spring to the tip", g.spring, 0.0);
+  // Of the mean of the last samples: to a tip that stands it is as old as their middle.
+  spring.delay = 0.5 * (scene.smoother_samples - 1) * loop.period;
+  out.push_back(spring);
+  return out;
+}
+
+}  // namespace
+
+const char* name_of(StabilityLimit limit) noexcept {
+  constexpr std::array<const char*, 4> kNames = {"loop", "friction", "mass not declared",
+                                                 "invalid device data"};
+  return kNames[std::min(static_cast<std::size_t>(limit), kNames.size() - 1)];
+}
+
+StabilityMargin margin_of(const DeviceDynamics& device, const RenderingLoop& loop,
+                          const Rendering& rendering) {
+  const std::optional<SampledWall> wall = sampled(device, loop, rendering);
+  if (!wall) return {};
+  if (rendering.stiffness == 0.0 && rendering.damping == 0.0) {
+    return {kUnlimited, StabilityLimit::kLoop};
+  }
+  if (device.mass == 0.0) {
+    const double needed = passive_damping(*wall, rendering.stiffness);
+    return {needed > 0.0 ? device.damping / needed : kUnlimited, StabilityLimit::kUnknown};
+  }
+  // A damper alone leaves the hand where it is: next to no spring brings it back.
+  const double softest = 1e-6 * device.mass / (loop.period * loop.period);
+  StabilityMargin out{loop_share(*wall, std::max(rendering.stiffness, softest)),
+                      StabilityLimit::kLoop};
+  if (rendering.damping > 0.0 || rendering.stiffness == 0.0) return out;
+  const double late = loop.period * (0.5 + wall->delay);
+  const double share = stiffness_by_friction(device, loop.peak, late) / rendering.stiffness;
+  if (share > out.share) out = {share, StabilityLimit::kFriction};
+  return out;
+}
+
+double most_stiffness(const DeviceDynamics& device, const RenderingLoop& loop, double damping) {
+  const Rendering unit = make("", 1.0, damping);
+  const std::optional<SampledWall> wall = sampled(device, loop, unit);
+  if (!wall) return 0.0;
+  if (device.mass > 0.0) {
+    return damping > 0.0 ? stiffness_onset(*wall) : margin_of(device, loop, unit).share;
+  }
+  // Passive without delay: b >= K T / 2 + B.
+  return std::max(2.0 * (device.damping - damping) / loop.period, 0.0);
+}
+
+std::vector<Rendering> renderings_of(const Scene& scene, const RenderingLoop& loop) {
+  return scene.walls ? of_walls(scene, loop) : of_tools(scene, loop);
+}
+
+}  // namespace handrail

@@ -1,0 +1,63 @@
+// What a scene renders at the hand, and how far that is from what a device can hold.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "server/model/device_dynamics.h"
+#include "server/model/scene.h"
+
+namespace handrail {
+
+// A spring and a damper between the hand and something at rest. >= 0.
+struct Rendering {
+  std::string name;
+  double stiffness = 0.0;     // [N/m]
+  double damping = 0.0;       // [N s/m]
+  bool own_velocity = false;  // damps by differences of its own, not by the device's velocity
+  double delay = 0.0;         // between measuring and force, beside the period that it is held [s]
+};
+
+// How the loop renders it. > 0 unless said otherwise.
+struct RenderingLoop {
+  double period = 1e-3;       // [s]
+  double velocity_lag = 0.0;  // of the low-pass of the device's velocity, >= 0 [s]
+  double peak = 3.3;          // largest force of the device [N]
+  double least_mass = 0.05;   // of device and a light hand together [kg]
+};
+
+// What decides how much can be rendered.
+enum class StabilityLimit {
+  kLoop,      // the sampled loop: the linear device's own damping, and the damping rendered
+  kFriction,  // the device's friction takes more than an oscillation within its peak force makes
+  kUnknown,   // of a device of unknown mass, only what is passive with its damping counts
+  kInvalid,   // a number that is none: nothing can be shown
+};
+
+// In words, static storage.
+const char* name_of(StabilityLimit limit) noexcept;
+
+// `share`: this many times as stiff and damping it would be where some oscillation of the device
+// alone does not die away; below 1 it is there already. May be infinite.
+struct StabilityMargin {
+  double share = 0.0;
+  StabilityLimit by = StabilityLimit::kInvalid;
+};
+
+// Of one rendering. The linear loop is exact but for the delay, which is taken to be whole periods,
+// no shorter than it is. Where nothing is rendered that damps, friction may do instead: beyond the
+// peak force F an oscillation makes less and less beside what friction takes of it, and at no
+// amplitude more while 0.860 F (K (T/2 + d) - b) <= f_c sqrt(K m). Allocates.
+StabilityMargin margin_of(const DeviceDynamics& device, const RenderingLoop& loop,
+                          const Rendering& rendering);
+
+// The stiffest spring with a damper of `damping` [N s/m] that every oscillation of the device alone
+// dies away at, without delay [N/m]; 0: none can be shown to be. As margin_of().
+double most_stiffness(const DeviceDynamics& device, const RenderingLoop& loop, double damping);
+
+// All that `scene` renders: each tool, wall and spring, and last, where several can act at the same
+// place, all of them together. What makes up by itself for being held for a period counts with the
+// damper by which it does. The torque of orientation tools is not among them.
+std::vector<Rendering> renderings_of(const Scene& scene, const RenderingLoop& loop);
+
+}  // namespace handrail

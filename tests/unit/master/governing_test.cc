@@ -1,0 +1,102 @@
+#include "server/master/governing.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "devices/joystick/joystick_data.h"
+#include "devices/omni/omni_data.h"
+#include "server/master/haptic_settings.h"
+#include "server/master/wall_runs.h"
+#include "server/scene/scene_library.h"
+
+namespace handrail {
+namespace {
+
+using testing::HasSubstr;
+
+Scene walled(double stiffness) {
+  Scene scene;
+  auto walls = std::make_shared<Walls>();
+  walls->method = WallMethod::kExact;
+  walls->regions.resize(2);
+  walls->regions[1].name = "brick";
+  walls->regions[1].kind = RegionKind::kWall;
+  walls->regions[1].stiffness = stiffness;
+  WallShape room;
+  room.half = Vec2(0.02, 0.02);
+  walls->shapes = {room};
+  walls->outside = 1;
+  walls->stages = {WallStage()};
+  scene.walls = walls;
+  scene.effects.resize(1);  // the walls'
+  return scene;
+}
+
+TEST(Governing, WhatIsShippedIsRenderedAsItWasPublished) {
+  const SceneLibrary library;
+  for (const auto& [name, file] : library.list()) {
+    const auto scene = library.load(name);
+    ASSERT_TRUE(scene) << name;
+    const HapticCapabilities device =
+        scene->walls ? joystick_capabilities() : omni_capabilities(false);
+    const auto checked = check_renderings(*scene, device);
+    ASSERT_FALSE(checked.empty()) << name;
+    EXPECT_EQ(governed_share(checked), 1.0) << name;
+    EXPECT_TRUE(stability_warnings(checked, device, true).empty()) << name;
+  }
+}
+
+TEST(Governing, AWallThatTheDeviceCannotHoldIsRenderedSofterAndSaysSo) {
+  const Scene scene = walled(40e3);
+  const HapticCapabilities device = joystick_capabilities();
+  const auto checked = check_renderings(scene, device);
+  const double share = governed_share(checked);
+  EXPECT_LT(share, 0.9);
+  EXPECT_GT(share, 0.0);
+  EXPECT_EQ(make_wall_run(scene, device, true)->settings.share, share);
+  EXPECT_EQ(make_wall_run(scene, device, false)->settings.share, 1.0);
+  const auto governed = stability_warnings(checked, device, true);
+  ASSERT_EQ(governed.size(), 1u);
+  EXPECT_THAT(governed[0], HasSubstr("'brick': 40 N/mm"));
+  EXPECT_THAT(governed[0], HasSubstr("rendered at"));
+  const auto left = stability_warnings(checked, device, false);
+  ASSERT_EQ(left.size(), 1u);
+  EXPECT_THAT(left[0], HasSubstr("may buzz"));
+}
+
+TEST(Governing, NoToolIsStifferThanTheDeviceHolds) {
+  Scene scene;
+  const HapticCapabilities device = omni_capabilities(false);
+  const HapticSettings governed = haptic_settings(scene, device, true);
+  EXPECT_GT(governed.guide.most_stiffness, scene.guidance.stiffness);
+  EXPECT_LT(governed.guide.most_stiffness, 2000.0);
+  EXPECT_TRUE(governed.governor.on);
+  EXPECT_EQ(governed.governor.friction, kOmniFriction);
+  EXPECT_FALSE(haptic_settings(scene, device).governor.on);
+  EXPECT_GT(haptic_settings(scene, device).guide.most_stiffness, 1e6);
+}
+
+TEST(Governing, ADeviceThatDeclaresNothingIsRenderedNothing) {
+  HapticCapabilities unknown = joystick_capabilities();
+  unknown.dynamics = DeviceDynamics();
+  EXPECT_EQ(make_wall_run(walled(1000.0), unknown, true)->settings.share, 0.0);
+  const auto warnings =
+      stability_warnings(check_renderings(walled(1000.0), unknown), unknown, true);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_THAT(warnings[0], HasSubstr("mass not declared"));
+  EXPECT_EQ(governor_settings(unknown, true).friction, 0.0);
+}
+
+TEST(Governing, TheSpringToTheTipKeepsItsStiffnessAndIsBounded) {
+  Scene scene;
+  const auto checked = check_renderings(scene, omni_capabilities(false));
+  const CheckedRendering& spring = checked.back();
+  EXPECT_TRUE(spring.bounded);
+  EXPECT_LT(spring.margin.share, 1.0) << "100 ms late, without damping of the device";
+  EXPECT_EQ(spring.share, 1.0);
+  EXPECT_THAT(stability_lines(checked, omni_capabilities(false), true).back(),
+              HasSubstr("energy bounded"));
+}
+
+}  // namespace
+}  // namespace handrail

@@ -1,0 +1,179 @@
+#include "server/stability/rendering.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "server/stability/sampled_wall.h"
+
+namespace handrail {
+namespace {
+
+using testing::HasSubstr;
+
+DeviceDynamics made_of(double mass, double damping, double friction) {
+  DeviceDynamics out;
+  out.mass = mass;
+  out.damping = damping;
+  out.friction = friction;
+  return out;
+}
+
+const DeviceDynamics kLinear = made_of(0.1, 0.5, 0.0);
+const DeviceDynamics kDry = made_of(0.045, 0.0, 0.26);
+
+Rendering spring(double stiffness, double damping = 0.0, double delay = 0.0) {
+  return {"spring", stiffness, damping, false, delay};
+}
+
+TEST(Rendering, ALinearDeviceHoldsUpToTheOnsetOfItsLoop) {
+  for (const int periods : {0, 1, 2, 10}) {
+    const SampledWall wall{.mass = 0.1, .damping = 0.5, .delay = periods};
+    const StabilityMargin margin = margin_of(kLinear, {}, spring(100.0, 0.0, 1e-3 * periods));
+    EXPECT_NEAR(margin.share * 100.0, stiffness_onset(wall), 1e-5 * stiffness_onset(wall));
+    EXPECT_EQ(margin.by, StabilityLimit::kLoop);
+  }
+}
+
+TEST(Rendering, StiffnessAndDampingGrowTogether) {
+  const StabilityMargin margin = margin_of(kLinear, {}, spring(1000.0, 2.0));
+  SampledWall wall{.mass = 0.1, .damping = 0.5};
+  wall.wall_damping = 0.999 * margin.share * 2.0;
+  EXPECT_TRUE(is_stable(wall, 0.999 * margin.share * 1000.0));
+  wall.wall_damping = 1.001 * margin.share * 2.0;
+  EXPECT_FALSE(is_stable(wall, 1.001 * margin.share * 1000.0));
+}
+
+TEST(Rendering, ADelayCountsAsNoLessThanItIs) {
+  EXPECT_EQ(margin_of(kLinear, {}, spring(100.0, 0.0, 1.2e-3)).share,
+            margin_of(kLinear, {}, spring(100.0, 0.0, 2e-3)).share);
+}
+
+TEST(Rendering, ALowPassOfTheVelocityIsPartOfTheLoop) {
+  RenderingLoop slow;
+  slow.velocity_lag = 5e-3;
+  const double with = margin_of(kLinear, slow, spring(1000.0, 5.0)).share;
+  const double without = margin_of(kLinear, {}, spring(1000.0, 5.0)).share;
+  EXPECT_LT(with, 0.8 * without);
+  Rendering own = spring(1000.0, 5.0);
+  own.own_velocity = true;
+  EXPECT_EQ(margin_of(kLinear, slow, own).share, without);
+}
+
+// A mass with Coulomb friction in a spring on both sides that is held for a tick, at most `peak`,
+// in steps 100 times finer; whether an oscillation that begins at `v` has grown after a second.
+bool grows(const DeviceDynamics& device, double stiffness, double peak, double v) {
+  constexpr double kFine = 1e-5;  // a hundredth of a tick [s]
+  const double begun = v;
+  double x = 0.0, most = 0.0;
+  for (int tick = 0; tick < 1000; ++tick) {
+    const double held = std::clamp(-stiffness * x, -peak, peak);
+    for (int i = 0; i < 100; ++i) {
+      const double free = v + held / device.mass * kFine;
+      const double stop = device.friction / device.mass * kFine;
+      v = std::abs(free) <= stop ? 0.0 : free - std::copysign(stop, free);
+      x += v * kFine;
+    }
+    if (tick >= 900) most = std::max(most, std::abs(v));
+  }
+  return most > begun;
+}
+
+TEST(Rendering, WithinThePeakForceFrictionDecides) {
+  const StabilityMargin margin = margin_of(kDry, {}, spring(1000.0));
+  EXPECT_EQ(margin.by, StabilityLimit::kFriction);
+  const double limit = margin.share * 1000.0;
+  // Within the peak alone, by the describing function, it would be more: F (K T / 2) = (4 / pi) f_c
+  // sqrt(K m).
+  const double root = 4.0 / std::numbers::pi * 0.26 * std::sqrt(0.045) / (3.3 * 0.5e-3);
+  EXPECT_LT(limit, 0.9 * root * root);
+  EXPECT_GT(limit, 0.8 * root * root);
+  // Whatever it begins with, below the limit nothing grows; well above something does.
+  bool grown = false;
+  for (double v = 0.1; v < 8.0; v *= 1.1) {
+    EXPECT_FALSE(grows(kDry, limit, 3.3, v)) << v;
+    grown = grown || grows(kDry, 1.2 * limit, 3.3, v);
+  }
+  EXPECT_TRUE(grown);
+}
+
+TEST(Rendering, WithoutAMassOnlyWhatIsPassiveCounts) {
+  const StabilityMargin margin = margin_of(made_of(0.0, 1.0, 0.0), {}, spring(1000.0));
+  EXPECT_EQ(margin.by, StabilityLimit::kUnknown);
+  EXPECT_NEAR(margin.share, 2.0, 1e-9);  // b >= K T / 2
+  EXPECT_EQ(margin_of(made_of(0.0, 0.0, 1.0), {}, spring(1000.0)).share, 0.0);
+  EXPECT_EQ(most_stiffness(made_of(0.0, 0.0, 1.0), {}, 0.0), 0.0);
+}
+
+TEST(Rendering, ANumberThatIsNoneHoldsNothing) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  DeviceDynamics device = kLinear;
+  for (double* value : {&device.mass, &device.damping, &device.friction}) {
+    const double was = *value;
+    for (const double bad : {nan, -1.0, std::numeric_limits<double>::infinity()}) {
+      *value = bad;
+      EXPECT_EQ(margin_of(device, {}, spring(100.0)).by, StabilityLimit::kInvalid) << bad;
+      EXPECT_EQ(margin_of(device, {}, spring(100.0)).share, 0.0) << bad;
+      EXPECT_EQ(most_stiffness(device, {}, 0.0), 0.0) << bad;
+    }
+    *value = was;
+  }
+  EXPECT_EQ(margin_of(kLinear, {}, spring(100.0, 0.0, -1e-3)).share, 0.0);
+  EXPECT_EQ(margin_of(kLinear, {}, spring(100.0, 0.0, nan)).share, 0.0);
+}
+
+TEST(Rendering, MostStiffnessIsWhatTheMarginLeaves) {
+  for (const double damping : {0.0, 1.0}) {
+    const double most = most_stiffness(kLinear, {}, damping);
+    SampledWall wall{.mass = 0.1, .damping = 0.5};
+    wall.wall_damping = damping;
+    EXPECT_TRUE(is_stable(wall, 0.999 * most)) << damping;
+    EXPECT_FALSE(is_stable(wall, 1.001 * most)) << damping;
+  }
+}
+
+TEST(Rendering, AScenesWallsAddUpWithTheEffectsThatActBesideThem) {
+  Scene scene;
+  auto walls = std::make_shared<Walls>();
+  const auto wall = [&walls](const char* name, double stiffness) {
+    WallRegion& region = walls->regions.emplace_back();
+    region.name = name;
+    region.kind = RegionKind::kWall;
+    region.stiffness = stiffness;
+  };
+  walls->regions.emplace_back();
+  wall("brick", 4000.0);
+  wall("foam", 500.0);
+  scene.walls = walls;
+  scene.effects.resize(2);  // the walls', and
+  scene.effects[1].kind = EffectKind::kReturn;
+  scene.effects[1].stiffness = 150.0;
+  const auto all = renderings_of(scene, {});
+  ASSERT_EQ(all.size(), 4u);
+  EXPECT_THAT(all[0].name, HasSubstr("'brick'"));
+  EXPECT_THAT(all[2].name, HasSubstr("'return_spring'"));
+  EXPECT_EQ(all[3].name, "all together");
+  EXPECT_EQ(all[3].stiffness, 4150.0);
+  scene.effects.erase(scene.effects.begin());
+  EXPECT_EQ(renderings_of(scene, {}).size(), 1u) << "walls that no effect renders";
+}
+
+TEST(Rendering, AnArmsSpringIsAsLateAsItsSmoother) {
+  Scene scene;
+  ToolCall& line = scene.tools.emplace_back();
+  line.kind = ToolKind::kLine;
+  line.stiffness = 1500.0;
+  const auto all = renderings_of(scene, {});
+  ASSERT_EQ(all.size(), 3u);
+  EXPECT_EQ(all[0].stiffness, 800.0);
+  EXPECT_EQ(all[1].stiffness, 1500.0);
+  EXPECT_EQ(all[2].stiffness, 200.0);
+  EXPECT_NEAR(all[2].delay, 99.5e-3, 1e-12);
+}
+
+}  // namespace
+}  // namespace handrail
