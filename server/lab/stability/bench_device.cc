@@ -29,7 +29,6 @@ BenchDevice omni() {
   BenchDevice out;
   out.name = "omni";
   out.capabilities = omni_capabilities(false);
-  out.body = {kOmniMass, 0.0, kOmniFriction};
   out.cutoff = 30.0;  // as the simulated one
   out.damping = 5.0;  // what CHAI3D holds for the most on it
   out.light = stylus(kLightest);
@@ -41,7 +40,6 @@ BenchDevice joystick() {
   BenchDevice out;
   out.name = "joystick";
   out.capabilities = joystick_capabilities();
-  out.body = {kJoystickMass, kJoystickViscosity, kJoystickFriction};
   out.cutoff = kJoystickVelocityCutoff;
   out.damping = 20.0;  // chosen
   out.light = passive(joystick_grip(0.0));
@@ -56,9 +54,8 @@ BenchDevice linear() {
   HapticCapabilities& c = out.capabilities;
   c.name = "linear axis";
   c.max_force = c.continuous_force = 10.0;
-  c.max_stiffness = 1000.0;  // 2 b / T at 1 kHz
+  c.dynamics = {.mass = 0.1, .damping = 0.5, .source = "chosen"};
   c.least_mass = 0.1;
-  out.body = {0.1, 0.5, 0.0};
   out.damping = 5.0;
   out.light = stylus(kLightest);
   out.firm = stylus(kFirmest);
@@ -66,6 +63,11 @@ BenchDevice linear() {
 }
 
 }  // namespace
+
+DeviceBody BenchDevice::body() const {
+  const DeviceDynamics& of = capabilities.dynamics;
+  return {of.mass, of.damping, of.friction};
+}
 
 PassiveGrip BenchDevice::grip(GripKind kind) const {
   return kind == GripKind::kNone ? PassiveGrip{} : kind == GripKind::kLight ? light : firm;

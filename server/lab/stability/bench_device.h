@@ -15,12 +15,13 @@ inline constexpr std::array kGripKinds = {GripKind::kNone, GripKind::kLight, Gri
 struct BenchDevice {
   const char* name = "";
   HapticCapabilities capabilities;
-  DeviceBody body;
   double cutoff = 0.0;   // of the velocity that its driver gives [Hz]; 0: the bare difference
   double lean = 0.0;     // what presses it against a wall, below its sustained force [N]
   double damping = 0.0;  // of a wall where damping is tried [N s/m]
   PassiveGrip light, firm;
 
+  // As its data declare it.
+  DeviceBody body() const;
   PassiveGrip grip(GripKind kind) const;
 };
 

@@ -23,7 +23,7 @@ double rendered_growth(const BenchDevice& device, double rate, double stiffness)
   const auto walls = make_wall_run(bench_scene(cell), device.capabilities);
   const PassiveGrip lean{.push = {kDepth * stiffness, 0.0}};
   const double period = 1.0 / rate;
-  BareDevice body(device.body, lean, {kDepth, 0.0}, period);
+  BareDevice body(device.body(), lean, {kDepth, 0.0}, period);
   WallInput in;
   in.hand.valid = true;
   in.hand.X_MH.p.x() = -kDepth;  // the proxy begins in free space
@@ -41,7 +41,7 @@ double rendered_growth(const BenchDevice& device, double rate, double stiffness)
     body.advance(period, out.f_H_M.force.head<2>());
     return body.position().x() - kDepth;
   };
-  const double swing = 2.0 * std::numbers::pi * std::sqrt(device.body.mass / stiffness) / period;
+  const double swing = 2.0 * std::numbers::pi * std::sqrt(device.body().mass / stiffness) / period;
   return growth_of(next, static_cast<int>(swing), 0, period);
 }
 
@@ -50,7 +50,7 @@ CaseFigures rendered_onset(const BenchDevice& of, double rate) {
   // Nothing of it cuts the force off.
   device.capabilities.max_force = device.capabilities.continuous_force = 1e3;
   const double onset = stiffness_onset(
-      {.mass = device.body.mass, .damping = device.body.damping, .period = 1.0 / rate});
+      {.mass = device.body().mass, .damping = device.body().damping, .period = 1.0 / rate});
   return {judged("rate_below_1_s", rendered_growth(device, rate, (1.0 - kBeside) * onset), 0.0),
           judged("decay_above_1_s", -rendered_growth(device, rate, (1.0 + kBeside) * onset), 0.0),
           told("onset_n_m", onset)};
@@ -61,7 +61,7 @@ CaseFigures rendered_onset(const BenchDevice& of, double rate) {
 std::vector<StabilityCase> rendered_cases() {
   std::vector<StabilityCase> out;
   for (const BenchDevice& device : bench_devices()) {
-    if (device.body.friction > 0.0) continue;  // it hides the onset
+    if (device.body().friction > 0.0) continue;  // it hides the onset
     for (const double rate : {250.0, 500.0, 1000.0, 2000.0, 4000.0, 10000.0}) {
       out.push_back({fmt::format("rendered/{}/{:g}Hz", device.name, rate), true, false,
                      [&device, rate](std::uint64_t) { return rendered_onset(device, rate); }});

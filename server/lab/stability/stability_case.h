@@ -33,7 +33,7 @@ inline bool all_hold(const CaseFigures& figures) {
 }
 
 struct StabilityCase {
-  // family/...; the last part of what has a governor says whether it is on.
+  // family/...; the last part of a cell of walls is off, energy or on.
   std::string name;
   // False: whether it holds is information, as of a wall without a governor.
   bool must_hold = true;

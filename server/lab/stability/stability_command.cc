@@ -8,8 +8,10 @@
 
 #include "server/base/plain_text.h"
 #include "server/lab/console/console.h"
+#include "server/lab/stability/stability_map.h"
 #include "server/lab/stability/stability_report.h"
 #include "server/lab/study/parallel.h"
+#include "server/lab/study/study_drawing.h"
 
 namespace handrail {
 namespace {
@@ -70,6 +72,9 @@ int run_stability_command(const StabilityCommand& command, const std::atomic<boo
     for (const StabilityCase& one : cases) std::printf("%s\n", one.name.c_str());
     return kDone;
   }
+  if (!command.figures.empty()) {
+    if (Status s = make_folder(command.figures); !s) return complain(s, kFailed);
+  }
   std::vector<CaseRun> runs = runs_of(cases, command);
   Progress progress;
   const Nanos start = monotonic_now();
@@ -80,6 +85,18 @@ int run_stability_command(const StabilityCommand& command, const std::atomic<boo
       &cancelled);
   progress.clear();
   if (!done) return complain(Status::error("cancelled"), kCancelled);
+  if (!command.figures.empty()) {
+    StabilityMapOptions map;
+    map.threads = command.threads;
+    map.cancelled = &cancelled;
+    map.progress = [&](std::size_t n, std::size_t of) {
+      progress.show(fmt::format("figure: {} of {} runs", n, of));
+    };
+    const Result<bool> drawn = draw_stability_map(command.figures, map);
+    progress.clear();
+    if (!drawn) return complain(drawn.status(), kFailed);
+    if (!*drawn) return complain(Status::error("cancelled"), kCancelled);
+  }
   const double took = to_seconds(monotonic_now() - start);
   const bool every = !command.only.empty();
   std::fputs((command.json ? stability_json(runs) : stability_table(runs, every)).c_str(), stdout);

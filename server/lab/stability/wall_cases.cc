@@ -16,7 +16,11 @@ constexpr std::array kForms = {std::pair{WallForm::kWall, "wall"},
                                std::pair{WallForm::kCorner, "corner"},
                                std::pair{WallForm::kThin, "thin"}};
 
-// Collects cells, each without and with a governor.
+constexpr std::array kGoverning = {std::pair{Governing::kOff, "off"},
+                                   std::pair{Governing::kEnergy, "energy"},
+                                   std::pair{Governing::kOn, "on"}};
+
+// Collects cells, each without and with what the master does for stability.
 class Cells {
  public:
   explicit Cells(std::string family) : family_(std::move(family)) {}
@@ -34,11 +38,11 @@ class Cells {
     }
   }
   void put(WallCell cell, const std::string& what) {
-    for (const bool governed : {false, true}) {
-      cell.governed = governed;
+    for (const auto& [governing, name] : kGoverning) {
+      cell.governing = governing;
       out_.push_back({fmt::format("{}/{}/{}/{}/{}", family_, cell.device->name, name_of(cell.grip),
-                                  what, governed ? "on" : "off"),
-                      governed, true,
+                                  what, name),
+                      governing == Governing::kOn, true,
                       [cell](std::uint64_t seed) { return run_wall_cell(cell, seed); }});
     }
   }

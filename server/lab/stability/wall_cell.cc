@@ -8,6 +8,7 @@
 #include "server/base/units.h"
 #include "server/lab/stability/bench_scene.h"
 #include "server/lab/stability/contact_meter.h"
+#include "server/master/governing.h"
 #include "server/master/wall_runs.h"
 
 namespace handrail {
@@ -16,6 +17,7 @@ namespace {
 constexpr double kSeconds = 6.0, kWindow = 2.0;  // of the swings that are compared [s]
 constexpr double kSecondKick = 1.0;              // [s]
 constexpr double kEffectsAreOn = 0.1;            // they come on within 50 ms [s]
+constexpr double kNominalRate = 1000.0;          // of the master's loop [Hz]
 constexpr double kStart = 0.2e-3;                // from the wall [m]
 constexpr double kMostGiven = 1e-3;              // in a contact, with ticks in time [J]
 // Chosen: what a swing may be more than a second before, and the counts that it may be anyway.
@@ -27,24 +29,34 @@ constexpr double kMostAngle = 0.35;  // of the first kick from straight at the w
 
 HapticCapabilities seen(const WallCell& cell) {
   HapticCapabilities out = cell.device->capabilities;
+  if (cell.resolution >= 0.0) out.dynamics.resolution = cell.resolution;
   const double cutoff = cell.cutoff < 0.0 ? cell.device->cutoff : cell.cutoff;
   out.velocity_lag = cutoff > 0.0 ? 1.0 / (2.0 * std::numbers::pi * cutoff) : 0.0;
   return out;
 }
 
-GovernorSettings governor_for(const WallCell& cell) {
-  GovernorSettings out;
-  out.on = cell.governed;
-  out.friction = cell.device->body.friction;
-  out.damping = cell.device->body.damping;
-  out.peak = cell.device->capabilities.max_force;
-  out.period = 1.0 / cell.rate;
-  return out;
+// What of it the master would render if that were its loop's period [s].
+double share_at(const Scene& scene, const HapticCapabilities& device, double period) {
+  RenderingLoop loop = rendering_loop(device);
+  loop.period = period;
+  double share = 1.0;
+  for (const Rendering& r : renderings_of(scene, loop)) {
+    share = std::min(share, kGoverned * margin_of(device.dynamics, loop, r).share);
+  }
+  return share;
 }
 
 std::unique_ptr<WallRun> run_of(const WallCell& cell) {
-  auto run = make_wall_run(bench_scene(cell), seen(cell));
-  run->settings.governor = governor_for(cell);
+  const Scene scene = bench_scene(cell);
+  const HapticCapabilities device = seen(cell);
+  auto run = make_wall_run(scene, device, cell.governing == Governing::kOn);
+  WallSettings& settings = run->settings;
+  settings.governor.on = cell.governing != Governing::kOff;
+  settings.governor.period = 1.0 / cell.rate;
+  // The master's own loop has the nominal rate alone.
+  if (cell.governing == Governing::kOn && cell.rate != kNominalRate) {
+    settings.share = share_at(scene, device, settings.governor.period);
+  }
   return run;
 }
 
@@ -57,7 +69,7 @@ class Bench {
 
  private:
   double resolution() const {
-    return cell_.resolution < 0.0 ? cell_.device->capabilities.position_resolution
+    return cell_.resolution < 0.0 ? cell_.device->capabilities.dynamics.resolution
                                   : cell_.resolution;
   }
   Vec2 ahead() const;
@@ -87,7 +99,7 @@ Bench::Bench(const WallCell& cell, std::uint64_t seed)
       random_(seed),
       period_(1.0 / cell.rate),
       walls_(run_of(cell)),
-      device_(cell.device->body, grip(),
+      device_(cell.device->body(), grip(),
               // A drawn part of a count, too.
               Vec2(cell.at_wall ? -kStart * ahead() : Vec2(Vec2::Zero())) +
                   resolution() * Vec2(random_.uniform(), random_.uniform())),
@@ -171,6 +183,7 @@ CaseFigures Bench::figures() const {
       judged("over_mj", 1e3 * meter_.over(), 1e3 * kMostGiven),
       judged("swing_mm", last_.peak_to_peak() / kMm, (kMoreSwing * swing + fine) / kMm),
       judged("drift_mm", (last_.mean() - before_.mean()).norm() / kMm, (0.5 * swing + fine) / kMm),
+      told("rest_mm", last_.mean().norm() / kMm),
       told("given_mj", 1e3 * meter_.worst()),
       told("contacts", meter_.contacts()),
       told("change_n", change_),

@@ -15,6 +15,12 @@ enum class WallForm : std::uint8_t {
   kThin,    // painted, one pixel
 };
 
+enum class Governing : std::uint8_t {
+  kOff,
+  kEnergy,  // what is made is taken back; all is rendered as stiff as the scene says
+  kOn,      // as in the master: what the device cannot hold is less stiff, too
+};
+
 enum class Lateness : std::uint8_t { kNone, kRandom, kPeriodic };
 
 // SI. What is less than 0 is as the device has it.
@@ -32,7 +38,7 @@ struct WallCell {
   double kick = 0.5;         // [m/s], within a fifth; later again by half of it, anywhere
   std::vector<EffectKind> effects = {EffectKind::kWall};
   bool at_wall = true;  // leans on it; else it is in the middle of the effects
-  bool governed = false;
+  Governing governing = Governing::kOff;
 };
 
 // Runs the cell for six seconds.
@@ -42,8 +48,9 @@ struct WallCell {
 //   swing_mm     from side to side in the last two seconds; judged by the two before them, and with
 //                late ticks, which drive it anew, by that of the first kick too
 //   drift_mm     of the middle of that swing
-//   given_mj, contacts, change_n (largest change of the force from tick to tick) and governed_share
-//   (of the ticks with a force, those in which the governor made it smaller) are told
+//   rest_mm (the middle of that swing), given_mj, contacts, change_n (largest change of the force
+//   from tick to tick) and governed_share (of the ticks with a force, those in which the governor
+//   made it smaller) are told
 CaseFigures run_wall_cell(const WallCell& cell, std::uint64_t seed);
 
 }  // namespace handrail

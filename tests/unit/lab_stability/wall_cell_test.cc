@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <set>
 #include <string>
 
@@ -31,13 +32,29 @@ TEST(WallCell, ASoftWallHoldsAndAStiffOneMakesEnergy) {
   EXPECT_GT(figure(run_wall_cell(linear(10'000.0), 1), "over_mj"), 3.0);
 }
 
-TEST(WallCell, AGovernorTakesMostOfThatBack) {
+TEST(WallCell, TheGovernorOfEnergyTakesMostOfThatBackAndTheMastersAllOfIt) {
   WallCell cell = linear(5000.0);
   const double without = figure(run_wall_cell(cell, 1), "given_mj");
-  cell.governed = true;
-  const CaseFigures governed = run_wall_cell(cell, 1);
-  EXPECT_LT(figure(governed, "given_mj"), 0.5 * without);
-  EXPECT_GT(figure(governed, "governed_share"), 0.0);
+  cell.governing = Governing::kEnergy;
+  const CaseFigures energy = run_wall_cell(cell, 1);
+  EXPECT_LT(figure(energy, "given_mj"), 0.5 * without);
+  EXPECT_GT(figure(energy, "governed_share"), 0.0);
+  cell.governing = Governing::kOn;
+  EXPECT_TRUE(all_hold(run_wall_cell(cell, 1)));
+}
+
+// It leans on the wall with 1 N.
+TEST(WallCell, TheMasterRendersWhatALoopOfThatRateHolds) {
+  WallCell cell = linear(5000.0);
+  cell.kick = 0.05;
+  const auto rest = [&cell](Governing governing, double rate) {
+    cell.governing = governing;
+    cell.rate = rate;
+    return figure(run_wall_cell(cell, 1), "rest_mm");
+  };
+  EXPECT_NEAR(rest(Governing::kOff, 10'000.0), 0.2, 0.02) << "as the scene says";
+  EXPECT_NEAR(rest(Governing::kOn, 1000.0), 1.0 / 0.951, 0.05) << "0.95 of 2 b / T";
+  EXPECT_NEAR(rest(Governing::kOn, 4000.0), 1.0 / 3.801, 0.02);
 }
 
 TEST(WallCell, ASeedIsARunAndAnotherIsAnother) {
@@ -68,14 +85,16 @@ TEST(WallCell, WithoutEffectsThereIsNoForce) {
 
 TEST(WallCases, EachHasANameOfItsOwnAndIsThereWithoutAndWithAGovernor) {
   std::set<std::string> names;
+  std::map<std::string, std::set<std::string>> governings;
   for (const StabilityCase& one : wall_cases()) {
     EXPECT_TRUE(names.insert(one.name).second) << one.name;
-    EXPECT_EQ(one.must_hold, one.name.ends_with("/on")) << one.name;
+    const std::size_t slash = one.name.rfind('/');
+    const std::string governing = one.name.substr(slash + 1);
+    EXPECT_EQ(one.must_hold, governing == "on") << one.name;
+    governings[one.name.substr(0, slash)].insert(governing);
   }
-  for (const std::string& name : names) {
-    const std::string other = name.ends_with("/on") ? name.substr(0, name.size() - 2) + "off"
-                                                    : name.substr(0, name.size() - 3) + "on";
-    EXPECT_EQ(names.count(other), 1u) << name;
+  for (const auto& [cell, all] : governings) {
+    EXPECT_EQ(all, (std::set<std::string>{"off", "energy", "on"})) << cell;
   }
 }
 
