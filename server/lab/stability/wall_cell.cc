@@ -183,7 +183,7 @@ CaseFigures Bench::figures() const {
       judged("over_mj", 1e3 * meter_.over(), 1e3 * kMostGiven),
       judged("swing_mm", last_.peak_to_peak() / kMm, (kMoreSwing * swing + fine) / kMm),
       judged("drift_mm", (last_.mean() - before_.mean()).norm() / kMm, (0.5 * swing + fine) / kMm),
-      told("rest_mm", last_.mean().norm() / kMm),
+      told("rest_mm", last_.mean().dot(ahead()) / kMm),
       told("given_mj", 1e3 * meter_.worst()),
       told("contacts", meter_.contacts()),
       told("change_n", change_),

@@ -48,9 +48,9 @@ struct WallCell {
 //   swing_mm     from side to side in the last two seconds; judged by the two before them, and with
 //                late ticks, which drive it anew, by that of the first kick too
 //   drift_mm     of the middle of that swing
-//   rest_mm (the middle of that swing), given_mj, contacts, change_n (largest change of the force
-//   from tick to tick) and governed_share (of the ticks with a force, those in which the governor
-//   made it smaller) are told
+//   rest_mm (the middle of that swing, into the wall), given_mj, contacts, change_n (largest change
+//   of the force from tick to tick) and governed_share (of the ticks with a force, those in which
+//   the governor made it smaller) are told
 CaseFigures run_wall_cell(const WallCell& cell, std::uint64_t seed);
 
 }  // namespace handrail
