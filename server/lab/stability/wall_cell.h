@@ -46,8 +46,9 @@ struct WallCell {
 //   over_mj      energy that a contact gave, less what the device took by itself and what ticks
 //                that came late may have made: most force times speed times the time they were late
 //   swing_mm     from side to side in the last two seconds; judged by the two before them, and with
-//                late ticks, which drive it anew, by that of the first kick too
+//                late ticks, which drive it anew, by twice that or the first kick's
 //   drift_mm     of the middle of that swing
+//   times_softer than the scene asks for, by the master's own governing
 //   rest_mm (the middle of that swing, into the wall), given_mj, contacts, change_n (largest change
 //   of the force from tick to tick) and governed_share (of the ticks with a force, those in which
 //   the governor made it smaller) are told
