@@ -172,11 +172,7 @@ GovernedForces govern(const HapticSettings& settings, const Wanted& wanted, doub
 void give_force(const HapticSettings& settings, const HapticInput& in, const Wanted& wanted,
                 double force_share, const Vec3& motion, bool hand_ok, bool trusted,
                 SessionState before, double dt, HapticState& s, HapticOutput& out) {
-  if (!hand_ok) {
-    s.force.arbiter.cut();
-    s.force.governor.restart();
-    s.force.tank.restart();
-  }
+  if (!hand_ok) s.force.cut();
   const double stiffness = s.command.guide.stiffness(settings.guide);
   const GovernedForces governed =
       govern(settings, wanted, force_share, motion, dt, s.force, stiffness);
@@ -188,7 +184,9 @@ void give_force(const HapticSettings& settings, const HapticInput& in, const Wan
   const Vec3 cue = hand_ok ? play_cue(settings, in, before, out, dt, s) : Vec3(Vec3::Zero());
   out.shares.device += cue;
   out.shares.limited += cue;
-  out.force = account(out.shares, wanted.tool, Vec3::Zero(), wanted.spring, cue);
+  const Vec3 taken = governed.tool.force - force_share * wanted.tool + governed.spring.force -
+                     force_share * wanted.spring;
+  out.force = account(out.shares, wanted.tool, Vec3::Zero(), wanted.spring, taken, cue);
   out.f_H_M.force = out.shares.device;
   out.f_H_M.torque = s.force.torque = limited_torque(
       settings, s.force.torque, hand_ok && trusted ? wanted.torque : Vec3(Vec3::Zero()), dt);

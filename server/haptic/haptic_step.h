@@ -138,6 +138,13 @@ struct ForceState {
   Vec3 torque = Vec3::Zero();  // last torque on the hand, frame M [N m]
   KeptBack kept_back;
   CuePlayer cue;
+
+  // The force is gone at once: the device does not say where the hand is, or has let go.
+  void cut() noexcept {
+    arbiter.cut();
+    governor.restart();
+    tank.restart();
+  }
 };
 
 // What a step remembers. Large (the smoothers' windows): keep one, never copy it in a loop.

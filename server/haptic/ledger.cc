@@ -22,7 +22,7 @@ MotionStage stage_of(FollowStage stage, Reason why) {
 }  // namespace
 
 ForceLedger account(const ForceShares& shares, const Vec3& tool, const Vec3& walls,
-                    const Vec3& spring, const Vec3& cue) noexcept {
+                    const Vec3& spring, const Vec3& governor, const Vec3& cue) noexcept {
   ForceLedger out;
   out.tool = finite_or_none(tool);
   out.walls = finite_or_none(walls);
@@ -30,7 +30,8 @@ ForceLedger account(const ForceShares& shares, const Vec3& tool, const Vec3& wal
   out.clamp = shares.peak_took;
   out.cue = cue;
   out.device = shares.device;
-  out.governor = out.device - out.tool - out.walls - out.spring - out.clamp - out.cue;
+  out.governor = finite_or_none(governor);
+  out.limits = out.device - out.tool - out.walls - out.spring - out.governor - out.clamp - out.cue;
   return out;
 }
 

@@ -18,16 +18,18 @@ struct ForceLedger {
   Vec3 tool = Vec3::Zero();      // as the tool asks for
   Vec3 walls = Vec3::Zero();     // as walls and effects ask for
   Vec3 spring = Vec3::Zero();    // as the arm's lag asks for
-  Vec3 governor = Vec3::Zero();  // what budget, step limit and fade changed
+  Vec3 governor = Vec3::Zero();  // what would have made energy
+  Vec3 limits = Vec3::Zero();    // what budget, step limit and fade changed
   Vec3 clamp = Vec3::Zero();     // what the device's peak and its heat took
   Vec3 cue = Vec3::Zero();       // what says something to the hand
   Vec3 device = Vec3::Zero();
 };
 
-// Where `shares.device`, with `cue` in it, came from. Wanted forces that are not finite count as
-// none, as they do to the arbiter. Real-time safe.
+// Where `shares.device`, with `cue` in it, came from; `governor`: what that changed before the
+// shares. Wanted forces that are not finite count as none, as they do to the arbiter. Real-time
+// safe.
 ForceLedger account(const ForceShares& shares, const Vec3& tool, const Vec3& walls,
-                    const Vec3& spring, const Vec3& cue) noexcept;
+                    const Vec3& spring, const Vec3& governor, const Vec3& cue) noexcept;
 
 // From the hand to the arm, in order.
 enum class MotionStage : std::uint8_t {

@@ -64,7 +64,7 @@ void wall_step(const WallSettings& settings, const WallInput& in, double dt, Wal
 
   double allowed = 0.0;
   Vec2 force = Vec2::Zero();
-  Governed governed;
+  Governed governed;  // nothing while the hand is not heard
   if (hand_ok) {
     const bool back = s.hand_gap > kLongestHandGap;
     s.hand_gap = 0.0;
@@ -100,8 +100,7 @@ void wall_step(const WallSettings& settings, const WallInput& in, double dt, Wal
     allowed = allowance(s, effect.wall, motion, acceleration);
   } else {
     s.hand_gap = std::min(s.hand_gap + dt, 1.0);
-    s.arbiter.cut();
-    s.governor.restart();
+    s.cut();
     out.reasons.add(Reason::kDeviceInvalid);
   }
 
@@ -109,7 +108,8 @@ void wall_step(const WallSettings& settings, const WallInput& in, double dt, Wal
                                hand_ok && !in.release, dt);
   s.governor.told(out.shares.device);
   out.energy_made = governed.made;
-  out.ledger = account(out.shares, Vec3::Zero(), in_space(force), Vec3::Zero(), Vec3::Zero());
+  out.ledger = account(out.shares, Vec3::Zero(), in_space(force), Vec3::Zero(),
+                       governed.force - in_space(force), Vec3::Zero());
   out.f_H_M.force = out.shares.device;
   out.f_H_M.torque.setZero();
   if (governed.acted) out.reasons.add(Reason::kForceEnergy);

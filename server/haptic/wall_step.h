@@ -55,6 +55,12 @@ struct WallState {
   double wall_stiffness = 0.0;                         // of the wall last touched [N/m]
   bool started = false;                                // the proxy follows the hand
   double hand_gap = 0.0;  // since the last valid reading, at most 1 [s]
+
+  // The force is gone at once: the device does not say where the hand is, or has let go.
+  void cut() noexcept {
+    arbiter.cut();
+    governor.restart();
+  }
 };
 
 // Everything a running scene of walls is. May be large.

@@ -41,8 +41,8 @@ GovernorSettings governor_settings(const HapticCapabilities& device, bool on) {
   GovernorSettings out;
   out.on = on;
   out.peak = device.max_force;
-  // What a device of unknown mass takes up is not known either.
-  if (device.dynamics.mass <= 0.0) return out;
+  // What a device takes up whose mass or counts are not known is not known either.
+  if (!(device.dynamics.mass > 0.0 && device.dynamics.resolution > 0.0)) return out;
   out.friction = std::max(device.dynamics.friction, 0.0);
   out.damping = std::max(device.dynamics.damping, 0.0);
   return out;

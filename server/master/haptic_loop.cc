@@ -67,9 +67,9 @@ void HapticLoop::tick(Nanos now) noexcept {
 }
 
 void HapticLoop::let_go() noexcept {
-  state_.force.arbiter.cut();
+  state_.force.cut();
   state_.force.torque.setZero();
-  if (scene_.walls != nullptr) scene_.walls->state.arbiter.cut();
+  if (scene_.walls != nullptr) scene_.walls->state.cut();
 }
 
 // The hand begins where the scene's walls leave it free.
@@ -113,6 +113,7 @@ void HapticLoop::feel_walls(double dt) noexcept {
   out.f_H_M = wall_out_.f_H_M;
   out.shares = wall_out_.shares;
   out.force = wall_out_.ledger;
+  out.energy_made = wall_out_.energy_made;
   out.reasons.add(wall_out_.reasons);
   report_.walls.present = true;
   report_.walls.stage = wall_out_.stage;

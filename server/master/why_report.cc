@@ -237,9 +237,11 @@ void set_ledger(pb::Ledger* out, const HapticReport& report, const SlaveState& s
   set_force(out->mutable_walls(), force.walls);
   set_force(out->mutable_spring(), force.spring);
   set_force(out->mutable_governor(), force.governor);
+  set_force(out->mutable_limits(), force.limits);
   set_force(out->mutable_clamp(), force.clamp);
   set_force(out->mutable_cue(), force.cue);
   set_force(out->mutable_device(), force.device);
+  out->set_energy_made_mj(1e3 * report.out.energy_made);
 }
 
 }  // namespace handrail

@@ -22,8 +22,8 @@ bool usable(double value) { return value >= 0.0 && value < kUnlimited; }
 
 std::optional<SampledWall> sampled(const DeviceDynamics& device, const RenderingLoop& loop,
                                    const Rendering& r) {
-  for (const double value : {device.mass, device.damping, device.friction, r.stiffness, r.damping,
-                             r.delay, loop.velocity_lag}) {
+  for (const double value : {device.mass, device.damping, device.friction, device.resolution,
+                             r.stiffness, r.damping, r.delay, loop.velocity_lag}) {
     if (!usable(value)) return std::nullopt;
   }
   if (!(loop.period > 0.0 && usable(loop.period) && loop.peak > 0.0)) return std::nullopt;
@@ -148,7 +148,7 @@ std::vector<Rendering> of_tools(const Scene& scene, const RenderingLoop& loop) {
 }  // namespace
 
 const char* name_of(StabilityLimit limit) noexcept {
-  constexpr std::array<const char*, 4> kNames = {"loop", "friction", "mass not declared",
+  constexpr std::array<const char*, 5> kNames = {"loop", "friction", "counts", "mass not declared",
                                                  "invalid device data"};
   return kNames[std::min(static_cast<std::size_t>(limit), kNames.size() - 1)];
 }
@@ -170,9 +170,12 @@ StabilityMargin margin_of(const DeviceDynamics& device, const RenderingLoop& loo
                       StabilityLimit::kLoop};
   if (rendering.damping > 0.0 || rendering.stiffness == 0.0) return out;
   const double late = loop.period * (0.5 + wall->delay);
-  const double share = stiffness_by_friction(device, loop.peak, late) / rendering.stiffness;
-  if (share > out.share) out = {share, StabilityLimit::kFriction};
-  return out;
+  if (device.resolution == 0.0) return out;
+  const double grown = stiffness_by_friction(device, loop.peak, late) / rendering.stiffness;
+  const double counted = 2.0 * device.friction / device.resolution / rendering.stiffness;
+  const StabilityMargin held = counted < grown ? StabilityMargin{counted, StabilityLimit::kCounts}
+                                               : StabilityMargin{grown, StabilityLimit::kFriction};
+  return held.share > out.share ? held : out;
 }
 
 double most_stiffness(const DeviceDynamics& device, const RenderingLoop& loop, double damping) {

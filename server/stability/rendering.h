@@ -30,6 +30,7 @@ struct RenderingLoop {
 enum class StabilityLimit {
   kLoop,      // the sampled loop: the linear device's own damping, and the damping rendered
   kFriction,  // the device's friction takes more than an oscillation within its peak force makes
+  kCounts,    // friction holds the hand where a count of the encoder pushes it no further
   kUnknown,   // of a device of unknown mass, only what is passive with its damping counts
   kInvalid,   // a number that is none: nothing can be shown
 };
@@ -47,7 +48,9 @@ struct StabilityMargin {
 // Of one rendering. The linear loop is exact but for the delay, which is taken to be whole periods,
 // no shorter than it is. Where nothing is rendered that damps, friction may do instead: beyond the
 // peak force F an oscillation makes less and less beside what friction takes of it, and at no
-// amplitude more while 0.860 F (K (T/2 + d) - b) <= f_c sqrt(K m). Allocates.
+// amplitude more while 0.860 F (K (T/2 + d) - b) <= f_c sqrt(K m); and while a count D pushes no
+// harder than friction holds, K D / 2 <= f_c (Diolaiti et al. 2006). A device that does not declare
+// its counts has no friction to count on. Allocates.
 StabilityMargin margin_of(const DeviceDynamics& device, const RenderingLoop& loop,
                           const Rendering& rendering);
 

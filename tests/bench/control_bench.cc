@@ -1,4 +1,5 @@
 // The steps of master and slave, whole, and the parts that have targets of their own.
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -6,6 +7,7 @@
 #include "server/follow/follow_ledger.h"
 #include "server/haptic/ledger.h"
 #include "server/motion/guard.h"
+#include "server/stability/energy_governor.h"
 #include "tests/bench/percentile.h"
 #include "tests/unit/constraint/tool_samples.h"
 #include "tests/unit/follow/follow_rig.h"
@@ -14,10 +16,11 @@
 namespace handrail::bench {
 namespace {
 
-constexpr double kToolTarget = 50.0;      // [ns]
-constexpr double kLedgerTarget = 50.0;    // [ns]
-constexpr double kHapticTarget = 1000.0;  // [ns]
-constexpr double kGuardTarget = 100.0;    // [ns]
+constexpr double kToolTarget = 50.0;       // [ns]
+constexpr double kLedgerTarget = 50.0;     // [ns]
+constexpr double kHapticTarget = 1000.0;   // [ns]
+constexpr double kGuardTarget = 100.0;     // [ns]
+constexpr double kGovernorTarget = 100.0;  // [ns]
 // Beside KDL's forward kinematics in the same run.
 constexpr double kFollowFactor = 6.0;
 constexpr double kLimitsFactor = 9.0;
@@ -127,6 +130,30 @@ struct GuardCall {
   }
 };
 
+// Governor and tank of a tick, a wall of 1 N/mm on one side of the hand.
+struct GovernorCall {
+  GovernorSettings settings;
+  EnergyGovernor governor;
+  EnergyTank tank;
+  Hand hand{0.05};
+  Vec3 last = Vec3::Zero();
+  explicit GovernorCall(double friction) {
+    settings.on = true;
+    settings.friction = friction;
+  }
+  const EnergyGovernor* operator()() {
+    const Vec3& p = hand.next();
+    const Vec3 wall(-1000.0 * std::max(p.x(), 0.0), 0.0, 0.0);
+    const Vec3 moved = p - last;
+    last = p;
+    governor.told(governor.govern(settings, {wall, wall, 1000.0}, moved, 1e-3).force);
+    tank.told(tank.govern(settings, -200.0 * p, 200.0, moved, 1e-3).force);
+    benchmark::DoNotOptimize(governor);
+    benchmark::DoNotOptimize(tank);
+    return &governor;
+  }
+};
+
 // Both ledgers of the master's tick, from the same points as in the step.
 struct Ledgers {
   Hand hand{0.05};
@@ -142,7 +169,7 @@ struct Ledgers {
   Vec3 operator()() {
     const Vec3& p = hand.next();
     shares.device = p;
-    force = account(shares, p, p, p, p);
+    force = account(shares, p, p, p, p, p);
     guidance.X_SP.p = 2.0 * p;
     guidance.X_SC.p = 3.0 * p;
     account({p, Quat::Identity()}, guidance, slave, motion);
@@ -203,11 +230,19 @@ void guard_refuse(benchmark::State& s) {
   run(s, "guard/brakes", kBatch, kGuardTarget, GuardCall(false, true));
 }
 
+void governor_idle(benchmark::State& s) {
+  run(s, "governor and tank/within limits", kBatch, kGovernorTarget, GovernorCall(1.0));
+}
+void governor_acting(benchmark::State& s) {
+  run(s, "governor and tank/acting", kBatch, kGovernorTarget, GovernorCall(0.0));
+}
 void ledgers(benchmark::State& s) { run(s, "ledger/master", kBatch, kLedgerTarget, Ledgers()); }
 void follow_ledgers(benchmark::State& s) {
   run(s, "ledger/slave", kBatch, kLedgerTarget, FollowLedgers());
 }
 
+BENCHMARK(governor_idle)->Name("governor_idle");
+BENCHMARK(governor_acting)->Name("governor_acting");
 BENCHMARK(ledgers)->Name("ledger_master");
 BENCHMARK(follow_ledgers)->Name("ledger_slave");
 BENCHMARK(exact_line)->Name("tool_line_exact");

@@ -236,8 +236,8 @@ TEST_F(StageOrder, WhyGivesTheForceOfTheWallThatIsPressed) {
   EXPECT_NEAR(why.walls().force_n(0), -why.walls().magnitude_n(), 1e-6);
   // All but the last add up to it.
   double sum = 0.0;
-  for (const pb::ForceShare* share :
-       {&why.tool(), &why.walls(), &why.spring(), &why.governor(), &why.clamp(), &why.cue()}) {
+  for (const pb::ForceShare* share : {&why.tool(), &why.walls(), &why.spring(), &why.governor(),
+                                      &why.limits(), &why.clamp(), &why.cue()}) {
     sum += share->force_n(0);
   }
   EXPECT_NEAR(sum, why.device().force_n(0), 1e-9);

@@ -102,9 +102,10 @@ TEST(Ledger, TheForcesAddUpAndEachIsWhatItsStageDid) {
     wander.move(dice, 0.2, 0.1, 1e-3, rig.in.hand.X_MH);
     rig.tick();
     const ForceLedger& f = rig.out.force;
-    ASSERT_LT(
-        (f.tool + f.walls + f.spring + f.governor + f.clamp + f.cue - rig.out.f_H_M.force).norm(),
-        1e-12);
+    ASSERT_LT((f.tool + f.walls + f.spring + f.governor + f.limits + f.clamp + f.cue -
+               rig.out.f_H_M.force)
+                  .norm(),
+              1e-12);
     ASSERT_EQ(f.device, rig.out.f_H_M.force);
     if (rig.out.motion.known && i < 1000) {
       ASSERT_EQ(f.tool, Vec3(Vec3::Zero()));
@@ -115,7 +116,7 @@ TEST(Ledger, TheForcesAddUpAndEachIsWhatItsStageDid) {
   }
 }
 
-TEST(Ledger, WhatThePeakTakesIsTheClampsAndWhatTheStepLimitHoldsBackTheGovernors) {
+TEST(Ledger, WhatThePeakTakesIsTheClampsAndWhatTheStepLimitHoldsBackTheLimits) {
   ForceLimits limits;
   limits.peak = 3.3;
   limits.continuous = 3.3;
@@ -125,15 +126,15 @@ TEST(Ledger, WhatThePeakTakesIsTheClampsAndWhatTheStepLimitHoldsBackTheGovernors
     for (int i = 0; i < ticks; ++i) {
       shares = arbiter.share(limits, tool, Vec3::Zero(), 0.0, true, 1e-3);
     }
-    return account(shares, tool, Vec3::Zero(), Vec3::Zero(), Vec3::Zero());
+    return account(shares, tool, Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero());
   };
   const ForceLedger over = settled({0, 5, 0}, 5000);
   EXPECT_NEAR(over.clamp.y(), 3.3 - 5.0, 1e-9);
-  EXPECT_LT(over.governor.norm(), 1e-9);
+  EXPECT_LT(over.limits.norm(), 1e-9);
   const ForceLedger begun = settled({0, 2, 0}, 1);
   EXPECT_EQ(begun.clamp, Vec3(Vec3::Zero()));
-  EXPECT_LT(begun.governor.y(), -1.0);
-  EXPECT_NEAR(begun.governor.y(), begun.device.y() - 2.0, 1e-12);
+  EXPECT_LT(begun.limits.y(), -1.0);
+  EXPECT_NEAR(begun.limits.y(), begun.device.y() - 2.0, 1e-12);
 }
 
 }  // namespace

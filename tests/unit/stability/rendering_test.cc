@@ -20,6 +20,7 @@ DeviceDynamics made_of(double mass, double damping, double friction) {
   out.mass = mass;
   out.damping = damping;
   out.friction = friction;
+  out.resolution = 5e-5;
   return out;
 }
 
@@ -101,6 +102,16 @@ TEST(Rendering, WithinThePeakForceFrictionDecides) {
   EXPECT_TRUE(grown);
 }
 
+TEST(Rendering, FrictionHasToHoldACount) {
+  DeviceDynamics coarse = kDry;
+  coarse.resolution = 1e-3;
+  const StabilityMargin margin = margin_of(coarse, {}, spring(1000.0));
+  EXPECT_EQ(margin.by, StabilityLimit::kCounts);
+  EXPECT_NEAR(margin.share * 1000.0, 2.0 * 0.26 / 1e-3, 1e-9);
+  coarse.resolution = 0.0;
+  EXPECT_EQ(margin_of(coarse, {}, spring(1000.0)).share, 0.0) << "not declared";
+}
+
 TEST(Rendering, WithoutAMassOnlyWhatIsPassiveCounts) {
   const StabilityMargin margin = margin_of(made_of(0.0, 1.0, 0.0), {}, spring(1000.0));
   EXPECT_EQ(margin.by, StabilityLimit::kUnknown);
@@ -112,7 +123,7 @@ TEST(Rendering, WithoutAMassOnlyWhatIsPassiveCounts) {
 TEST(Rendering, ANumberThatIsNoneHoldsNothing) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   DeviceDynamics device = kLinear;
-  for (double* value : {&device.mass, &device.damping, &device.friction}) {
+  for (double* value : {&device.mass, &device.damping, &device.friction, &device.resolution}) {
     const double was = *value;
     for (const double bad : {nan, -1.0, std::numeric_limits<double>::infinity()}) {
       *value = bad;
