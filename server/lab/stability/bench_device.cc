@@ -54,7 +54,7 @@ BenchDevice linear() {
   HapticCapabilities& c = out.capabilities;
   c.name = "linear axis";
   c.max_force = c.continuous_force = 10.0;
-  c.dynamics = {.mass = 0.1, .damping = 0.5, .source = "chosen"};
+  c.dynamics = {.mass = 0.1, .damping = 0.5, .resolution = kFinest, .source = "chosen"};
   c.least_mass = 0.1;
   out.damping = 5.0;
   out.light = stylus(kLightest);

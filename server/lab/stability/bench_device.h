@@ -8,6 +8,9 @@
 
 namespace handrail {
 
+// As good as none: a device whose counts are 0 counts as one that does not say [m].
+inline constexpr double kFinest = 1e-9;
+
 enum class GripKind : std::uint8_t { kNone, kLight, kFirm };
 
 inline constexpr std::array kGripKinds = {GripKind::kNone, GripKind::kLight, GripKind::kFirm};

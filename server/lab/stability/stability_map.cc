@@ -91,8 +91,8 @@ void add_places(Panel& panel, const BenchDevice& device, Governing governing,
     if (points.empty()) return;
     panel.points(std::move(points), {.colour = figure::kColours[colour], .marker = marker}, what);
   };
-  put(std::move(holds), 0, Marker::kCircle, "every kick dies away");
-  put(std::move(fails), 1, Marker::kCross, "makes more than 1 mJ in a contact, or grows");
+  put(std::move(holds), 0, Marker::kCircle, "at most 1 mJ a contact, and no growth");
+  put(std::move(fails), 1, Marker::kCross, "more, or growth");
 }
 
 }  // namespace
