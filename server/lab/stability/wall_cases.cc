@@ -75,6 +75,24 @@ void add_walls(std::vector<StabilityCase>& all) {
   cells.move_to(all);
 }
 
+// The governor then takes back all that is made, though the device takes some by itself. On a
+// device without damping nothing can be shown to hold then, and nothing is rendered.
+void add_undeclared(std::vector<StabilityCase>& all) {
+  Cells cells("undeclared");
+  cells.each([&](WallCell cell) {
+    if (cell.device->body().damping == 0.0) return;
+    cell.declared = false;
+    for (const auto& [form, name] : kForms) {
+      for (const double n_mm : {0.5, 1.0, 2.0}) {
+        cell.form = form;
+        cell.stiffness = n_mm * kNewtonPerMm;
+        cells.put(cell, fmt::format("{}/K{:g}", name, n_mm));
+      }
+    }
+  });
+  cells.move_to(all);
+}
+
 void add_rates(std::vector<StabilityCase>& all) {
   Cells cells("rates");
   cells.each([&](WallCell cell) {
@@ -170,6 +188,7 @@ void add_effects(std::vector<StabilityCase>& all) {
 std::vector<StabilityCase> wall_cases() {
   std::vector<StabilityCase> out;
   add_walls(out);
+  add_undeclared(out);
   add_rates(out);
   add_late_ticks(out);
   add_encoders(out);

@@ -33,6 +33,7 @@ constexpr double kMostAngle = 0.35;  // of the first kick from straight at the w
 HapticCapabilities seen(const WallCell& cell) {
   HapticCapabilities out = cell.device->capabilities;
   if (cell.resolution >= 0.0) out.dynamics.resolution = std::max(cell.resolution, kFinest);
+  if (!cell.declared) out.dynamics.resolution = 0.0;
   const double cutoff = cell.cutoff < 0.0 ? cell.device->cutoff : cell.cutoff;
   out.velocity_lag = cutoff > 0.0 ? 1.0 / (2.0 * std::numbers::pi * cutoff) : 0.0;
   return out;

@@ -34,8 +34,10 @@ struct WallCell {
   Lateness lateness = Lateness::kNone;
   double gap = 0.0;          // the most by which a tick is late [s]
   double resolution = -1.0;  // [m]
-  double cutoff = -1.0;      // of the velocity's low-pass [Hz]
-  double kick = 0.5;         // [m/s], within a fifth; later again by half of it, anywhere
+  // False: its driver does not say how fine its counts are; the master then counts on no loss.
+  bool declared = true;
+  double cutoff = -1.0;  // of the velocity's low-pass [Hz]
+  double kick = 0.5;     // [m/s], within a fifth; later again by half of it, anywhere
   std::vector<EffectKind> effects = {EffectKind::kWall};
   bool at_wall = true;  // leans on it; else it is in the middle of the effects
   Governing governing = Governing::kOff;
