@@ -10,7 +10,7 @@ TEST(ContactMeter, AContactBeginsAnewWhenNoForceWasAskedFor) {
   meter.add(true, 2.0, 0.5, 0.0);
   meter.add(true, -1.0, 0.0, 0.0);
   meter.add(false, 0.0, 9.0, 0.0);
-  meter.add(true, 1.0, 0.0, 0.0);
+  meter.add(true, 1.25, 0.0, 0.0);
   EXPECT_EQ(meter.contacts(), 2);
   EXPECT_EQ(meter.worst(), 1.5);
   EXPECT_EQ(meter.over(), 1.5);
