@@ -1,13 +1,10 @@
 // handrail-lab: experiments in virtual time, with the daemons' own steps.
 #include <signal.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstdio>
-#include <map>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,8 +18,8 @@
 #include "server/lab/hand/hand_command.h"
 #include "server/lab/links/link_command.h"
 #include "server/lab/scenes/price_command.h"
-#include "server/lab/study/linear/linear_command.h"
-#include "server/lab/study/screw/screw_command.h"
+#include "server/lab/stability/stability_command.h"
+#include "server/lab/study_words.h"
 #include "server/lab/walls/wall_command.h"
 
 namespace handrail {
@@ -65,116 +62,6 @@ void add_hand(CLI::App& app, HandCommand& hand) {
   sub->add_option("--scene", hand.scene, "scene to run in")->capture_default_str();
   sub->add_flag("--one-way", hand.one_way, "forward along device +X only");
   sub->add_flag("--json", hand.json, "print the result as JSON");
-}
-
-void add_operators(CLI::App& sub, int& operators, const char* what) {
-  sub.add_option("--operators", operators, what)
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
-}
-
-void add_threads(CLI::App& sub, int& threads,
-                 const char* what = "0: one a core; results do not depend on it") {
-  sub.add_option("--threads", threads, what)->check(CLI::Range(0, 1024))->capture_default_str();
-}
-
-// The words of studies and fits.
-struct StudyWords {
-  LinearCommand linear;
-  ScrewCommand screw;
-  FitCommand linear_fit{"linear-movement"};
-  FitCommand screw_fit{"screw-fastening"};
-};
-
-constexpr const char* kVary = "Vary one thing, printed beside the study as it is";
-
-const std::map<std::string, BumperSettings::Form> kForms = {
-    {"published", BumperSettings::Form::kPublished}, {"default", BumperSettings::Form::kDefault}};
-
-// What all studies have in common. `block`: of the scene, that the study needs.
-void add_study(CLI::App& sub, StudyCommand& study, const std::string& block) {
-  add_operators(sub, study.operators, "how many");
-  sub.add_option("--trials", study.trials, "successful trials of each in each mode")
-      ->check(CLI::Range(1, 100))
-      ->capture_default_str();
-  sub.add_option("--seed", study.seed, "another seed, other people")->capture_default_str();
-  add_threads(sub, study.threads);
-  sub.add_option("--scene", study.scene, "scene, with a " + block)->capture_default_str();
-  sub.add_option("--population", study.population, "name or file of the operators' population")
-      ->capture_default_str();
-  sub.add_flag("--json", study.json, "print everything, every trial too, as JSON");
-  sub.add_option("--figures", study.figures, "folder for the figures (SVG)");
-  sub.add_option("--set", study.settings,
-                 "KEY=VALUE: a scene's field, rig.FIELD, operator.PARAMETER, haptic.rate_hz, "
-                 "link.delay_ms; all --set together are one variation")
-      ->allow_extra_args(false)
-      ->group(kVary);
-  sub.add_option("--sweep", study.sweeps, "KEY=VALUE,VALUE,...: a variation for each value")
-      ->allow_extra_args(false)
-      ->group(kVary);
-}
-
-void add_linear(CLI::App& app, StudyWords& words) {
-  CLI::App* sub = app.add_subcommand(
-      "linear-movement", "simulated operators from A to B to C, without tools (NV) and with (V)");
-  add_study(*sub, words.linear, "task");
-  sub->add_option("--smoother", words.linear.smoother, "published, low-lag, or a number of samples")
-      ->group(kVary);
-  sub->add_option("--rate", words.linear.rate, "of the haptic loop [Hz]")->group(kVary);
-  sub->add_option("--tool-method", words.linear.tool_method, "exact or published (Algorithm 2)")
-      ->check(CLI::IsMember({"exact", "published"}))
-      ->group(kVary);
-}
-
-void add_screw(CLI::App& app, StudyWords& words) {
-  CLI::App* sub = app.add_subcommand(
-      "screw-fastening",
-      "simulated operators tighten a screw, without contact protection (NC) and with (C), without "
-      "tools (NV) and with (V)");
-  add_study(*sub, words.screw, "screw");
-  const auto choose = [&words](const std::string& form) { words.screw.bumper = kForms.at(form); };
-  sub->add_option_function<std::string>("--bumper", choose, "of the modes with protection")
-      ->check(CLI::IsMember({"published", "default"}))
-      ->default_str("default");
-}
-
-void add_fit(CLI::App& fits, FitCommand& fit, const char* name, const std::string& mode,
-             const std::string& block) {
-  CLI::App* sub = fits.add_subcommand(name, "to mode " + mode);
-  add_operators(*sub, fit.operators, "how many");
-  sub->add_option("--evaluations", fit.evaluations, "candidates to try, at most")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
-  sub->add_option("--seed", fit.seed, "other people than a study's")->capture_default_str();
-  add_threads(*sub, fit.threads, "0: one a core; the fit does not depend on it");
-  sub->add_option("--scene", fit.scene, "scene, with a " + block)->capture_default_str();
-  sub->add_option("--population", fit.population, "name or file to start from")
-      ->capture_default_str();
-  sub->add_option("--out", fit.out, "file to write; without it the population's own");
-  sub->add_flag("--check", fit.check,
-                "write nothing; exit 1 if the file is not what the fit gives");
-}
-
-void add_studies(CLI::App& app, StudyWords& words) {
-  add_linear(app, words);
-  add_screw(app, words);
-  CLI::App* fits = app.add_subcommand(
-      "fit",
-      "fit a population's free parameters to the dissertation's medians without tools and "
-      "protection");
-  fits->require_subcommand(1);
-  add_fit(*fits, words.linear_fit, "linear-movement", "NV of the linear movement", "task");
-  add_fit(*fits, words.screw_fit, "screw-fastening", "NC-NV of screw fastening", "screw");
-}
-
-// The exit code of the study or the fit that was asked for; nothing if none was.
-std::optional<int> run_studies(const CLI::App& app, const StudyWords& words) {
-  if (app.got_subcommand("linear-movement")) return run_linear_command(words.linear, cancelled);
-  if (app.got_subcommand("screw-fastening")) return run_screw_command(words.screw, cancelled);
-  if (!app.got_subcommand("fit")) return std::nullopt;
-  return app.get_subcommand("fit")->got_subcommand("linear-movement")
-             ? run_linear_fit(words.linear_fit, cancelled)
-             : run_screw_fit(words.screw_fit, cancelled);
 }
 
 void add_accuracy(CLI::App& app, AccuracyCommand& accuracy) {
@@ -310,6 +197,21 @@ void add_links(CLI::App& app, LinkCommand& links) {
   sub->add_flag("--json", links.json, "print every figure as JSON");
 }
 
+void add_stability(CLI::App& app, StabilityCommand& stability) {
+  CLI::App* sub = app.add_subcommand(
+      "stability", "whether what is rendered at the hand is stable: theory, walls, effects");
+  sub->add_flag("--quick", stability.quick, "one seed of each case");
+  sub->add_option("--case", stability.only, "a case of --list, or the first parts of its name");
+  sub->add_option("--seed", stability.seed, "the first: other kicks and moments")
+      ->capture_default_str();
+  sub->add_option("--seeds", stability.seeds, "of each case; without it 20, or 1 of --case")
+      ->check(CLI::Range(1, 100000));
+  sub->add_flag("--list", stability.list, "print the cases' names and run none");
+  add_threads(*sub, stability.threads);
+  sub->add_flag("--json", stability.json, "print a line of JSON a run");
+  sub->add_option("--figures", stability.figures, "folder for the figure (SVG)");
+}
+
 // Names the first of `words` that is no command of `app`, or of the command before it, and the
 // nearest that is one, or all; also all where one is missing. Empty when nothing is wrong.
 std::string unknown_command(const CLI::App& app, std::span<char* const> words) {
@@ -354,6 +256,8 @@ int run(int argc, char** argv) {
   add_bumper(app, bumper);
   LinkCommand links;
   add_links(app, links);
+  StabilityCommand stability;
+  add_stability(app, stability);
   PriceCommand prices;
   add_price_check(app, prices);
   const std::span<char* const> words(argv + 1, static_cast<std::size_t>(std::max(argc - 1, 0)));
@@ -385,7 +289,8 @@ int run(int argc, char** argv) {
   if (app.got_subcommand("price-check")) return run_price_command(prices, cancelled);
   if (app.got_subcommand("bumper")) return run_bumper_command(bumper, cancelled);
   if (app.got_subcommand("links")) return run_link_command(links, cancelled);
-  if (const auto code = run_studies(app, studies)) return *code;
+  if (app.got_subcommand("stability")) return run_stability_command(stability, cancelled);
+  if (const auto code = run_studies(app, studies, cancelled)) return *code;
   return run_fault_command(faults, cancelled);
 }
 

@@ -76,10 +76,11 @@ Table lab_rows() {
   const Folders lab =
       network + Folders{"devices",           "proto",          "server/scene", "server/lab/console",
                         "server/lab/figure", "server/lab/cell"};
-  return {{"server/lab", kBase + Folders{"server/lab/accuracy", "server/lab/contact",
-                                         "server/lab/faults", "server/lab/hand", "server/lab/links",
-                                         "server/lab/scenes", "server/lab/study/linear",
-                                         "server/lab/study/screw", "server/lab/walls"}},
+  return {{"server/lab",
+           kBase + Folders{"server/lab/accuracy", "server/lab/contact", "server/lab/faults",
+                           "server/lab/hand", "server/lab/links", "server/lab/scenes",
+                           "server/lab/stability", "server/lab/study/linear",
+                           "server/lab/study/screw", "server/lab/walls"}},
           {"server/lab/console", kBase},
           {"server/lab/figure", kBase},
           {"server/lab/network", kBase},
@@ -98,6 +99,9 @@ Table lab_rows() {
           {"server/lab/walls", lab + kHands +
                                    Folders{"server/lab/study", "server/master", "server/haptic",
                                            "server/constraint", "server/constraint/drawn"}},
+          {"server/lab/stability",
+           lab + kHands +
+               Folders{"server/lab/study", "server/master", "server/haptic", "server/stability"}},
           {"server/lab/contact", lab + Folders{"server/lab/study", "server/follow"}},
           {"server/lab/links",
            lab + Folders{"server/lab/faults", "server/lab/study", "server/session"}},

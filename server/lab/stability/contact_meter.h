@@ -1,0 +1,67 @@
+// What a device is given in each contact, and how it moves.
+#pragma once
+
+#include <algorithm>
+#include <limits>
+
+#include "server/base/plane.h"
+
+namespace handrail {
+
+// What is given in a contact is the work of the force so far, less what the device's own friction
+// and damping took meanwhile: a spring that begins and ends at rest gives nothing, and before it
+// has ended it has given less. A contact lasts for as long as a force is asked for;
+// where places pull from afar, it is all of a run that begins where they pull no further.
+class ContactMeter {
+ public:
+  explicit ContactMeter(bool whole_run) noexcept : whole_run_(whole_run) {}
+
+  // A tick under a force: its work and what the device took meanwhile [J]. `late`: what may have
+  // been made more, as the tick was held longer than it was to be [J]; of a tick without a force it
+  // counts for the contact that begins within it.
+  void add(bool pushed, double work, double taken, double late) noexcept {
+    if (pushed && !in_contact_) {
+      if (!whole_run_) given_ = allowed_ = 0.0;
+      allowed_ += before_;
+      ++contacts_;
+    }
+    in_contact_ = pushed;
+    before_ = late;
+    if (!pushed) return;
+    given_ += work - taken;
+    allowed_ += late;
+    worst_ = std::max(worst_, given_);
+    over_ = std::max(over_, given_ - allowed_);
+  }
+
+  int contacts() const noexcept { return contacts_; }
+  double worst() const noexcept { return worst_; }  // given in a contact, at any time of it [J]
+  double over() const noexcept { return over_; }    // the same less what late ticks may make [J]
+
+ private:
+  bool whole_run_, in_contact_ = false;
+  int contacts_ = 0;
+  double before_ = 0.0, given_ = 0.0, allowed_ = 0.0, worst_ = 0.0, over_ = 0.0;
+};
+
+// Of places: their mean, and how far they lie apart.
+class Swing {
+ public:
+  void add(const Vec2& p) noexcept {
+    low_ = low_.cwiseMin(p);
+    high_ = high_.cwiseMax(p);
+    sum_ += p;
+    ++count_;
+  }
+  Vec2 mean() const noexcept { return sum_ / std::max(count_, 1); }
+  // From side to side, along the axis where that is more [m].
+  double peak_to_peak() const noexcept { return count_ > 0 ? (high_ - low_).maxCoeff() : 0.0; }
+
+ private:
+  Vec2 low_ = Vec2::Constant(std::numeric_limits<double>::infinity());
+  Vec2 high_ = Vec2::Constant(-std::numeric_limits<double>::infinity());
+  Vec2 sum_ = Vec2::Zero();
+  int count_ = 0;
+};
+
+}  // namespace handrail

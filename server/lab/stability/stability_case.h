@@ -1,0 +1,53 @@
+// What the suite of stability runs, and what a run came to.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace handrail {
+
+// One figure with its unit in its name. Judged ones hold where `value` is at most `most`.
+struct CaseFigure {
+  const char* name = "";
+  double value = 0.0;
+  double most = 0.0;
+  bool judged = false;
+
+  bool holds() const noexcept { return !judged || value <= most; }  // not for a NaN
+};
+
+inline CaseFigure judged(const char* name, double value, double most) {
+  return {name, value, most, true};
+}
+inline CaseFigure told(const char* name, double value) { return {name, value, 0.0, false}; }
+
+using CaseFigures = std::vector<CaseFigure>;
+
+inline bool all_hold(const CaseFigures& figures) {
+  for (const CaseFigure& f : figures) {
+    if (!f.holds()) return false;
+  }
+  return true;
+}
+
+struct StabilityCase {
+  // family/...; the last part of a cell of walls is off, energy or on.
+  std::string name;
+  // False: whether it holds is information, as of a wall without a governor.
+  bool must_hold = true;
+  bool drawn = false;  // another seed is another run
+  std::function<CaseFigures(std::uint64_t seed)> run;
+
+  std::string family() const { return name.substr(0, name.find('/')); }
+};
+
+// What theory and published tables say of a plain sampled spring.
+std::vector<StabilityCase> truth_cases();
+// Whether the master's own wall is such a spring, without a governor.
+std::vector<StabilityCase> rendered_cases();
+// The walls and effects of the master's own step.
+std::vector<StabilityCase> wall_cases();
+
+}  // namespace handrail

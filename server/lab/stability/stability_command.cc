@@ -1,0 +1,112 @@
+#include "server/lab/stability/stability_command.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+#include "server/base/plain_text.h"
+#include "server/lab/console/console.h"
+#include "server/lab/stability/stability_map.h"
+#include "server/lab/stability/stability_report.h"
+#include "server/lab/study/parallel.h"
+#include "server/lab/study/study_drawing.h"
+
+namespace handrail {
+namespace {
+
+constexpr int kSeeds = 20;  // of a full run
+
+bool begins_with(const std::string& name, const std::string& only) {
+  return name.compare(0, only.size(), only) == 0 &&
+         (name.size() == only.size() || only.empty() || only.back() == '/' ||
+          name[only.size()] == '/');
+}
+
+std::vector<StabilityCase> chosen(const StabilityCommand& command) {
+  std::vector<StabilityCase> out;
+  for (auto* cases : {&truth_cases, &rendered_cases, &wall_cases}) {
+    for (StabilityCase& one : cases()) {
+      if (begins_with(one.name, command.only)) out.push_back(std::move(one));
+    }
+  }
+  return out;
+}
+
+// What is wrong with the name, and what there is instead.
+Status unknown(const std::string& only) {
+  std::vector<std::string> names, families;
+  for (const StabilityCase& one : chosen({})) {
+    names.push_back(one.name);
+    if (families.empty() || families.back() != one.family()) families.push_back(one.family());
+  }
+  const std::string nearest = nearest_name(only, names);
+  std::string known;
+  for (const std::string& family : families) known.append((known.empty() ? "" : ", ") + family);
+  return Status::error(fmt::format(
+      "--case '{}': no case begins so; {}", only,
+      nearest.empty() ? "expected one of --list, or the first parts of its name: " + known
+                      : "did you mean '" + nearest + "'?"));
+}
+
+std::vector<CaseRun> runs_of(const std::vector<StabilityCase>& cases,
+                             const StabilityCommand& command) {
+  const int whole = command.quick || !command.only.empty() ? 1 : kSeeds;
+  const int seeds = command.seeds > 0 ? command.seeds : whole;
+  std::vector<CaseRun> runs;
+  for (const StabilityCase& one : cases) {
+    for (int i = 0; i < (one.drawn ? seeds : 1); ++i) {
+      runs.push_back({&one, command.seed + static_cast<std::uint64_t>(i), {}});
+    }
+  }
+  return runs;
+}
+
+}  // namespace
+
+int run_stability_command(const StabilityCommand& command, const std::atomic<bool>& cancelled) {
+  const std::vector<StabilityCase> cases = chosen(command);
+  if (cases.empty()) return complain(unknown(command.only), kUsage);
+  if (command.list) {
+    for (const StabilityCase& one : cases) std::printf("%s\n", one.name.c_str());
+    return kDone;
+  }
+  if (!command.figures.empty()) {
+    if (Status s = make_folder(command.figures); !s) return complain(s, kFailed);
+  }
+  std::vector<CaseRun> runs = runs_of(cases, command);
+  Progress progress;
+  const Nanos start = monotonic_now();
+  const bool done = run_parallel(
+      runs.size(), command.threads,
+      [&](std::size_t i) { runs[i].figures = runs[i].of->run(runs[i].seed); },
+      [&](std::size_t n) { progress.show(fmt::format("{} of {} runs", n, runs.size())); },
+      &cancelled);
+  progress.clear();
+  if (!done) return complain(Status::error("cancelled"), kCancelled);
+  if (!command.figures.empty()) {
+    StabilityMapOptions map;
+    map.threads = command.threads;
+    map.cancelled = &cancelled;
+    map.progress = [&](std::size_t n, std::size_t of) {
+      progress.show(fmt::format("figure: {} of {} runs", n, of));
+    };
+    const Result<bool> drawn = draw_stability_map(command.figures, map);
+    progress.clear();
+    if (!drawn) return complain(drawn.status(), kFailed);
+    if (!*drawn) return complain(Status::error("cancelled"), kCancelled);
+  }
+  const double took = to_seconds(monotonic_now() - start);
+  const bool every = !command.only.empty();
+  std::fputs((command.json ? stability_json(runs) : stability_table(runs, every)).c_str(), stdout);
+  std::fprintf(stderr, "%zu runs in %.1f s\n", runs.size(), took);
+  const auto failed =
+      std::count_if(runs.begin(), runs.end(), [](const CaseRun& run) { return run.failed(); });
+  if (failed == 0) return kDone;
+  return complain(
+      Status::error(fmt::format("{} of {} runs do not hold what they must", failed, runs.size())),
+      kFailed);
+}
+
+}  // namespace handrail

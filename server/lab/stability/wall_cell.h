@@ -1,0 +1,59 @@
+// A bare device at walls and effects of the master's own step, kicked.
+#pragma once
+
+#include <vector>
+
+#include "server/lab/stability/bench_device.h"
+#include "server/lab/stability/stability_case.h"
+#include "server/model/effect_list.h"
+
+namespace handrail {
+
+enum class WallForm : std::uint8_t {
+  kWall,    // drawn, straight
+  kCorner,  // drawn, two that meet in the room's corner
+  kThin,    // painted, one pixel
+};
+
+enum class Governing : std::uint8_t {
+  kOff,
+  kEnergy,  // what is made is taken back; all is rendered as stiff as the scene says
+  kOn,      // as in the master: what the device cannot hold is less stiff, too
+};
+
+enum class Lateness : std::uint8_t { kNone, kRandom, kPeriodic };
+
+// SI. What is less than 0 is as the device has it.
+struct WallCell {
+  const BenchDevice* device = nullptr;
+  GripKind grip = GripKind::kNone;
+  WallForm form = WallForm::kWall;
+  double stiffness = 800.0;  // [N/m]
+  bool damped = false;       // the wall, by the device's `damping`
+  double rate = 1000.0;      // of the loop [Hz]
+  Lateness lateness = Lateness::kNone;
+  double gap = 0.0;          // the most by which a tick is late [s]
+  double resolution = -1.0;  // [m]
+  // False: its driver does not say how fine its counts are; the master then counts on no loss.
+  bool declared = true;
+  double cutoff = -1.0;  // of the velocity's low-pass [Hz]
+  double kick = 0.5;     // [m/s], within a fifth; later again by half of it, anywhere
+  std::vector<EffectKind> effects = {EffectKind::kWall};
+  bool at_wall = true;  // leans on it; else it is in the middle of the effects
+  Governing governing = Governing::kOff;
+};
+
+// Runs the cell for six seconds.
+//
+//   over_mj      energy that a contact gave, less what the device took by itself and what ticks
+//                that came late may have made: most force times speed times the time they were late
+//   swing_mm     from side to side in the last two seconds; judged by the two before them, and with
+//                late ticks, which drive it anew, by twice that or the first kick's
+//   drift_mm     of the middle of that swing
+//   times_softer than the scene asks for, by the master's own governing
+//   rest_mm (the middle of that swing, into the wall), given_mj, contacts, change_n (largest change
+//   of the force from tick to tick) and governed_share (of the ticks with a force, those in which
+//   the governor made it smaller) are told
+CaseFigures run_wall_cell(const WallCell& cell, std::uint64_t seed);
+
+}  // namespace handrail

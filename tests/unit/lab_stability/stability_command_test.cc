@@ -1,0 +1,52 @@
+#include "server/lab/stability/stability_command.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "server/lab/console/console.h"
+
+namespace handrail {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct Printed {
+  int code = 0;
+  std::string out, err;
+};
+
+Printed run(const StabilityCommand& command, bool cancelled = false) {
+  const std::atomic<bool> flag = cancelled;
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  Printed printed;
+  printed.code = run_stability_command(command, flag);
+  printed.out = testing::internal::GetCapturedStdout();
+  printed.err = testing::internal::GetCapturedStderr();
+  return printed;
+}
+
+TEST(StabilityCommand, RunsTheCasesWhoseNamesBeginSo) {
+  EXPECT_EQ(run({.only = "cycle/K10"}).code, kUsage) << "half a part of a name";
+  const Printed list = run({.only = "cycle/K800", .list = true});
+  EXPECT_EQ(list.out, "cycle/K800/2Hz/d7\n");
+  EXPECT_EQ(list.code, kDone);
+  const Printed whole = run({.only = "cycle", .json = true});
+  EXPECT_EQ(whole.code, kDone);
+  EXPECT_THAT(whole.out, HasSubstr("{\"case\": \"cycle/K800/2Hz/d7\", \"seed\": 1, "));
+}
+
+TEST(StabilityCommand, ANameThatIsNoCaseGetsTheNearest) {
+  const Printed printed = run({.only = "cycle/K800/2Hz/d8"});
+  EXPECT_EQ(printed.code, kUsage);
+  EXPECT_THAT(printed.err, HasSubstr("did you mean 'cycle/K800/2Hz/d7'?"));
+}
+
+TEST(StabilityCommand, IsCancelledCleanly) {
+  const Printed printed = run({.quick = true}, true);
+  EXPECT_EQ(printed.code, kCancelled);
+  EXPECT_EQ(printed.out, "");
+}
+
+}  // namespace
+}  // namespace handrail
