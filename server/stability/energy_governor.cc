@@ -33,11 +33,12 @@ bool usable(const Vec3& moved, double dt, double most_way) {
          std::isfinite(dt);
 }
 
-// `force` made smaller by `less` [N], as far as it goes.
-Governed reduced(const Vec3& force, double size, double less) {
+// `force` with `less` [N] taken from what of it pushes the way the hand goes, `push` [N] along the
+// unit `way`: the smallest change that does so.
+Governed reduced(const Vec3& force, const Vec3& way, double push, double less) {
   Governed out{force};
   if (!(less > 0.0)) return out;
-  out.force *= std::max(1.0 - less / size, 0.0);
+  out.force -= std::min(less, push) * way;
   out.acted = true;
   return out;
 }
@@ -66,11 +67,11 @@ Governed EnergyGovernor::govern(const GovernorSettings& settings, const Rendered
       0.5 * pushed_part(before, springs, stiffness_, way) * (before + springs).dot(moved);
   made_ = std::max(made_ + told_.dot(moved) - law - taken_by_device(settings, way, dt), 0.0);
   // The next way is taken to be as this one was.
-  const double along = size > 0.0 ? force.wanted.dot(moved) / size : 0.0;
-  if (along > 0.0 && force.stiffness > 0.0) {
-    const double taken = taken_by_device(settings, along, dt) / along;
+  const double push = way > 0.0 ? force.wanted.dot(moved) / way : 0.0;
+  if (push > 0.0 && force.stiffness > 0.0) {
+    const double taken = taken_by_device(settings, way, dt) / way;
     const double left = made_ * force.stiffness / size;  // spread over size / stiffness
-    out = reduced(force.wanted, size, 0.5 * force.stiffness * along + left - taken);
+    out = reduced(force.wanted, moved / way, push, 0.5 * force.stiffness * way + left - taken);
     asked_ = out.force.norm();
   }
   out.made = made_;
@@ -88,11 +89,10 @@ Governed EnergyTank::govern(const GovernorSettings& settings, const Vec3& wanted
   const double way = moved.norm(), size = wanted.norm();
   energy_ += taken_by_device(settings, way, dt) - told_.dot(moved);
   energy_ = std::min(energy_, 0.5 * size * size / stiffness);
-  const double along = size > 0.0 ? wanted.dot(moved) / size : 0.0;
-  if (along > 0.0) {
-    const double taken = taken_by_device(settings, along, dt);
-    const double most = std::max(energy_ + taken, 0.0) / along;
-    out = reduced(wanted, size, size - most);
+  const double push = way > 0.0 ? wanted.dot(moved) / way : 0.0;
+  if (push > 0.0) {
+    const double most = std::max(energy_ + taken_by_device(settings, way, dt), 0.0) / way;
+    out = reduced(wanted, moved / way, push, push - most);
   }
   out.made = std::max(-energy_, 0.0);
   return out;

@@ -26,7 +26,7 @@ struct RenderedForce {
 
 // What a tick of the governor came to.
 struct Governed {
-  Vec3 force = Vec3::Zero();  // in the direction of what was wanted, no larger [N]
+  Vec3 force = Vec3::Zero();  // what was wanted, less along the way the hand goes; no larger [N]
   double made = 0.0;          // energy that was made and not yet taken back, >= 0 [J]
   bool acted = false;
 };

@@ -14,32 +14,38 @@ namespace handrail {
 // where places pull from afar, it is all of a run that begins where they pull no further.
 class ContactMeter {
  public:
-  explicit ContactMeter(bool whole_run) noexcept : whole_run_(whole_run) {}
+  // `count` of the encoder that is not seen through [m]: the work on the true way differs from that
+  // on the way read by the integral of what is not read over the force, at most half a count times
+  // all that the force changes by. Up to its largest and back that is the largest times a count.
+  ContactMeter(bool whole_run, double count) noexcept : whole_run_(whole_run), count_(count) {}
 
-  // A tick under a force: its work and what the device took meanwhile [J]. `late`: what may have
-  // been made more, as the tick was held longer than it was to be [J]; of a tick without a force it
-  // counts for the contact that begins within it.
-  void add(bool pushed, double work, double taken, double late) noexcept {
+  // A tick under `force` [N]: its work and what the device took meanwhile [J]. `more`: what may
+  // have been made beside [J]: the tick was held longer than it was to be, or the law changed; of a
+  // tick without a force it counts for the contact that begins within it.
+  void add(bool pushed, double force, double work, double taken, double more) noexcept {
     if (pushed && !in_contact_) {
-      if (!whole_run_) given_ = allowed_ = 0.0;
+      if (!whole_run_) given_ = allowed_ = most_force_ = 0.0;
       allowed_ += before_;
       ++contacts_;
     }
     in_contact_ = pushed;
-    before_ = late;
+    before_ = more;
     if (!pushed) return;
     given_ += work - taken;
-    allowed_ += late;
+    allowed_ += more;
+    most_force_ = std::max(most_force_, force);
     worst_ = std::max(worst_, given_);
-    over_ = std::max(over_, given_ - allowed_);
+    over_ = std::max(over_, given_ - allowed_ - count_ * most_force_);
   }
 
   int contacts() const noexcept { return contacts_; }
   double worst() const noexcept { return worst_; }  // given in a contact, at any time of it [J]
-  double over() const noexcept { return over_; }    // the same less what late ticks may make [J]
+  double over() const noexcept { return over_; }    // the same less what may be made [J]
 
  private:
   bool whole_run_, in_contact_ = false;
+  double count_;             // [m]
+  double most_force_ = 0.0;  // of the contact [N]
   int contacts_ = 0;
   double before_ = 0.0, given_ = 0.0, allowed_ = 0.0, worst_ = 0.0, over_ = 0.0;
 };

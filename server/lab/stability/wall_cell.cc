@@ -79,6 +79,7 @@ class Bench {
   Vec2 ahead() const;
   PassiveGrip grip() const;
   double late();
+  double came_by_itself() const;
   void tick();
   CaseFigures figures() const;
 
@@ -108,7 +109,7 @@ Bench::Bench(const WallCell& cell, std::uint64_t seed)
               Vec2(cell.at_wall ? -kStart * ahead() : Vec2(Vec2::Zero())) +
                   resolution() * Vec2(random_.uniform(), random_.uniform())),
       encoder_(resolution(), cell.cutoff < 0.0 ? cell.device->cutoff : cell.cutoff),
-      meter_(!cell.at_wall),
+      meter_(!cell.at_wall, std::max(cell.resolution, 0.0)),
       dt_(period_) {}
 
 // Into the wall, or the corner; where there is none, along X.
@@ -126,6 +127,20 @@ double Bench::late() {
   if (cell_.lateness == Lateness::kPeriodic) return ticks_ % kLateEvery == 0 ? cell_.gap : 0.0;
   if (cell_.lateness == Lateness::kNone || random_.uniform() >= kLateShare) return 0.0;
   return cell_.gap * random_.uniform();
+}
+
+// Where a lock opens, the spring that it held back comes, stretched as it is: the scene's own doing
+// [J].
+double Bench::came_by_itself() const {
+  const ReturnSpring* spring = walls_->state.effects.find<ReturnSpring>();
+  if (spring == nullptr) return 0.0;
+  double out = 0.0;
+  for (int i = 0; i < out_.effects.event_count; ++i) {
+    if (out_.effects.events[static_cast<std::size_t>(i)].kind != EffectEvent::Kind::kUnlocked)
+      continue;
+    out += 0.5 * spring->stiffness() * out_.hand.squaredNorm();  // it pulls to the origin
+  }
+  return out;
 }
 
 void Bench::tick() {
@@ -147,8 +162,8 @@ void Bench::tick() {
   const double fastest = std::max(speed, device_.velocity().norm());
   // A governor may ask for no force amid a wall.
   const bool contact = !force_.isZero(0.0) || !out_.effects.force.isZero(0.0);
-  meter_.add(contact, device_.given() - work, device_.lost() - taken,
-             cell_.device->capabilities.max_force * fastest * late);
+  meter_.add(contact, force_.norm(), device_.given() - work, device_.lost() - taken,
+             cell_.device->capabilities.max_force * fastest * late + came_by_itself());
   t_ += dt_;
   ++ticks_;
   if (t_ < kSecondKick) kicked_.add(device_.position());

@@ -45,8 +45,10 @@ struct WallCell {
 
 // Runs the cell for six seconds.
 //
-//   over_mj      energy that a contact gave, less what the device took by itself and what ticks
-//                that came late may have made: most force times speed times the time they were late
+//   over_mj      energy that a contact gave, less what the device took by itself, what ticks that
+//                came late may have made (most force times speed times the time they were late)
+//                and what a lock that opens lets go; with counts that are not the device's own, its
+//                largest force times a count, too, which nobody sees
 //   swing_mm     from side to side in the last two seconds; judged by the two before them, and with
 //                late ticks, which drive it anew, by twice that or the first kick's
 //   drift_mm     of the middle of that swing

@@ -52,7 +52,7 @@ struct Port {
     law.wanted = law.springs - (law.springs.isZero() ? 0.0 : damping / dt) * moved;
     const Governed out = governor.govern(settings, law, moved, dt);
     EXPECT_LE(out.force.norm(), law.wanted.norm() * (1.0 + 1e-12));
-    EXPECT_GE(out.force.dot(law.wanted), 0.0);
+    EXPECT_GE(out.force.dot(law.wanted), -1e-12);
     changed += (out.force - law.wanted).norm();
     asked += law.wanted.norm();
     const double most = std::min(settings.peak, warm), size = out.force.norm();
@@ -257,8 +257,9 @@ TEST(EnergyTank, WhateverItsOtherEndDoesTheHandGetsNoMoreThanItGave) {
       force = tank.govern(settings, 200.0 * (tip - hand), 200.0, moved, kTick).force;
       tank.told(force);
     }
-    // A way may turn out other than the one before it, by which the force was made smaller.
-    EXPECT_LE(most_given, 0.1 * most_work) << "seed " << seed;
+    // A way may turn out other than the one before it, by which the force was made smaller: a
+    // tick's work.
+    EXPECT_LE(most_given, most_work) << "seed " << seed;
   }
 }
 
