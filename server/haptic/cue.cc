@@ -90,4 +90,9 @@ double CuePlayer::step(Cue news, Cue lasting, double dt) noexcept {
   return cue_force(cue_, age_);
 }
 
+void CuePlayer::cut(Cue news) noexcept {
+  if (news != Cue::kNone) next_ = news;
+  cue_ = Cue::kNone;
+}
+
 }  // namespace handrail

@@ -42,6 +42,10 @@ class CuePlayer {
   // acts now, repeated while it does. Returns the force [N]. Real-time safe.
   double step(Cue news, Cue lasting, double dt) noexcept;
 
+  // In place of a step while the device's force is cut: what runs is over, so that it does not come
+  // back in the middle of a tremble; `news` is played afterwards. Real-time safe.
+  void cut(Cue news) noexcept;
+
  private:
   Cue cue_ = Cue::kNone;
   Cue next_ = Cue::kNone;

@@ -190,7 +190,9 @@ Guidance Guide::step(const GuideSettings& settings, const Pose& X_SH, double dt)
     command_.p *= kFarthestCommand / far;
     out.beyond = true;
   }
-  command_.q = orientation_mean_.push(proxy_.q);
+  const Quat mean = orientation_mean_.push(proxy_.q);
+  if (orientation_mean_.scattered()) rejoin_orientation(settings, proxy_.q);
+  command_.q = mean;
   if (command_turn_.active()) {
     command_.q = (command_.q * rotation_exp(command_turn_.offset())).normalized();
   }

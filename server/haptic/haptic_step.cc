@@ -25,7 +25,11 @@ Cue news_of(SessionState before, const HapticState& s) {
 
 // The cue's force this tick, frame M, smaller where the device has no room for all of it.
 Vec3 play_cue(const HapticSettings& settings, const HapticInput& in, SessionState before,
-              const HapticOutput& out, double dt, HapticState& s) {
+              const HapticOutput& out, bool hand_ok, double dt, HapticState& s) {
+  if (!hand_ok) {
+    s.force.cue.cut(news_of(before, s));
+    return Vec3::Zero();
+  }
   const Cue lasting = s.force.kept_back.step(out.motion, in.slave.X_ST_command.p, dt);
   const double force = s.force.cue.step(
       news_of(before, s), s.lead.session == SessionState::kEngaged ? lasting : Cue::kNone, dt);
@@ -181,7 +185,7 @@ void give_force(const HapticSettings& settings, const HapticInput& in, const Wan
                                      stiffness * motion.norm(), hand_ok && trusted, dt);
   s.force.governor.told(out.shares.device - out.shares.spring);
   s.force.tank.told(out.shares.spring);
-  const Vec3 cue = hand_ok ? play_cue(settings, in, before, out, dt, s) : Vec3(Vec3::Zero());
+  const Vec3 cue = play_cue(settings, in, before, out, hand_ok, dt, s);
   out.shares.device += cue;
   out.shares.limited += cue;
   const Vec3 taken = governed.tool.force - force_share * wanted.tool + governed.spring.force -

@@ -65,24 +65,35 @@ class RunningMean {
 using PositionSmoother = RunningMean<3>;
 
 // Mean orientation of the last N samples: the normalised sum of quaternions, each taken with the
-// sign nearest its predecessor (q and -q are the same rotation). Where the sum has no direction
-// (samples spread over half a turn or more) the newest sample is returned. Real-time safe, O(1).
+// sign nearest its predecessor (q and -q are the same rotation). Where samples are scattered all
+// round, their mean has no direction to follow and the newest is returned: whoever follows eases
+// over to it. Real-time safe, O(1).
 class OrientationSmoother {
  public:
+  // Length of a mean that has a direction, at least. Chosen: samples that turn steadily come to it
+  // at 430 degrees a window, which no hand does; and no mean that long turns by more than
+  // 2 asin(2 / (kLeast N)) a sample, 2.3 degrees for 200.
+  static constexpr double kLeast = 0.5;
+
   void reset(const Quat& q, int length) noexcept {
     last_ = q.coeffs();
     mean_.reset(last_, length);
+    scattered_ = false;
   }
   Quat push(const Quat& q) noexcept {
     last_ = q.coeffs().dot(last_) < 0.0 ? Eigen::Vector4d(-q.coeffs()) : q.coeffs();
     const Eigen::Vector4d mean = mean_.push(last_);
     const double norm = mean.norm();
-    return norm < 0.1 ? Quat(last_) : Quat(Eigen::Vector4d(mean / norm));
+    scattered_ = norm < kLeast;
+    return scattered_ ? Quat(last_) : Quat(Eigen::Vector4d(mean / norm));
   }
+  // The last push found no direction.
+  bool scattered() const noexcept { return scattered_; }
 
  private:
   RunningMean<4> mean_;
   Eigen::Vector4d last_ = Eigen::Vector4d::UnitW();
+  bool scattered_ = false;
 };
 
 }  // namespace handrail

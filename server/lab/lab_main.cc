@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "server/base/output.h"
-#include "server/base/plain_text.h"
 #include "server/base/signals.h"
 #include "server/lab/accuracy/command.h"
 #include "server/lab/contact/bumper_command.h"
@@ -18,8 +17,10 @@
 #include "server/lab/hand/hand_command.h"
 #include "server/lab/links/link_command.h"
 #include "server/lab/scenes/price_command.h"
+#include "server/lab/sequences/sequence_command.h"
 #include "server/lab/stability/stability_command.h"
 #include "server/lab/study_words.h"
+#include "server/lab/unknown_command.h"
 #include "server/lab/walls/wall_command.h"
 
 namespace handrail {
@@ -212,23 +213,21 @@ void add_stability(CLI::App& app, StabilityCommand& stability) {
   sub->add_option("--figures", stability.figures, "folder for the figure (SVG)");
 }
 
-// Names the first of `words` that is no command of `app`, or of the command before it, and the
-// nearest that is one, or all; also all where one is missing. Empty when nothing is wrong.
-std::string unknown_command(const CLI::App& app, std::span<char* const> words) {
-  const auto subs = app.get_subcommands([](const CLI::App*) { return true; });
-  if (subs.empty() || (!words.empty() && words[0][0] == '-')) return {};
-  const std::string word = words.empty() ? "" : words[0];
-  std::vector<std::string> names;
-  std::string known;
-  for (const CLI::App* sub : subs) {
-    if (sub->get_name() == word) return unknown_command(*sub, words.subspan(1));
-    names.push_back(sub->get_name());
-    known += (known.empty() ? "" : ", ") + sub->get_name();
-  }
-  if (words.empty()) return "expected a command: " + known + " (see handrail-lab --help)";
-  const std::string nearest = nearest_name(word, names);
-  return "no command '" + word + "'" +
-         (nearest.empty() ? "; there are " + known : "; did you mean '" + nearest + "'?");
+void add_sequences(CLI::App& app, SequenceCommand& sequences) {
+  CLI::App* sub =
+      app.add_subcommand("tool-sequences",
+                         "random hands, orders, links and arms: whether the master's step keeps to "
+                         "its bounds on force, torque and command");
+  sub->add_option("--sequences", sequences.sequences, "how many, of a second each")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40))
+      ->capture_default_str();
+  sub->add_option("--seed", sequences.seed, "of the first; the others follow")
+      ->capture_default_str();
+  sub->add_option("--results", sequences.results, "file that says how far it has come");
+  sub->add_flag("--resume", sequences.resume, "go on from that file");
+  sub->add_flag("--cases", sequences.cases, "the named cases of tools and turns instead");
+  add_threads(*sub, sequences.threads);
+  sub->add_flag("--json", sequences.json, "print every figure as JSON");
 }
 
 int run(int argc, char** argv) {
@@ -258,6 +257,8 @@ int run(int argc, char** argv) {
   add_links(app, links);
   StabilityCommand stability;
   add_stability(app, stability);
+  SequenceCommand sequences;
+  add_sequences(app, sequences);
   PriceCommand prices;
   add_price_check(app, prices);
   const std::span<char* const> words(argv + 1, static_cast<std::size_t>(std::max(argc - 1, 0)));
@@ -290,6 +291,7 @@ int run(int argc, char** argv) {
   if (app.got_subcommand("bumper")) return run_bumper_command(bumper, cancelled);
   if (app.got_subcommand("links")) return run_link_command(links, cancelled);
   if (app.got_subcommand("stability")) return run_stability_command(stability, cancelled);
+  if (app.got_subcommand("tool-sequences")) return run_sequence_command(sequences, cancelled);
   if (const auto code = run_studies(app, studies, cancelled)) return *code;
   return run_fault_command(faults, cancelled);
 }

@@ -68,6 +68,7 @@ void HapticLoop::tick(Nanos now) noexcept {
 
 void HapticLoop::let_go() noexcept {
   state_.force.cut();
+  state_.force.cue.cut(Cue::kNone);
   state_.force.torque.setZero();
   if (scene_.walls != nullptr) scene_.walls->state.cut();
 }

@@ -76,11 +76,11 @@ Table lab_rows() {
   const Folders lab =
       network + Folders{"devices",           "proto",          "server/scene", "server/lab/console",
                         "server/lab/figure", "server/lab/cell"};
-  return {{"server/lab",
-           kBase + Folders{"server/lab/accuracy", "server/lab/contact", "server/lab/faults",
-                           "server/lab/hand", "server/lab/links", "server/lab/scenes",
-                           "server/lab/stability", "server/lab/study/linear",
-                           "server/lab/study/screw", "server/lab/walls"}},
+  return {{"server/lab", kBase + Folders{"server/lab/accuracy", "server/lab/contact",
+                                         "server/lab/faults", "server/lab/hand", "server/lab/links",
+                                         "server/lab/scenes", "server/lab/sequences",
+                                         "server/lab/stability", "server/lab/study/linear",
+                                         "server/lab/study/screw", "server/lab/walls"}},
           {"server/lab/console", kBase},
           {"server/lab/figure", kBase},
           {"server/lab/network", kBase},
@@ -105,6 +105,8 @@ Table lab_rows() {
           {"server/lab/contact", lab + Folders{"server/lab/study", "server/follow"}},
           {"server/lab/links",
            lab + Folders{"server/lab/faults", "server/lab/study", "server/session"}},
+          {"server/lab/sequences", lab + Folders{"devices/omni", "server/master", "server/haptic",
+                                                 "server/lab/faults", "server/lab/study"}},
           {"server/lab/faults/audit", network + Folders{"server/motion", "server/kinematics"}},
           {"server/lab/faults", lab + kHands + sides +
                                     Folders{"server/lab/faults/audit", "server/lab/study",

@@ -158,6 +158,22 @@ TEST(CuePlayer, RepeatsWhileItLastsAndNeverCutsATrembleOff) {
   EXPECT_GT(loud, 4 * 20) << "twice a second";
 }
 
+TEST(CuePlayer, ATrembleThatIsCutIsOverAndNewsIsPlayedAfterwards) {
+  CuePlayer player;
+  for (int ms = 0; ms < 7; ++ms) player.step(Cue::kNone, Cue::kLimit, kCueTick);
+  EXPECT_GT(player.step(Cue::kNone, Cue::kLimit, kCueTick), 0.1) << "or this says nothing";
+  player.cut(Cue::kHold);
+  player.cut(Cue::kNone);
+  double largest = 0.0, last = 0.0;
+  for (int ms = 0; ms < 350; ++ms) {
+    const double f = player.step(Cue::kNone, Cue::kNone, kCueTick);
+    EXPECT_LT(std::abs(f - last), 0.05) << ms;
+    largest = std::max(largest, std::abs(f));
+    last = f;
+  }
+  EXPECT_GT(largest, 0.1);
+}
+
 // The slave is kept back by `by` from the command, for the reason it gives.
 class HapticCue : public ::testing::Test {
  protected:
@@ -245,6 +261,22 @@ TEST_F(HapticCue, BesideAForceAtTheDevicesPeakThereIsNoRoomForACue) {
   keep_back(0.02, Reason::kJointSpeed);
   largest(3000);
   EXPECT_GT(rig.most_force, 0.99 * rig.settings.force.peak);
+}
+
+TEST_F(HapticCue, ACueDoesNotComeBackInTheMiddleWhenTheHandIsHeardAgain) {
+  keep_back(0.003, Reason::kJointSpeed);
+  double before = 0.0;
+  for (int i = 0; i < 2000; ++i) {
+    // One reading in every eight is missing, wherever the tremble stands.
+    rig.in.hand.valid = i % 8 != 0;
+    rig.tick();
+    if (rig.in.hand.valid) {
+      ASSERT_LT(rig.force_step, 0.05) << i;
+    } else {
+      before = std::max(before, rig.force_step);
+    }
+  }
+  EXPECT_GT(before, 0.1) << "a tremble was cut, or this says nothing";
 }
 
 TEST(HapticCueLink, ALostLinkIsFeltOnceAndThenThereIsNoForce) {

@@ -1,6 +1,8 @@
 // What the tools make of the command that goes to the robot.
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "server/base/units.h"
 #include "tests/unit/constraint/tool_samples.h"
 #include "tests/unit/haptic/haptic_rig.h"
@@ -243,6 +245,38 @@ TEST(HapticTools, FRotationLeftBesideHalfATurnIsRejoinedByEasing) {
   for (double tilt = 178.0; tilt > 90.0; tilt -= 0.1) go_to(tilt, 1.5);
   for (int i = 0; i < 8000; ++i) go_to(90.0, 1.5);
   EXPECT_LT(off_axis(rig), 1e-9);
+}
+
+// Near the pole the way back to the axis spins far faster than the hand: the samples scatter.
+TEST(HapticTools, FRotationBesideHalfATurnNeverJumpsHoweverTheHandCircles) {
+  for (const double rounds_per_second : {3.0, 4.0, 5.0, 7.0}) {
+    HapticRig rig;
+    rig.engage();
+    ASSERT_EQ(rig.call(call_of(ToolKind::kFRotation)), Reason::kNone);
+    const Mat3 to_master = rig.settings.mapping.R_SM.transpose();
+    const Vec3 kept_M = to_master * (rig.command().q * Vec3::UnitZ());
+    const Vec3 across_M = kept_M.unitOrthogonal();
+    const double most =
+        2.0 * std::asin(2.0 / (OrientationSmoother::kLeast * rig.settings.guide.smoother_length));
+    Quat last = rig.command().q;
+    double turned = 0.0;
+    const auto turn = [&](const Quat& by) {
+      rig.in.hand.X_MH.q = (by * rig.in.hand.X_MH.q).normalized();
+      rig.tick();
+      turned = std::max(turned, angle_between(rig.command().q, last));
+      last = rig.command().q;
+    };
+    for (int i = 0; i < 1720; ++i) turn(rotation_exp(0.1 * kDeg * across_M));
+    Vec3 axis = rotation_exp(172.0 * kDeg * across_M) * kept_M;
+    const Quat step = rotation_exp(2.0 * std::numbers::pi * rounds_per_second * 1e-3 * kept_M);
+    for (int i = 0; i < 3000; ++i) {
+      const Vec3 next = step * axis;
+      turn(Quat::FromTwoVectors(axis, next));
+      axis = next;
+    }
+    EXPECT_LT(turned, most + rig.settings.guide.catch_up_rotation * HapticRig::kTick);
+    EXPECT_GT(turned, 0.005) << "far more than the hand's 3 mrad a tick over 200";
+  }
 }
 
 // A rate-limited chase would let the command fall behind a turning hand without bound.

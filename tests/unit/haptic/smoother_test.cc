@@ -177,13 +177,19 @@ TEST(OrientationSmoother, LagsASteadyTurnByHalfTheWindow) {
 
 TEST(OrientationSmoother, StaysFiniteWhenTheSamplesHaveNoMean) {
   auto smoother = std::make_unique<OrientationSmoother>();
-  smoother->reset(Quat::Identity(), 3);
-  // Thirds of a full turn of the quaternion sphere add up to nothing.
+  smoother->reset(Quat::Identity(), 12);
+  // Twelve turns by a sixth go once round the quaternion sphere and add up to nothing.
   for (int i = 0; i < 30; ++i) {
-    const Quat out = smoother->push(rotation_exp({i * 4.0 / 3.0 * std::numbers::pi * 0.999, 0, 0}));
+    const Quat newest = rotation_exp({i * std::numbers::pi / 3.0, 0, 0});
+    const Quat out = smoother->push(newest);
     ASSERT_TRUE(is_finite(out));
     ASSERT_TRUE(is_unit(out));
+    EXPECT_TRUE(i > 5 || !smoother->scattered()) << i;
+    EXPECT_TRUE(i < 11 || smoother->scattered()) << i;
+    EXPECT_TRUE(!smoother->scattered() || angle_between(out, newest) < 1e-7) << i;
   }
+  smoother->reset(Quat::Identity(), 12);
+  EXPECT_FALSE(smoother->scattered());
 }
 
 TEST(OrientationSmoother, KeepsAnAxisThatAllSamplesKeep) {

@@ -162,6 +162,18 @@ TEST_F(HapticLoopTest, AfterAStallInWhichTheDeviceHasLetGoTheForceBeginsAnew) {
   }
 }
 
+TEST_F(HapticLoopTest, ATrembleThatTheDeviceHasLetGoOfDoesNotGoOn) {
+  engage();
+  constexpr auto kLimits = static_cast<std::size_t>(FollowStage::kLimits);
+  news.state.ledger.off_S.col(kLimits) = Eigen::Vector3f(0.02f, 0, 0);
+  news.state.ledger.why[kLimits] = Reason::kJointSpeed;
+  for (int i = 0; i < 1000 && report.out.force.cue.norm() < 0.1; ++i) tick();
+  ASSERT_GT(report.out.force.cue.norm(), 0.1);
+  tick(kForceStands);
+  EXPECT_EQ(report.out.force.cue, Vec3(Vec3::Zero()));
+  EXPECT_EQ(device.written.force, Vec3(Vec3::Zero()));
+}
+
 TEST_F(HapticLoopTest, ATickThatComesTwiceAtATimeStillMovesOn) {
   engage();
   loop->tick(now);
