@@ -32,7 +32,7 @@ void draw_orientation_tool(Draw& draw, const Pose& command, ToolCall& call) {
   if (draw.chance(0.5)) call.stiffness = draw.between(0.01, 3.0);
 }
 
-HapticOrder order_of(OrderKind kind) {
+HapticOrder plain_order(OrderKind kind) {
   HapticOrder out;
   out.kind = kind;
   return out;
@@ -52,9 +52,9 @@ ToolCall draw_tool(Draw& draw, const Pose& command) {
 }
 
 HapticOrder draw_order(Draw& draw, SessionState session, const Pose& command) {
-  if (session == SessionState::kFault) return order_of(OrderKind::kReset);
+  if (session == SessionState::kFault) return plain_order(OrderKind::kReset);
   if (session == SessionState::kOff) {
-    return order_of(draw.chance(0.9) ? OrderKind::kEngage : OrderKind::kReset);
+    return plain_order(draw.chance(0.9) ? OrderKind::kEngage : OrderKind::kReset);
   }
   HapticOrder out;
   const double which = draw.between(0.0, 1.0);
