@@ -1,9 +1,6 @@
 // handrail-lab: experiments in virtual time, with the daemons' own steps.
-#include <signal.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -14,9 +11,10 @@
 
 #include "server/base/output.h"
 #include "server/base/plain_text.h"
-#include "server/base/signals.h"
 #include "server/lab/accuracy/command.h"
 #include "server/lab/contact/bumper_command.h"
+#include "server/lab/ctrl_c.h"
+#include "server/lab/delay/delay_command.h"
 #include "server/lab/faults/fault_command.h"
 #include "server/lab/hand/hand_command.h"
 #include "server/lab/links/link_command.h"
@@ -43,18 +41,6 @@ const CLI::Validator kPngFile(
                                     : text + " is no name of a PNG file, as map.png";
     },
     "");
-
-// Raised by Ctrl-C: long work ends soon, and nothing half-done is printed. A second one ends the
-// program at once.
-std::atomic<bool> cancelled = false;
-void cancel(int) { cancelled = true; }
-
-void let_ctrl_c_cancel() {
-  struct sigaction action {};
-  action.sa_handler = cancel;
-  action.sa_flags = static_cast<int>(SA_RESETHAND);
-  for (const int signal : ending_signals()) ::sigaction(signal, &action, nullptr);
-}
 
 void add_hand(CLI::App& app, HandCommand& hand) {
   CLI::App* sub = app.add_subcommand("hand", "drive the simulated arm by a recorded hand");
@@ -293,6 +279,14 @@ void add_bumper(CLI::App& app, BumperCommand& bumper) {
   sub->add_option("--figures", bumper.figures, "folder for the figure (SVG)");
 }
 
+void add_delay(CLI::App& app, DelayCommand& delay) {
+  CLI::App* sub = app.add_subcommand(
+      "contact-delay", "touch surfaces over delay, felt through the spring and by a local model");
+  sub->add_flag("--quick", delay.quick, "round trips of 0, 200 and 1000 ms alone");
+  add_threads(*sub, delay.threads);
+  sub->add_flag("--json", delay.json, "print a line of JSON for each cell");
+}
+
 void add_links(CLI::App& app, LinkCommand& links) {
   CLI::App* sub = app.add_subcommand(
       "links", "over which links one can engage and drive: delay, jitter and loss each way");
@@ -352,6 +346,8 @@ int run(int argc, char** argv) {
   add_faults(app, faults);
   BumperCommand bumper;
   add_bumper(app, bumper);
+  DelayCommand delay;
+  add_delay(app, delay);
   LinkCommand links;
   add_links(app, links);
   PriceCommand prices;
@@ -384,6 +380,7 @@ int run(int argc, char** argv) {
   if (app.got_subcommand("gearshift")) return run_gearshift_command(gearshift, cancelled);
   if (app.got_subcommand("price-check")) return run_price_command(prices, cancelled);
   if (app.got_subcommand("bumper")) return run_bumper_command(bumper, cancelled);
+  if (app.got_subcommand("contact-delay")) return run_delay_command(delay, cancelled);
   if (app.got_subcommand("links")) return run_link_command(links, cancelled);
   if (const auto code = run_studies(app, studies)) return *code;
   return run_fault_command(faults, cancelled);

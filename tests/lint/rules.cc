@@ -76,10 +76,11 @@ Table lab_rows() {
   const Folders lab =
       network + Folders{"devices",           "proto",          "server/scene", "server/lab/console",
                         "server/lab/figure", "server/lab/cell"};
-  return {{"server/lab", kBase + Folders{"server/lab/accuracy", "server/lab/contact",
-                                         "server/lab/faults", "server/lab/hand", "server/lab/links",
-                                         "server/lab/scenes", "server/lab/study/linear",
-                                         "server/lab/study/screw", "server/lab/walls"}},
+  return {{"server/lab",
+           kBase + Folders{"server/lab/accuracy", "server/lab/contact", "server/lab/delay",
+                           "server/lab/faults", "server/lab/hand", "server/lab/links",
+                           "server/lab/scenes", "server/lab/study/linear", "server/lab/study/screw",
+                           "server/lab/walls"}},
           {"server/lab/console", kBase},
           {"server/lab/figure", kBase},
           {"server/lab/network", kBase},
@@ -99,6 +100,9 @@ Table lab_rows() {
                                    Folders{"server/lab/study", "server/master", "server/haptic",
                                            "server/constraint", "server/constraint/drawn"}},
           {"server/lab/contact", lab + Folders{"server/lab/study", "server/follow"}},
+          {"server/lab/delay",
+           lab + kHands + kRigs + sides +
+               Folders{"server/lab/study", "server/haptic", "server/follow", "server/kinematics"}},
           {"server/lab/links",
            lab + Folders{"server/lab/faults", "server/lab/study", "server/session"}},
           {"server/lab/faults/audit", network + Folders{"server/motion", "server/kinematics"}},

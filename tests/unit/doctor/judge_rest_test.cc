@@ -52,13 +52,13 @@ TEST(DoctorPrograms, DifferentVersionsAreSaidWithBothValues) {
   DoctorFacts facts = healthy();
   facts.version = "0.2.0";
   expect_found(facts, "programs.version", Level::kNote,
-               "this program is of version 0.2.0 (wire version 9), the master of 0.1.0 (wire",
+               "this program is of version 0.2.0 (wire version 8), the master of 0.1.0 (wire",
                "start the master anew");
   EXPECT_EQ(found(facts, "programs.slave_version").level, Level::kOk);
   status(facts).mutable_slave_program()->set_version("0.0.9");
   expect_found(
       facts, "programs.slave_version", Level::kNote,
-      "the master is of version 0.1.0 (wire version 9), the slave of 0.0.9 (wire version 9)",
+      "the master is of version 0.1.0 (wire version 8), the slave of 0.0.9 (wire version 8)",
       "both computers");
   status(facts).mutable_program()->Clear();
   expect_found(facts, "programs.version", Level::kNote, "the master of one that is too old to say",
