@@ -1,6 +1,7 @@
 // handrail-lab: experiments in virtual time, with the daemons' own steps.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -41,6 +42,8 @@ const CLI::Validator kPngFile(
                                     : text + " is no name of a PNG file, as map.png";
     },
     "");
+
+const std::atomic<bool>& cancelled = ctrl_c();
 
 void add_hand(CLI::App& app, HandCommand& hand) {
   CLI::App* sub = app.add_subcommand("hand", "drive the simulated arm by a recorded hand");
