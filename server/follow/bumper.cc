@@ -37,10 +37,7 @@ struct Reckoning {
 };
 
 const Vec3& delayed_tip(const BumperState& s, const Reckoning& now) noexcept {
-  const int age = std::clamp(static_cast<int>(std::lround(now.settings.sensor_lag / now.in.dt)), 0,
-                             BumperState::kTips - 1);
-  return s
-      .tips[static_cast<std::size_t>((s.newest - age + BumperState::kTips) % BumperState::kTips)];
+  return s.tip_before(now.settings.sensor_lag, now.in.dt);
 }
 
 void remember_tip(BumperState& s, const Vec3& p_ST) noexcept {
@@ -227,6 +224,11 @@ Bumped bump_default(const Reckoning& now, BumperState& s) noexcept {
 }
 
 }  // namespace
+
+const Vec3& BumperState::tip_before(double lag, double dt) const noexcept {
+  const int age = std::clamp(static_cast<int>(std::lround(lag / dt)), 0, kTips - 1);
+  return tips[static_cast<std::size_t>((newest - age + kTips) % kTips)];
+}
 
 double approach_speed(const BumperSettings& settings, double room, double delay,
                       double dt) noexcept {

@@ -59,6 +59,8 @@ struct BumperState {
   int newest = -1;
 
   bool touching() const noexcept { return phase == Phase::kTouching; }
+  // Where the tip was measured `lag` ago, of cycles of `dt` [m]; one cycle at least has passed.
+  const Vec3& tip_before(double lag, double dt) const noexcept;
 };
 
 // One cycle of the form set. Real-time safe, 0.1 us.

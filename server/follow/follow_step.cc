@@ -67,6 +67,7 @@ void advance_session(const FollowSettings& settings, const FollowInput& in, Foll
   if (in.master_known && !follows(s.session) && s.session != SessionState::kHold) {
     s.tube.restart(in.master, s.motion.X_ST);
     s.bumper = BumperState();
+    s.surface.forget();
   }
 }
 
@@ -154,6 +155,7 @@ void fill_link(const FollowSettings& settings, const FollowInput& in, const Foun
   link.oldest_applied = s.oldest_applied;
   link.cycles = s.cycles;
   link.applied_sequence = s.applied_sequence;
+  link.surface = s.surface.surface();
   link.hashes = settings.hashes;
   link.hashes.tools = s.tube.hash();
   link.scene = settings.scene;
@@ -173,6 +175,7 @@ void place(const FollowSettings& settings, const JointVector& q, FollowState& st
   state.following.restart(q);
   state.lag.restart(q);
   state.bumper = BumperState();
+  state.surface.forget();
   state.p_measured = state.motion.X_ST.p;
   state.placed = true;
   state.train.restart(q);
@@ -190,6 +193,7 @@ void follow_step(const FollowSettings& settings, const FollowInput& in, FollowSt
   found.q_measured = answered ? s.joints.judge(in.q_measured) : s.joints.newest();
   found.X_ST = forward(settings.motion->arm, found.q_measured);
   found.sensor = read_force(settings, in, found.X_ST, s);
+  if (found.sensor != Reason::kNone) s.surface.forget();
   if (s.placed) s.lag.add(s.motion.joints.q, found.q_measured, settings.motion->dt);
   const Reason contact = judge_contact(settings, found.X_ST.p, s);
   FollowLedger& ledger = out.link.ledger;

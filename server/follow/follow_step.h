@@ -8,6 +8,7 @@
 #include "server/follow/force_filter.h"
 #include "server/follow/lag_estimate.h"
 #include "server/follow/monitors.h"
+#include "server/follow/surface_estimate.h"
 #include "server/follow/tool_tube.h"
 #include "server/model/link_state.h"
 #include "server/model/payload.h"
@@ -108,6 +109,7 @@ struct FollowState {
   JointMonitor joints;
   FollowingMonitor following;
   BumperState bumper;
+  SurfaceEstimate surface;
   ContactMonitor contact;
   LagEstimate lag;
   Vec3 p_measured = Vec3::Zero();  // tip [m]

@@ -70,6 +70,7 @@ Stage yield(const FollowSettings& settings, const Vec3& p_SN, FollowState& s, Re
   contact.p_last = published ? s.motion.X_ST.p : bumped_from(s);
   Bumped bumped{p_SN};
   if (kept(Check::kContact)) bumped = bump(settings.bumper, contact, s.bumper);
+  if (settings.bumper.enabled && !published) s.surface.step(settings.bumper, contact, s.bumper);
   if (published) bumped.p_SB = s.tube.bounded(bumped.p_SB, most_yielding(settings));
   why = bumped.why;
   if (bumped.p_SB == p_SN) return {bumped.p_SB};

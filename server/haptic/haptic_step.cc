@@ -123,7 +123,32 @@ void decide(const HapticSettings& settings, const HapticInput& in, const LadderS
 struct Wanted {
   Vec3 tool = Vec3::Zero(), spring = Vec3::Zero(), torque = Vec3::Zero();
   Vec3 tool_spring = Vec3::Zero();  // of `tool`, without its damper
+  Vec3 surface = Vec3::Zero();      // that the tip touches
+  double stiffness = 0.0;           // of tool and surface together, at most [N/m]
 };
+
+// The surface in place of what of the spring is along it.
+void render_surface(const HapticSettings& settings, const HapticInput& in, const Guidance& guidance,
+                    double dt, HapticState& s, Wanted& wanted, HapticOutput& out) {
+  if (!settings.local_surface) return;
+  LocalSurfaceInput touched;
+  if (in.slave.has_pose) touched.told = in.slave.surface;
+  // The command as it will be when the smoother has come after.
+  touched.p_SU = guidance.X_SP.p + guidance.offset;
+  touched.p_ST = in.slave.X_ST.p;
+  touched.f_E_S = in.slave.f_E_S.force;
+  touched.has_force = in.slave.has_wrench;
+  touched.scale = settings.mapping.scale;
+  // No stiffer than the scene's tools: without a governor that is what bounds them.
+  touched.most_stiffness = std::min(settings.guide.stiffness, settings.guide.most_stiffness);
+  const LocalSurfaceForce felt = s.force.surface.step(touched, dt);
+  if (felt.why != Reason::kNone) out.reasons.add(felt.why);
+  const Vec3 n_M = s.command.engagement.turn_to_hand(felt.n_S);
+  wanted.surface = felt.push * n_M;
+  wanted.spring -= felt.share * wanted.spring.dot(n_M) * n_M;
+  const bool alone = wanted.tool_spring.isZero(0.0);
+  if (felt.stiffness > 0.0) wanted.stiffness = felt.stiffness + (alone ? 0.0 : wanted.stiffness);
+}
 
 // The command by the hand, and what that is to feel like.
 Wanted lead_tip(const HapticSettings& settings, const HapticInput& in, bool hand_ok,
@@ -134,7 +159,11 @@ Wanted lead_tip(const HapticSettings& settings, const HapticInput& in, bool hand
   out.motion.known = false;
   out.motion.joint = in.slave.ledger.joint;  // of its fault or obstacle, whoever drives
   CommandState& command = s.command;
-  if (!command.driving) return wanted;
+  wanted.stiffness = command.guide.stiffness(settings.guide);
+  if (!command.driving) {
+    s.force.surface.forget();
+    return wanted;
+  }
   const Pose X_SH = command.engagement.to_slave(s.hand.X_MH);
   // While the arm holds nothing is eased: it would have to run after that.
   const double easing = s.lead.session == SessionState::kHold ? 0.0 : dt;
@@ -148,6 +177,7 @@ Wanted lead_tip(const HapticSettings& settings, const HapticInput& in, bool hand
   // (3.3), against the command before the bumper, so that contact is felt.
   wanted.spring =
       settings.spring_stiffness * command.engagement.to_hand(in.slave.X_ST.p - command.X_SU.p);
+  render_surface(settings, in, guidance, dt, s, wanted, out);
   wanted.torque = force_share * torque_of(settings, s, guidance.twist_pull);
   out.blending = guidance.blending;
   out.deviation = command.guide.position().active() ? pull_M.norm() : 0.0;
@@ -163,9 +193,10 @@ struct GovernedForces {
 };
 
 GovernedForces govern(const HapticSettings& settings, const Wanted& wanted, double force_share,
-                      const Vec3& motion, double dt, ForceState& s, double tool_stiffness) {
-  const RenderedForce tool{force_share * wanted.tool, force_share * wanted.tool_spring,
-                           force_share * tool_stiffness};
+                      const Vec3& motion, double dt, ForceState& s) {
+  const RenderedForce tool{force_share * (wanted.tool + wanted.surface),
+                           force_share * (wanted.tool_spring + wanted.surface),
+                           force_share * wanted.stiffness};
   return {s.governor.govern(settings.governor, tool, motion, dt),
           s.tank.govern(settings.governor, force_share * wanted.spring, settings.spring_stiffness,
                         motion, dt)};
@@ -177,20 +208,18 @@ void give_force(const HapticSettings& settings, const HapticInput& in, const Wan
                 double force_share, const Vec3& motion, bool hand_ok, bool trusted,
                 SessionState before, double dt, HapticState& s, HapticOutput& out) {
   if (!hand_ok) s.force.cut();
-  const double stiffness = s.command.guide.stiffness(settings.guide);
-  const GovernedForces governed =
-      govern(settings, wanted, force_share, motion, dt, s.force, stiffness);
+  const GovernedForces governed = govern(settings, wanted, force_share, motion, dt, s.force);
   out.energy_made = governed.tool.made;
   out.shares = s.force.arbiter.share(settings.force, governed.tool.force, governed.spring.force,
-                                     stiffness * motion.norm(), hand_ok && trusted, dt);
+                                     wanted.stiffness * motion.norm(), hand_ok && trusted, dt);
   s.force.governor.told(out.shares.device - out.shares.spring);
   s.force.tank.told(out.shares.spring);
   const Vec3 cue = play_cue(settings, in, before, out, hand_ok, dt, s);
   out.shares.device += cue;
   out.shares.limited += cue;
-  const Vec3 taken = governed.tool.force - force_share * wanted.tool + governed.spring.force -
-                     force_share * wanted.spring;
-  out.force = account(out.shares, wanted.tool, Vec3::Zero(), wanted.spring, taken, cue);
+  const Vec3 taken = governed.tool.force - force_share * (wanted.tool + wanted.surface) +
+                     governed.spring.force - force_share * wanted.spring;
+  out.force = account(out.shares, wanted.tool, wanted.surface, wanted.spring, taken, cue);
   out.f_H_M.force = out.shares.device;
   out.f_H_M.torque = s.force.torque = limited_torque(
       settings, s.force.torque, hand_ok && trusted ? wanted.torque : Vec3(Vec3::Zero()), dt);

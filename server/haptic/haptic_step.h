@@ -6,6 +6,7 @@
 #include "server/haptic/guide.h"
 #include "server/haptic/hand_reading.h"
 #include "server/haptic/ledger.h"
+#include "server/haptic/local_surface.h"
 #include "server/haptic/mapping.h"
 #include "server/model/link_state.h"
 #include "server/model/reason_set.h"
@@ -22,6 +23,7 @@ struct HapticSettings {
   GuideSettings guide;
   double damping = 0.0;             // B of (2.1), tools only [N s/m]
   double spring_stiffness = 200.0;  // K_s of (3.3) at the hand [N/m]
+  bool local_surface = false;  // what is touched is rendered here, not through the spring alone
   ForceLimits force;
   GovernorSettings governor;  // of the energy at the hand; off unless set
   bool has_torque = false;    // the device can make torque
@@ -132,7 +134,8 @@ struct CommandState {
 
 // What the device was told.
 struct ForceState {
-  EnergyGovernor governor;  // of the tool's force
+  LocalSurface surface;
+  EnergyGovernor governor;  // of the force of tool and surface
   EnergyTank tank;          // of the spring to the tip, which is told over the link
   Arbiter arbiter;
   Vec3 torque = Vec3::Zero();  // last torque on the hand, frame M [N m]

@@ -16,7 +16,7 @@ namespace handrail {
 // Force on the hand, frame M [N]. The others add up to `device`.
 struct ForceLedger {
   Vec3 tool = Vec3::Zero();      // as the tool asks for
-  Vec3 walls = Vec3::Zero();     // as walls and effects ask for
+  Vec3 walls = Vec3::Zero();     // as walls, effects and a touched surface ask for
   Vec3 spring = Vec3::Zero();    // as the arm's lag asks for
   Vec3 governor = Vec3::Zero();  // what would have made energy
   Vec3 limits = Vec3::Zero();    // what budget, step limit and fade changed

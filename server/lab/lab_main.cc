@@ -1,6 +1,4 @@
 // handrail-lab: experiments in virtual time, with the daemons' own steps.
-#include <signal.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -10,9 +8,10 @@
 #include <vector>
 
 #include "server/base/output.h"
-#include "server/base/signals.h"
 #include "server/lab/accuracy/command.h"
 #include "server/lab/contact/bumper_command.h"
+#include "server/lab/ctrl_c.h"
+#include "server/lab/delay/delay_command.h"
 #include "server/lab/faults/fault_command.h"
 #include "server/lab/hand/hand_command.h"
 #include "server/lab/links/link_command.h"
@@ -42,17 +41,7 @@ const CLI::Validator kPngFile(
     },
     "");
 
-// Raised by Ctrl-C: long work ends soon, and nothing half-done is printed. A second one ends the
-// program at once.
-std::atomic<bool> cancelled = false;
-void cancel(int) { cancelled = true; }
-
-void let_ctrl_c_cancel() {
-  struct sigaction action {};
-  action.sa_handler = cancel;
-  action.sa_flags = static_cast<int>(SA_RESETHAND);
-  for (const int signal : ending_signals()) ::sigaction(signal, &action, nullptr);
-}
+const std::atomic<bool>& cancelled = ctrl_c();
 
 void add_hand(CLI::App& app, HandCommand& hand) {
   CLI::App* sub = app.add_subcommand("hand", "drive the simulated arm by a recorded hand");
@@ -181,6 +170,14 @@ void add_bumper(CLI::App& app, BumperCommand& bumper) {
   sub->add_option("--figures", bumper.figures, "folder for the figure (SVG)");
 }
 
+void add_delay(CLI::App& app, DelayCommand& delay) {
+  CLI::App* sub = app.add_subcommand(
+      "contact-delay", "touch surfaces over delay, felt through the spring and by a local model");
+  sub->add_flag("--quick", delay.quick, "round trips of 0, 200 and 1000 ms alone");
+  add_threads(*sub, delay.threads);
+  sub->add_flag("--json", delay.json, "print a line of JSON for each cell");
+}
+
 void add_links(CLI::App& app, LinkCommand& links) {
   CLI::App* sub = app.add_subcommand(
       "links", "over which links one can engage and drive: delay, jitter and loss each way");
@@ -253,6 +250,8 @@ int run(int argc, char** argv) {
   add_faults(app, faults);
   BumperCommand bumper;
   add_bumper(app, bumper);
+  DelayCommand delay;
+  add_delay(app, delay);
   LinkCommand links;
   add_links(app, links);
   StabilityCommand stability;
@@ -289,6 +288,7 @@ int run(int argc, char** argv) {
   if (app.got_subcommand("gearshift")) return run_gearshift_command(gearshift, cancelled);
   if (app.got_subcommand("price-check")) return run_price_command(prices, cancelled);
   if (app.got_subcommand("bumper")) return run_bumper_command(bumper, cancelled);
+  if (app.got_subcommand("contact-delay")) return run_delay_command(delay, cancelled);
   if (app.got_subcommand("links")) return run_link_command(links, cancelled);
   if (app.got_subcommand("stability")) return run_stability_command(stability, cancelled);
   if (app.got_subcommand("tool-sequences")) return run_sequence_command(sequences, cancelled);

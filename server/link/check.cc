@@ -107,6 +107,17 @@ Reject check_ledger(const FollowLedger& ledger) {
   return cause;
 }
 
+Reject check_surface(const std::optional<Surface>& surface) {
+  if (!surface) return Reject::kNone;
+  const bool finite =
+      is_finite(surface->n_S) && std::isfinite(surface->d) && std::isfinite(surface->stiffness);
+  return first_of(
+      require(finite, Reject::kNotFinite),
+      require(is_unit_vector(surface->n_S) && std::abs(surface->d) <= kFarthestSurface &&
+                  surface->stiffness >= kSoftestSurface && surface->stiffness <= kStiffestSurface,
+              Reject::kSurface));
+}
+
 }  // namespace
 
 Reject check_position_tool(const ToolDefinition& tool) noexcept {
@@ -129,7 +140,7 @@ Reject check(const SlaveState& state) noexcept {
       check_enum(state.obstacle), check_pose(state.X_ST_command), check_pose(state.X_ST),
       require(state.q_measured.allFinite() && is_finite(state.f_E_S), Reject::kNotFinite),
       require(state.oldest_applied >= 0 && state.program.calendar >= 0, Reject::kRange),
-      check_ledger(state.ledger), check_scene(state.scene));
+      check_ledger(state.ledger), check_surface(state.surface), check_scene(state.scene));
 }
 
 }  // namespace handrail

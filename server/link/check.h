@@ -12,8 +12,8 @@ inline constexpr double kUnitTolerance = 1e-6;
 
 // kNone when the state is sound: enums in range, all numbers finite, unit quaternions, positions
 // within kFarthest (spatial.h), tools that agree with their kind (tool.h: fields a kind does not
-// use are at their defaults), a scene name of letters, digits, - and _ that is zero-padded.
-// Real-time safe.
+// use are at their defaults), a surface within its limits (surface.h), a scene name of letters,
+// digits, - and _ that is zero-padded. Real-time safe.
 Reject check(const MasterState& state) noexcept;
 Reject check(const SlaveState& state) noexcept;
 

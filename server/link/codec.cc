@@ -87,7 +87,7 @@ Reject decode_as(DatagramKind kind, std::span<const std::uint8_t> bytes, Datagra
   header = take_header(m);
   const Reject in_header = check(header);
   if (in_header != Reject::kNone) return in_header;
-  if (!take(m, state)) return Reject::kScene;
+  if (const Reject untaken = take(m, state); untaken != Reject::kNone) return untaken;
   const Reject in_state = check(state);
   if (in_state != Reject::kNone) return in_state;
   return tools_match(m, state) ? Reject::kNone : Reject::kTool;
@@ -109,6 +109,7 @@ Codec::Codec() : messages_(std::make_unique<Messages>()) {
   SlaveState slave;
   std::fill(master.scene.begin(), master.scene.end() - 1, 'x');
   slave.scene = master.scene;
+  slave.surface = Surface();
   Reject cause;
   const std::span<const std::uint8_t> bytes(buffer);
   (void)decode(bytes.first(encode(header, master, buffer, cause)), header, master);

@@ -13,9 +13,9 @@
 
 namespace handrail {
 
-inline constexpr std::uint8_t kWireVersion = 8;
+inline constexpr std::uint8_t kWireVersion = 9;
 
-// Largest datagram: the longest is 569 bytes, a slave's with the longest name of a scene. With all
+// Largest datagram: the longest is 575 bytes, a slave's with the longest name of a scene. With all
 // that the encrypted link puts around it, it fits twice into the 1280 of every IPv6 path (WIRE.md).
 inline constexpr std::size_t kMaxDatagram = 576;
 

@@ -1,6 +1,7 @@
 #include "server/link/codec_fields.h"
 
 #include <algorithm>
+#include <cmath>
 #include <initializer_list>
 #include <string>
 
@@ -12,6 +13,7 @@ namespace {
 using Doubles = google::protobuf::RepeatedField<double>;
 using Floats = google::protobuf::RepeatedField<float>;
 using Hashes = google::protobuf::RepeatedField<std::uint64_t>;
+using Words = google::protobuf::RepeatedField<std::uint32_t>;
 
 static_assert(static_cast<int>(SessionState::kCount) == pb::LinkSessionState_ARRAYSIZE);
 static_assert(static_cast<int>(SessionState::kFault) == pb::SESSION_FAULT);
@@ -98,6 +100,38 @@ void take(const pb::SlaveDatagram& m, FollowLedger& ledger) {
       static_cast<int>(std::min(m.limiting_joint(), static_cast<std::uint32_t>(kJoints + 1))) - 1);
 }
 
+// What is true of the program, a bit each: log lost 1, control thread 2, memory 4, IO thread 8.
+std::uint32_t marks_of(const SlaveState& s) {
+  const RealtimeGrants& granted = s.program.realtime;
+  std::uint32_t marks = 0;
+  for (const bool mark :
+       {granted.io_fifo, granted.memory_locked, granted.control_fifo, s.log_lost}) {
+    marks = marks << 1 | (mark ? 1u : 0u);
+  }
+  return marks;
+}
+bool take_marks(std::uint32_t marks, SlaveState& s) {
+  s.log_lost = (marks & 1u) != 0;
+  s.program.realtime = {(marks & 2u) != 0, (marks & 4u) != 0, (marks & 8u) != 0};
+  return marks < 16;
+}
+
+// Normal, plane [um], stiffness [N/m]; 0 0 0 for none.
+void put(Words* out, const std::optional<Surface>& surface) {
+  const auto um = surface ? std::lround(surface->d * 1e6) : 0;
+  out->Add(surface ? octahedral(surface->n_S) : 0);
+  out->Add(static_cast<std::uint32_t>(static_cast<std::int32_t>(um)));
+  out->Add(surface ? static_cast<std::uint32_t>(std::lround(surface->stiffness)) : 0);
+}
+// False for what has no stiffness and is somewhere.
+bool take_surface(const Words& in, std::optional<Surface>& surface) {
+  surface.reset();
+  if (in[2] == 0) return in[0] == 0 && in[1] == 0;
+  const auto um = static_cast<std::int32_t>(in[1]);
+  surface = Surface{from_octahedral(in[0]), um / 1e6, static_cast<double>(in[2])};
+  return true;
+}
+
 }  // namespace
 
 void put(const MasterState& s, pb::MasterDatagram& m) {
@@ -143,7 +177,7 @@ bool present(const pb::MasterDatagram& m) {
          m.has_scene() && m.has_position_hash() && m.has_orientation_hash();
 }
 
-bool take(const pb::MasterDatagram& m, MasterState& s) {
+Reject take(const pb::MasterDatagram& m, MasterState& s) {
   s.desired = static_cast<Desired>(m.desired());
   s.state = static_cast<SessionState>(m.state());
   Take(m.command_pose())(s.X_SU);
@@ -170,7 +204,7 @@ bool take(const pb::MasterDatagram& m, MasterState& s) {
   orientation(o.q_ref);
   orientation(o.stiffness);
   s.hashes = take_hashes(m.hashes());
-  return take_scene(m.scene(), s.scene);
+  return take_scene(m.scene(), s.scene) ? Reject::kNone : Reject::kScene;
 }
 
 bool tools_match(const pb::MasterDatagram& m, const MasterState& s) {
@@ -200,13 +234,11 @@ void put(const SlaveState& s, pb::SlaveDatagram& m) {
   m.set_silences(s.silences);
   m.set_applied_sequence(s.applied_sequence);
   m.set_payload_removed(s.payload_removed);
-  m.set_log_lost(s.log_lost);
   m.set_calendar_ns(s.program.calendar);
   m.set_program(s.program.version);
-  m.set_control_fifo(s.program.realtime.control_fifo);
-  m.set_memory_locked(s.program.realtime.memory_locked);
-  m.set_io_fifo(s.program.realtime.io_fifo);
+  m.set_marks(marks_of(s));
   put(s.ledger, m);
+  put(m.mutable_surface(), s.surface);
   put(m.mutable_hashes(), s.hashes);
   m.mutable_scene()->assign(s.scene.data(), length_of(s.scene));
 }
@@ -219,12 +251,11 @@ bool present(const pb::SlaveDatagram& m) {
          m.has_oldest_applied_ns() && m.has_cycles() && m.has_silences() && m.hashes_size() == 4 &&
          m.has_scene() && m.has_applied_sequence() && m.has_payload_removed() &&
          m.stage_offsets_size() == 3 * FollowLedger::kStages && m.has_stage_reasons() &&
-         m.has_limiting_joint() && m.has_engagement_epoch() && m.has_obstacle() &&
-         m.has_log_lost() && m.has_calendar_ns() && m.has_program() && m.has_control_fifo() &&
-         m.has_memory_locked() && m.has_io_fifo();
+         m.has_limiting_joint() && m.has_engagement_epoch() && m.has_obstacle() && m.has_marks() &&
+         m.has_calendar_ns() && m.has_program() && m.surface_size() == 3;
 }
 
-bool take(const pb::SlaveDatagram& m, SlaveState& s) {
+Reject take(const pb::SlaveDatagram& m, SlaveState& s) {
   s.state = static_cast<SessionState>(m.state());
   s.reason = reason_of(m.reason());
   s.fault = reason_of(m.fault());
@@ -247,11 +278,12 @@ bool take(const pb::SlaveDatagram& m, SlaveState& s) {
   s.silences = m.silences();
   s.applied_sequence = m.applied_sequence();
   s.payload_removed = m.payload_removed();
-  s.log_lost = m.log_lost();
-  s.program = {m.calendar_ns(), m.program(), {m.control_fifo(), m.memory_locked(), m.io_fifo()}};
+  s.program = {m.calendar_ns(), m.program(), {}};
   take(m, s.ledger);
   s.hashes = take_hashes(m.hashes());
-  return take_scene(m.scene(), s.scene);
+  if (!take_scene(m.scene(), s.scene)) return Reject::kScene;
+  if (!take_marks(m.marks(), s)) return Reject::kRange;
+  return take_surface(m.surface(), s.surface) ? Reject::kNone : Reject::kSurface;
 }
 
 }  // namespace handrail

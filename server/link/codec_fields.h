@@ -2,6 +2,7 @@
 #pragma once
 
 #include "proto/link.pb.h"
+#include "server/link/reject.h"
 #include "server/model/link_state.h"
 
 namespace handrail {
@@ -15,11 +16,12 @@ bool present(const pb::MasterDatagram& m);
 bool present(const pb::SlaveDatagram& m);
 
 // Reads a message whose fields are present, normalising quaternions; codes out of range come out as
-// kCount. False when the scene's name is too long; nothing else is checked.
-bool take(const pb::MasterDatagram& m, MasterState& s);
+// kCount. Says what no state can hold: kScene a name that is too long, kRange a mark that is none,
+// kSurface one of no stiffness that is somewhere; nothing else is checked.
+Reject take(const pb::MasterDatagram& m, MasterState& s);
 // True when each tool's hash is that of the definition taken. A slave sends no tools.
 bool tools_match(const pb::MasterDatagram& m, const MasterState& s);
 inline bool tools_match(const pb::SlaveDatagram&, const SlaveState&) { return true; }
-bool take(const pb::SlaveDatagram& m, SlaveState& s);
+Reject take(const pb::SlaveDatagram& m, SlaveState& s);
 
 }  // namespace handrail

@@ -20,6 +20,7 @@ const char* describe(Reject cause) noexcept {
     case Reject::kRotation: return "quaternion not of unit length";
     case Reject::kRange: return "value out of range";
     case Reject::kTool: return "inconsistent tool";
+    case Reject::kSurface: return "surface out of range";
     case Reject::kScene: return "invalid scene name";
     case Reject::kDuplicate: return "duplicate";
     case Reject::kStale: return "older than the newest accepted";

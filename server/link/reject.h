@@ -26,6 +26,7 @@ enum class Reject : std::uint8_t {
   kRotation,  // a quaternion off unit length by over 1e-6
   kRange,     // a position of 10 m or more from the base, a negative span
   kTool,      // a tool that contradicts itself or its hash
+  kSurface,   // a surface whose normal is no unit vector, or that is too far, too soft or too stiff
   kScene,     // a scene name with other than letters, digits, - and _, or too long
   // Order
   kDuplicate,       // a sequence already accepted

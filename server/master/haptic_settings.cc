@@ -35,6 +35,7 @@ HapticSettings haptic_settings(const Scene& scene, const HapticCapabilities& dev
   }
   out.governor = governor_settings(device, governor);
   out.spring_stiffness = scene.guidance.spring;
+  out.local_surface = scene.guidance.local_surface;
   out.force.peak = device.max_force;
   out.force.continuous = device.continuous_force;
   out.has_torque = device.actuates_torque;

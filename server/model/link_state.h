@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "server/base/fixed_text.h"
@@ -9,6 +10,7 @@
 #include "server/base/spatial.h"
 #include "server/base/time.h"
 #include "server/model/reason.h"
+#include "server/model/surface.h"
 #include "server/model/tool.h"
 
 namespace handrail {
@@ -139,6 +141,7 @@ struct SlaveState {
   std::uint64_t silences = 0;          // times the held target was sent again
   std::uint64_t applied_sequence = 0;  // of the datagram the newest cycle moved toward; 0 = none
   FollowLedger ledger;
+  std::optional<Surface> surface;  // that the tip touches, or touched last nearby
   SectionHashes hashes;
   SceneName scene{};
   ProgramNews program;

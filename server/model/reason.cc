@@ -83,6 +83,8 @@ constexpr auto kSentences = std::to_array<Sentence>({
     {Reason::kToolFar, "the tool is too far from the tip"},
     {Reason::kOtherMaster, "the slave is led by another master"},
     {Reason::kForceEnergy, "force lowered so that it makes no energy"},
+    {Reason::kSurfaceElsewhere, "the touched surface is told elsewhere: its model fades"},
+    {Reason::kSurfaceNotFelt, "nothing is felt behind the touched surface: its model fades"},
 });
 
 // One for every reason, in their order.

@@ -83,6 +83,9 @@ enum class Reason : std::uint8_t {
   kOtherMaster,  // the slave is led by another master
   // Energy at the hand
   kForceEnergy,  // force lowered so that what is rendered makes no energy
+  // The touched surface at the hand
+  kSurfaceElsewhere,  // it is told where it cannot have gone to: its model fades
+  kSurfaceNotFelt,    // the tip is behind it and is not pushed: its model fades
   kCount
 };
 

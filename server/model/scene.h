@@ -38,6 +38,7 @@ struct Scene {
     double catch_up = 0.060;                 // bound on letting go of a position offset [m/s]
     double catch_up_rotation = 15.0 * kDeg;  // the same for orientation [rad/s]
     double tool_reach = 0.020;               // furthest from the tip that a tool is called [m]
+    bool local_surface = false;              // what is touched is rendered at the master
   };
   struct Limits {
     JointLimits joints;                         // within Table 3.1

@@ -64,6 +64,7 @@ void guidance_from(const pb::Guidance& in, Scene::Guidance& out) {
   out.catch_up = in.catch_up_mm_s() * kMm;
   out.catch_up_rotation = in.catch_up_deg_s() * kDeg;
   out.tool_reach = in.tool_reach_mm() * kMm;
+  out.local_surface = in.local_surface();
 }
 
 Problem smoother_from(const pb::Smoother& in, int& samples) {

@@ -76,41 +76,45 @@ Table lab_rows() {
   const Folders lab =
       network + Folders{"devices",           "proto",          "server/scene", "server/lab/console",
                         "server/lab/figure", "server/lab/cell"};
-  return {{"server/lab", kBase + Folders{"server/lab/accuracy", "server/lab/contact",
-                                         "server/lab/faults", "server/lab/hand", "server/lab/links",
-                                         "server/lab/scenes", "server/lab/sequences",
-                                         "server/lab/stability", "server/lab/study/linear",
-                                         "server/lab/study/screw", "server/lab/walls"}},
-          {"server/lab/console", kBase},
-          {"server/lab/figure", kBase},
-          {"server/lab/network", kBase},
-          {"server/lab/cell",
-           network + kRigs + Folders{"server/haptic", "server/follow", "server/link"}},
-          {"server/lab/study", lab + kHands + sides + Folders{"devices/rig", "server/haptic"}},
-          {"server/lab/study/linear", lab + Folders{"server/lab/study", "server/task"}},
-          {"server/lab/study/screw", lab + kRigs + Folders{"server/lab/study", "server/task"}},
-          {"server/lab/hand", lab + kHands + sides},
-          {"server/lab/scenes", lab + kHands + kRigs +
-                                    Folders{"server/master", "server/haptic", "server/kinematics",
-                                            "server/constraint/drawn", "server/stability"}},
-          {"server/lab/accuracy", lab + kHands +
-                                      Folders{"server/lab/scenes", "server/master", "server/haptic",
-                                              "server/constraint", "server/link"}},
-          {"server/lab/walls", lab + kHands +
-                                   Folders{"server/lab/study", "server/master", "server/haptic",
-                                           "server/constraint", "server/constraint/drawn"}},
-          {"server/lab/stability",
-           lab + kHands +
-               Folders{"server/lab/study", "server/master", "server/haptic", "server/stability"}},
-          {"server/lab/contact", lab + Folders{"server/lab/study", "server/follow"}},
-          {"server/lab/links",
-           lab + Folders{"server/lab/faults", "server/lab/study", "server/session"}},
-          {"server/lab/sequences", lab + Folders{"devices/omni", "server/master", "server/haptic",
-                                                 "server/lab/faults", "server/lab/study"}},
-          {"server/lab/faults/audit", network + Folders{"server/motion", "server/kinematics"}},
-          {"server/lab/faults", lab + kHands + sides +
-                                    Folders{"server/lab/faults/audit", "server/lab/study",
-                                            "server/motion", "server/kinematics"}}};
+  return {
+      {"server/lab",
+       kBase + Folders{"server/lab/accuracy", "server/lab/contact", "server/lab/delay",
+                       "server/lab/faults", "server/lab/hand", "server/lab/links",
+                       "server/lab/scenes", "server/lab/sequences", "server/lab/stability",
+                       "server/lab/study/linear", "server/lab/study/screw", "server/lab/walls"}},
+      {"server/lab/console", kBase},
+      {"server/lab/figure", kBase},
+      {"server/lab/network", kBase},
+      {"server/lab/cell",
+       network + kRigs + Folders{"server/haptic", "server/follow", "server/link"}},
+      {"server/lab/study", lab + kHands + sides + Folders{"devices/rig", "server/haptic"}},
+      {"server/lab/study/linear", lab + Folders{"server/lab/study", "server/task"}},
+      {"server/lab/study/screw", lab + kRigs + Folders{"server/lab/study", "server/task"}},
+      {"server/lab/hand", lab + kHands + sides},
+      {"server/lab/scenes", lab + kHands + kRigs +
+                                Folders{"server/master", "server/haptic", "server/kinematics",
+                                        "server/constraint/drawn", "server/stability"}},
+      {"server/lab/accuracy", lab + kHands +
+                                  Folders{"server/lab/scenes", "server/master", "server/haptic",
+                                          "server/constraint", "server/link"}},
+      {"server/lab/walls", lab + kHands +
+                               Folders{"server/lab/study", "server/master", "server/haptic",
+                                       "server/constraint", "server/constraint/drawn"}},
+      {"server/lab/stability",
+       lab + kHands +
+           Folders{"server/lab/study", "server/master", "server/haptic", "server/stability"}},
+      {"server/lab/contact", lab + Folders{"server/lab/study", "server/follow"}},
+      {"server/lab/delay",
+       lab + kHands + kRigs + sides +
+           Folders{"server/lab/study", "server/haptic", "server/follow", "server/kinematics"}},
+      {"server/lab/links",
+       lab + Folders{"server/lab/faults", "server/lab/study", "server/session"}},
+      {"server/lab/sequences", lab + Folders{"devices/omni", "server/master", "server/haptic",
+                                             "server/lab/faults", "server/lab/study"}},
+      {"server/lab/faults/audit", network + Folders{"server/motion", "server/kinematics"}},
+      {"server/lab/faults", lab + kHands + sides +
+                                Folders{"server/lab/faults/audit", "server/lab/study",
+                                        "server/motion", "server/kinematics"}}};
 }
 
 Table device_rows() {

@@ -3,6 +3,7 @@
 #include <rapidcheck/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "server/link/check.h"
 #include "server/link/frame.h"
@@ -81,6 +82,17 @@ ToolDefinition any_orientation_tool() {
   return tool;
 }
 
+Surface any_surface() {
+  return {unit(), real(-kFarthestSurface, kFarthestSurface),
+          std::exp(real(std::log(kSoftestSurface), std::log(kStiffestSurface)))};
+}
+
+// As it comes through the wire.
+Surface told(const Surface& surface) {
+  return {from_octahedral(octahedral(surface.n_S)), std::round(surface.d * 1e6) / 1e6,
+          std::round(surface.stiffness)};
+}
+
 MasterState any_master() {
   MasterState s;
   s.desired = any_of<Desired>();
@@ -126,6 +138,7 @@ SlaveState any_slave() {
   }
   for (Reason& why : s.ledger.why) why = any_of<Reason>();
   s.ledger.joint = *rc::gen::inRange<std::int8_t>(-1, kJoints);
+  if (coin()) s.surface = told(any_surface());
   s.hashes = any_hashes();
   s.scene = any_scene();
   return s;
@@ -161,6 +174,26 @@ void expect_round_trip(const State& state) {
 
 RC_GTEST_PROP(LinkProperty, MasterStatesComeBackBitForBit, ()) { expect_round_trip(any_master()); }
 RC_GTEST_PROP(LinkProperty, SlaveStatesComeBackBitForBit, ()) { expect_round_trip(any_slave()); }
+
+// Any sound surface comes as the one it was, but for what is rounded.
+RC_GTEST_PROP(LinkProperty, SurfacesComeAsTheyAreButForRounding, ()) {
+  SlaveState sent, got;
+  sent.surface = any_surface();
+  DatagramHeader header;
+  Codec codec;
+  RC_ASSERT(codec.decode(datagram(any_header(), sent), header, got) == Reject::kNone);
+  RC_ASSERT(got.surface.has_value());
+  RC_ASSERT((got.surface->n_S - sent.surface->n_S).norm() < kNormalError);
+  RC_ASSERT(std::abs(got.surface->d - sent.surface->d) <= 0.51e-6);
+  RC_ASSERT(std::abs(got.surface->stiffness - sent.surface->stiffness) <= 0.51);
+}
+
+// What has come through once comes through again bit for bit, whatever code it was.
+RC_GTEST_PROP(LinkProperty, ANormalThatWasToldIsToldAsItIs, ()) {
+  const Vec3 n = from_octahedral(u32());
+  RC_ASSERT(std::abs(n.norm() - 1.0) < 1e-15);
+  RC_ASSERT(from_octahedral(octahedral(n)) == n);
+}
 
 RC_GTEST_PROP(LinkProperty, RandomBytesAreNeverAccepted, (const Bytes& bytes)) {
   SlavePeer slave(1);

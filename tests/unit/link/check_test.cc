@@ -168,6 +168,28 @@ TEST(Check, NegativeSpansAreRefused) {
   EXPECT_EQ(check(s), Reject::kRange);
 }
 
+TEST(Check, ASurfaceHasAUnitNormalAPlaceAndAStiffness) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const Surface sound{Vec3(0.6, 0, -0.8), -1.5, 60e3};
+  const auto cause = [](const Surface& surface) {
+    SlaveState s;
+    s.surface = surface;
+    return check(s);
+  };
+  EXPECT_EQ(cause(sound), Reject::kNone);
+  EXPECT_EQ(cause({{nan, 0, -0.8}, -1.5, 60e3}), Reject::kNotFinite);
+  EXPECT_EQ(cause({sound.n_S, nan, 60e3}), Reject::kNotFinite);
+  EXPECT_EQ(cause({sound.n_S, -1.5, 1.0 / 0.0}), Reject::kNotFinite);
+  EXPECT_EQ(cause({sound.n_S, -1.5, nan}), Reject::kNotFinite);
+  EXPECT_EQ(cause({{0, 0, 0}, -1.5, 60e3}), Reject::kSurface);
+  EXPECT_EQ(cause({{0.6, 0, -0.81}, -1.5, 60e3}), Reject::kSurface);
+  EXPECT_EQ(cause({sound.n_S, 10.0, 60e3}), Reject::kSurface);
+  EXPECT_EQ(cause({sound.n_S, -10.0, 60e3}), Reject::kSurface);
+  EXPECT_EQ(cause({sound.n_S, -1.5, 99.0}), Reject::kSurface);
+  EXPECT_EQ(cause({sound.n_S, -1.5, -60e3}), Reject::kSurface);
+  EXPECT_EQ(cause({sound.n_S, -1.5, 1.1e7}), Reject::kSurface);
+}
+
 TEST(Reject, EveryCauseHasItsOwnWords) {
   for (std::size_t i = 0; i < kRejectCauses; ++i) {
     EXPECT_STRNE(describe(static_cast<Reject>(i)), "unknown cause") << i;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <boost/crc.hpp>
+#include <initializer_list>
 #include <limits>
 
 #include "proto/link.pb.h"
@@ -58,7 +59,7 @@ TEST(Codec, TheLargestDatagramFits) {
   DatagramHeader header = sample_header(UINT64_MAX, UINT64_MAX);
   header.sent = INT64_MAX;
   const auto largest = std::max(datagram(header, master).size(), datagram(header, slave).size());
-  EXPECT_EQ(largest, 569u);
+  EXPECT_EQ(largest, 575u);
   EXPECT_LE(largest, kMaxDatagram);
 }
 
@@ -68,6 +69,15 @@ TEST(Codec, SizeDependsOnTheSceneNameAlone) {
   full.scene = empty.scene;
   EXPECT_EQ(datagram(sample_header(), empty).size(),
             datagram(sample_header(UINT64_MAX, UINT64_MAX), full).size());
+}
+
+TEST(Codec, ASurfaceTakesAsMuchRoomAsNone) {
+  SlaveState with = sample_slave(), without = sample_slave();
+  with.surface = Surface{-Vec3::UnitX(), -kFarthestSurface, kStiffestSurface};
+  without.surface.reset();
+  without.log_lost = false;
+  without.program = {};
+  EXPECT_EQ(datagram(sample_header(), with).size(), datagram(sample_header(), without).size());
 }
 
 TEST(Codec, ATooSmallBufferIsRefused) {
@@ -223,6 +233,41 @@ TEST(Codec, StageReasonsJointsAndReasonBitsThatAreNoCodesAreRefused) {
   }
   whole.set_stage_offsets(5, std::numeric_limits<float>::infinity());
   EXPECT_EQ(cause(whole), Reject::kNotFinite);
+}
+
+TEST(Codec, SurfacesAndMarksThatAreNoneAreRefused) {
+  const auto bytes = datagram(sample_header(), sample_slave());
+  pb::SlaveDatagram whole;
+  ASSERT_TRUE(whole.ParseFromArray(bytes.data() + kFrameBytes,
+                                   static_cast<int>(bytes.size() - kFrameBytes)));
+  Codec codec;
+  DatagramHeader header;
+  SlaveState state;
+  const auto cause = [&](std::initializer_list<std::uint32_t> surface) {
+    pb::SlaveDatagram message = whole;
+    message.clear_surface();
+    for (const std::uint32_t word : surface) message.add_surface(word);
+    return codec.decode(framed(message.SerializeAsString(), DatagramKind::kSlave), header, state);
+  };
+  EXPECT_EQ(cause({0x40004000, 250'000, 1000}), Reject::kNone);
+  EXPECT_NEAR(state.surface.value().d, 0.25, 1e-15);
+  EXPECT_EQ(cause({0x80008000, 250'000, 1000}), Reject::kNone);
+  EXPECT_NEAR(state.surface.value().n_S.norm(), 1.0, 1e-15);
+  EXPECT_EQ(cause({0, 0, 0}), Reject::kNone);
+  EXPECT_FALSE(state.surface);
+  EXPECT_EQ(cause({1, 0, 0}), Reject::kSurface);
+  EXPECT_EQ(cause({0, 1, 0}), Reject::kSurface);
+  EXPECT_EQ(cause({0, 9'990'000, 100}), Reject::kNone);
+  EXPECT_EQ(cause({0, 9'990'001, 100}), Reject::kSurface);
+  EXPECT_EQ(cause({0, static_cast<std::uint32_t>(-9'990'001), 100}), Reject::kSurface);
+  EXPECT_EQ(cause({0, 0x80000000, 100}), Reject::kSurface);
+  EXPECT_EQ(cause({0, 0, 99}), Reject::kSurface);
+  EXPECT_EQ(cause({0, 0, 10'000'001}), Reject::kSurface);
+  EXPECT_EQ(cause({0, 0, UINT32_MAX}), Reject::kSurface);
+  EXPECT_EQ(cause({0, 0}), Reject::kMissingField);
+  EXPECT_EQ(cause({0, 0, 1000, 0}), Reject::kMissingField);
+  whole.set_marks(16);
+  EXPECT_EQ(cause({0, 0, 0}), Reject::kRange);
 }
 
 TEST(Codec, MoreThanAHundredOfAHundredAreRefused) {

@@ -1,6 +1,7 @@
 // The bytes of proto/WIRE.md, which our encoder did not write, against the codec.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <sstream>
 #include <string>
@@ -60,13 +61,15 @@ TEST(Golden, MasterBytesDecodeToTheDocumentedValues) {
 
 TEST(Golden, SlaveBytesDecodeToTheDocumentedValues) {
   const auto bytes = golden("### Slave");
-  ASSERT_EQ(bytes.size(), 537u);
+  ASSERT_EQ(bytes.size(), 543u);
   Codec codec;
   DatagramHeader header;
   SlaveState state;
   ASSERT_EQ(codec.decode(bytes, header, state), Reject::kNone);
   EXPECT_EQ(header, kSlaveHeader);
   EXPECT_TRUE(same(state, sample_slave()));
+  ASSERT_TRUE(state.surface);
+  EXPECT_LT((state.surface->n_S - Vec3(2, -3, -2) / std::sqrt(17.0)).norm(), 1e-15);
 }
 
 TEST(Golden, RefusalBytesAreTheDocumentedValues) {

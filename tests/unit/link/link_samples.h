@@ -88,6 +88,7 @@ inline SlaveState sample_slave() {
       0, 0.5f, -0.0f, -2;
   s.ledger.why = {Reason::kNone, Reason::kBumper, Reason::kOutOfReach, Reason::kJointAcceleration};
   s.ledger.joint = 4;
+  s.surface = {from_octahedral(octahedral({2.0, -3.0, -2.0})), -0.21875, 60e3};
   s.hashes = sample_hashes();
   s.scene = scene_name("linear-movement");
   s.program = {1'700'000'000'250'000'000, version_code("1.2.3"), {true, false, true}};
@@ -158,7 +159,8 @@ inline bool same(const SlaveState& a, const SlaveState& b) {
          a.orientation_tool_epoch == b.orientation_tool_epoch &&
          a.oldest_applied == b.oldest_applied && a.cycles == b.cycles && a.silences == b.silences &&
          a.applied_sequence == b.applied_sequence && same(a.ledger, b.ledger) &&
-         same(a.hashes, b.hashes) && a.scene == b.scene && a.program == b.program;
+         a.surface == b.surface && same(a.hashes, b.hashes) && a.scene == b.scene &&
+         a.program == b.program;
 }
 
 }  // namespace handrail

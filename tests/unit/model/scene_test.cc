@@ -18,6 +18,7 @@ TEST(SectionHashes, ChangeWithTheirOwnSectionOnly) {
       {[](Scene& s) { s.guidance.catch_up = 0.05; }, true, false, false},
       {[](Scene& s) { s.guidance.catch_up_rotation = 0.2; }, true, false, false},
       {[](Scene& s) { s.guidance.tool_reach = 0.1; }, false, false, false},
+      {[](Scene& s) { s.guidance.local_surface = true; }, false, false, false},
       {[](Scene& s) { s.limits.joints.lower[5] = -1.0; }, false, true, false},
       {[](Scene& s) { s.limits.joints.upper[0] = 1.0; }, false, true, false},
       {[](Scene& s) { s.limits.joints.max_speed[3] = 1.0; }, false, true, false},

@@ -31,6 +31,7 @@ TEST(SceneIo, DefaultsOfTheFileAndOfTheStructAgree) {
   EXPECT_DOUBLE_EQ(read.guidance.catch_up, made.guidance.catch_up);
   EXPECT_DOUBLE_EQ(read.guidance.catch_up_rotation, made.guidance.catch_up_rotation);
   EXPECT_DOUBLE_EQ(read.guidance.tool_reach, made.guidance.tool_reach);
+  EXPECT_EQ(read.guidance.local_surface, made.guidance.local_surface);
   EXPECT_EQ(read.smoother_samples, made.smoother_samples);
   EXPECT_EQ(read.bumper.enabled, made.bumper.enabled);
   EXPECT_DOUBLE_EQ(read.bumper.alpha, made.bumper.alpha);
@@ -68,7 +69,7 @@ TEST(SceneIo, DefaultRotationTurnsRightUpAndTowardTheUser) {
 TEST(SceneIo, ConvertsUnits) {
   const Scene s = scene_of(
       "guidance { method: PUBLISHED delta_mm: 0.2 damping_n_s_mm: 0.002 catch_up_deg_s: 90\n"
-      "catch_up_mm_s: 45 tool_reach_mm: 35 }\n"
+      "catch_up_mm_s: 45 tool_reach_mm: 35 local_surface: true }\n"
       "bumper { alpha_mm_n: 0.02 } limits { speed_share: 0.5 tip_speed_mm_s: 250\n"
       "joint_acceleration_deg_s2: [90, 90, 90, 90, 90, 180] } robot { tip_length_mm: 85 }");
   EXPECT_TRUE(s.guidance.published_method);
@@ -77,6 +78,7 @@ TEST(SceneIo, ConvertsUnits) {
   EXPECT_DOUBLE_EQ(s.guidance.catch_up_rotation, 90 * kDeg);
   EXPECT_DOUBLE_EQ(s.guidance.catch_up, 0.045);
   EXPECT_DOUBLE_EQ(s.guidance.tool_reach, 0.035);
+  EXPECT_TRUE(s.guidance.local_surface);
   EXPECT_DOUBLE_EQ(s.bumper.alpha, 2e-5);
   EXPECT_TRUE(s.limits.joints.max_speed.isApprox(0.5 * rv2a_limits().max_speed));
   EXPECT_DOUBLE_EQ(s.limits.tip_speed, 0.25);

@@ -1,0 +1,105 @@
+#include "server/follow/surface_estimate.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace handrail {
+namespace {
+
+constexpr double kStep = 2.0;     // forces so far apart tell of a compliance [N]
+constexpr double kSteps = 0.5;    // as long as no more time lies between: slides take longer [s]
+constexpr double kKeep = 0.95;    // of what was told before, each time: twenty steps of a press
+constexpr double kNearby = 0.05;  // of the plane's place, to follow a slide [s]
+// Normals turned further apart than the bumper's cone has spare need other sums, and further apart
+// than a friction of 0.3 turns a force they are of two surfaces [rad].
+constexpr double kSameTurn = 0.02;
+constexpr double kOtherTurn = 0.35;
+constexpr double kOtherPlace =
+    5e-3;                          // as far as 0.1 rad goes at kKept: begun there it is another [m]
+constexpr double kTold = 1e-5;     // no way below it is told from the encoders' [m]
+constexpr double kExpected = 3.0;  // so many times the force of a contact is not missed
+constexpr double kDeep = 1e-3;     // nor so deep: flexing and rounding are less [m]
+constexpr int kMissed = 3;         // readings in a row, as for a contact
+
+double within(const BumperSettings& settings, double stiffness) {
+  const double most = std::clamp(settings.stiffest, kSoftestSurface, kStiffestSurface);
+  return std::isfinite(stiffness) ? std::clamp(stiffness, kSoftestSurface, most) : most;
+}
+
+Vec3 told_normal(const Vec3& n) { return from_octahedral(octahedral(n)); }
+
+}  // namespace
+
+// A contact, or its other normal: what was told along it begins anew. feel() places the plane.
+void SurfaceEstimate::begin(const BumperSettings& settings, const Vec3& n,
+                            double stiffness) noexcept {
+  surface_ = Surface{n, 0.0, within(settings, stiffness)};
+  since_ = kSteps;
+  near_weight_ = ff_ = sf_ = 0.0;
+  begun_ = true;
+}
+
+// Only where the force changes does the way tell of the compliance: a slide along a normal that is
+// a little off goes far at the same force.
+void SurfaceEstimate::compare(const BumperSettings& settings, double place, double force,
+                              double dt) noexcept {
+  const double change = force - force_;
+  since_ += dt;
+  const bool told = since_ < kSteps && std::abs(change) > std::max(kStep, 6.0 * settings.noise);
+  if (told) {
+    ff_ = kKeep * ff_ + change * change;
+    sf_ = kKeep * sf_ + change * (place - place_);
+    surface_->stiffness = within(settings, ff_ / std::max(0.0, -sf_));
+  }
+  if (told || since_ >= kSteps) {
+    place_ = place;
+    force_ = force;
+    since_ = 0.0;
+  }
+}
+
+void SurfaceEstimate::feel(const BumperSettings& settings, double place, double force,
+                           double dt) noexcept {
+  compare(settings, place, force, dt);
+  near_weight_ = (1.0 - dt / kNearby) * near_weight_ + 1.0;
+  near_place_ += (place - near_place_) / near_weight_;
+  near_force_ += (force - near_force_) / near_weight_;
+  surface_->d = std::clamp(near_place_ + near_force_ / surface_->stiffness, -kFarthestSurface,
+                           kFarthestSurface);
+}
+
+void SurfaceEstimate::miss(const BumperSettings& settings, const Vec3& p_ST,
+                           double force) noexcept {
+  const double deep = -surface_->out_of(p_ST);
+  const bool should = deep > kDeep && deep * surface_->stiffness > kExpected * settings.contact;
+  missed_ = should && force < 0.5 * settings.contact ? missed_ + 1 : 0;
+  if (missed_ >= kMissed || (p_ST - p_felt_).norm() > kKept) forget();
+}
+
+void SurfaceEstimate::step(const BumperSettings& settings, const BumperInput& in,
+                           const BumperState& bumper) noexcept {
+  if (!in.fresh || !is_finite(in.f_E_S) || !is_finite(in.p_ST)) return;
+  const Vec3& p_ST = bumper.tip_before(settings.sensor_lag, in.dt);
+  const double size = in.f_E_S.norm();
+  if (!bumper.touching() || size <= settings.contact) {
+    begun_ = begun_ && bumper.touching();
+    if (surface_) miss(settings, p_ST, size);
+    return;
+  }
+  missed_ = 0;
+  const Vec3 n = told_normal(bumper.n_S);
+  const double place = n.dot(p_ST), force = in.f_E_S.dot(n);
+  const double since_touch = force / (std::max(0.0, n.dot(bumper.p_touch) - place) + kTold);
+  if (!surface_ || n.dot(surface_->n_S) < std::cos(kOtherTurn)) {
+    begin(settings, n, since_touch);
+  } else if (!begun_) {
+    const double off = surface_->out_of(p_ST) + force / surface_->stiffness;
+    begin(settings, n, std::abs(off) > kOtherPlace ? since_touch : surface_->stiffness);
+  } else if (n.dot(surface_->n_S) < std::cos(kSameTurn)) {
+    begin(settings, n, surface_->stiffness);
+  }
+  p_felt_ = p_ST;
+  feel(settings, place, force, in.dt);
+}
+
+}  // namespace handrail
