@@ -14,7 +14,7 @@ namespace {
 using test::HapticRig;
 
 constexpr double kDt = 1e-3;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 // A floor at 0, told and felt, the hand 4 mm in it; mapping 2.
 struct Felt {
@@ -113,8 +113,8 @@ TEST(LocalSurface, WhatCannotBeFadesAndSaysSo) {
   const Surface sound{Vec3::UnitZ(), 0.0, 60e3};
   for (const Surface& told :
        {Surface{-Vec3::UnitZ(), 0.0, 60e3}, Surface{Vec3::UnitX(), 0.0, 60e3},
-        Surface{Vec3::UnitZ(), 0.021, 60e3}, Surface{Vec3::UnitZ(), kNaN, 60e3},
-        Surface{Vec3::UnitZ(), 0.0, kNaN}, Surface{{0, 0, kNaN}, 0.0, 60e3},
+        Surface{Vec3::UnitZ(), 0.021, 60e3}, Surface{Vec3::UnitZ(), kNoNumber, 60e3},
+        Surface{Vec3::UnitZ(), 0.0, kNoNumber}, Surface{{0, 0, kNoNumber}, 0.0, 60e3},
         Surface{{0, 0, 2}, 0.0, 60e3}, Surface{Vec3::UnitZ(), 0.0, -1.0}}) {
     Felt it;
     it.ticks(150);
