@@ -82,7 +82,7 @@ ToolDefinition any_orientation_tool() {
   return tool;
 }
 
-Surface any_surface() {
+Surface any_touched() {
   return {unit(), real(-kFarthestSurface, kFarthestSurface),
           std::exp(real(std::log(kSoftestSurface), std::log(kStiffestSurface)))};
 }
@@ -138,7 +138,7 @@ SlaveState any_slave() {
   }
   for (Reason& why : s.ledger.why) why = any_of<Reason>();
   s.ledger.joint = *rc::gen::inRange<std::int8_t>(-1, kJoints);
-  if (coin()) s.surface = told(any_surface());
+  if (coin()) s.surface = told(any_touched());
   s.hashes = any_hashes();
   s.scene = any_scene();
   return s;
@@ -178,7 +178,7 @@ RC_GTEST_PROP(LinkProperty, SlaveStatesComeBackBitForBit, ()) { expect_round_tri
 // Any sound surface comes as the one it was, but for what is rounded.
 RC_GTEST_PROP(LinkProperty, SurfacesComeAsTheyAreButForRounding, ()) {
   SlaveState sent, got;
-  sent.surface = any_surface();
+  sent.surface = any_touched();
   DatagramHeader header;
   Codec codec;
   RC_ASSERT(codec.decode(datagram(any_header(), sent), header, got) == Reject::kNone);
