@@ -44,11 +44,16 @@ void print_table(const std::vector<pb::SceneEntry>& entries, std::ostream& out) 
   }
 }
 
-// Runs handrail-lab with these words on this program's own standard output and error.
-ExitCode run_lab(const Console& console, std::vector<std::string> words) {
+// Beside this program.
+std::string lab_program() {
   std::error_code error;
   const auto own = std::filesystem::read_symlink("/proc/self/exe", error);
-  std::string path = (own.parent_path() / "handrail-lab").string();
+  return (own.parent_path() / "handrail-lab").string();
+}
+
+// Runs handrail-lab with these words on this program's own standard output and error.
+ExitCode run_lab(const Console& console, std::vector<std::string> words) {
+  std::string path = lab_program();
   std::vector<char*> argv{path.data()};
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
@@ -112,6 +117,11 @@ ExitCode run_scene_check(const Options& options, const Console& console) {
     console.err << *file << ": warning: " << warning << '\n';
   }
   if (!options.json) console.out << *file << ": ok\n";
+  if (::access(lab_program().c_str(), X_OK) != 0) {
+    console.err << "handrail: what a device holds of it is not looked at: there is no "
+                << lab_program() << '\n';
+    return kExitDone;
+  }
   std::vector<std::string> words = {"scene-stability", *file};
   if (options.json) words.push_back("--json");
   return run_lab(console, std::move(words));

@@ -26,7 +26,7 @@ class CoulombFriction {
 
   Vec2 force(const EffectInput& in, EffectTick& tick) noexcept {
     if (!known_) restart(in.hand);
-    const Vec2 f = slider_.force(in.hand, law_, in.dt);
+    Vec2 f = slider_.force(in.hand, law_, in.dt);
     tick.by_spring(slider_.spring());
     return f;
   }

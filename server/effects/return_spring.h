@@ -28,7 +28,7 @@ class ReturnSpring {
     }
     const double pull = stiffness_ * distance;
     const double share = fade_.move(!tick.locked, in.dt);
-    const Vec2 f = (share * (pull > peak_ ? peak_ / distance : stiffness_)) * back;
+    Vec2 f = (share * (pull > peak_ ? peak_ / distance : stiffness_)) * back;
     tick.by_spring(f, share * stiffness_);
     return f;
   }

@@ -31,7 +31,7 @@ class ViscousAisle {
       law_.viscosity = 0.0;
       return Vec2::Zero();
     }
-    const Vec2 f = slider_.force(in.hand, law_, in.dt);
+    Vec2 f = slider_.force(in.hand, law_, in.dt);
     tick.by_spring(slider_.spring());
     return f;
   }

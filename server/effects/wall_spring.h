@@ -35,7 +35,7 @@ class WallSpring {
                      ? wanted
                      : stiffness_ + std::min(in.dt / kChange, 1.0) * (wanted - stiffness_);
     const Vec2 out = in.proxy - in.hand;
-    const Vec2 spring = stiffness_ * out;
+    Vec2 spring = stiffness_ * out;
     tick.by_spring(spring, stiffness_);
     const double depth = out.norm();
     if (in.wall->damping == 0.0 || depth == 0.0) return spring;

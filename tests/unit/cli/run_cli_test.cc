@@ -222,6 +222,8 @@ TEST(Cli, LooksAtScenesWithoutAMaster) {
       without_master({"scene", "check", HANDRAIL_SOURCE_DIR "/server/scene/library/plane.scene"});
   EXPECT_EQ(check.code, kExitDone);
   EXPECT_TRUE(check.out.ends_with("plane.scene: ok\n"));
+  // The lab does not stand beside this test.
+  EXPECT_NE(check.err.find("handrail-lab"), std::string::npos) << check.err;
 }
 
 TEST(Cli, TheCheckOfASceneFindsAWorkpieceOutOfReach) {
