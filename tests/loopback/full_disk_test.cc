@@ -174,7 +174,7 @@ TEST_F(FullDisk, UnderTheOperatorsCommands) {
     expect_told("handrail", words + " --json");
   }
   ::unsetenv("HANDRAIL_KEYS");
-  for (const std::string words : {"scene show", "scene explain"}) {
+  for (const std::string words : {"scene show", "scene explain", "scene check"}) {
     listed.insert(words);
     // The lab speaks for itself.
     const std::string program = words == "scene show" ? "handrail" : "handrail-lab";
@@ -186,7 +186,6 @@ TEST_F(FullDisk, UnderTheOperatorsCommands) {
   listed.insert("doctor");
   for (const std::string& words :
        {"doctor" + at, "doctor --json" + at, std::string("--help"), std::string("scene --help"),
-        std::string("scene check gearshift"),
         "scene preview gearshift --out " + folder.path() + "/a.png",
         "scene resolve " + shapes() + " --accuracy 1mm --out " + folder.path() + "/b.scene"}) {
     EXPECT_EQ(run("handrail", words, "/dev/full"), 1) << words;
