@@ -105,14 +105,17 @@ TEST_F(DoctorBesideACell, ASlaveOfAnotherWireVersionIsNamedInDoctorStatusAndLog)
   std::thread speaks([&] {
     for (; !ends; sleep_until(monotonic_now() + 5 * kMillisecond)) (void)!other.send(to, bytes);
   });
-  EXPECT_NE(master->after("the slave speaks wire version 9, this program 8"), "");
+  const std::string ours = std::to_string(kWireVersion), theirs = std::to_string(bytes[4]);
+  EXPECT_NE(master->after("the slave speaks wire version " + theirs + ", this program " + ours),
+            "");
   const pb::DoctorReport report = examined();
   const auto [code, text] = handrail({"status"});
   ends = true;
   speaks.join();
   expect_found(report, "programs.slave_version", Level::PROBLEM,
-               "the slave speaks wire version 9, the master 8", "both computers");
-  EXPECT_THAT(text, HasSubstr("differs: wire version: master 8, slave 9"));
+               "the slave speaks wire version " + theirs + ", the master " + ours,
+               "both computers");
+  EXPECT_THAT(text, HasSubstr("differs: wire version: master " + ours + ", slave " + theirs));
 }
 
 TEST_F(DoctorBesideACell, ASceneThatIsAnotherFileThereIsNamedOnBothSides) {
