@@ -76,6 +76,7 @@ std::vector<BadDatagram> bad_datagrams(const DatagramHeader& header, const State
     message(Reject::kTool, [](Message& m) { m.set_position_hash(m.position_hash() + 1); });
   } else {
     message(Reject::kEnum, [](Message& m) { m.set_reason(9999); });
+    message(Reject::kSurface, [](Message& m) { m.set_surface(2, 1); });  // 1 N/m
   }
   return out;
 }
