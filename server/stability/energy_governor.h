@@ -80,11 +80,9 @@ class EnergyTank {
   void told(const Vec3& force) noexcept { told_ = is_finite(force) ? force : Vec3(Vec3::Zero()); }
   void restart() noexcept { told_.setZero(), energy_ = 0.0; }
 
-  double energy() const noexcept { return energy_; }  // that it may give back [J]
-
  private:
   Vec3 told_ = Vec3::Zero();  // [N]
-  double energy_ = 0.0;       // [J]
+  double energy_ = 0.0;       // that it may give back [J]
 };
 
 }  // namespace handrail
