@@ -29,10 +29,11 @@ double peak_now(const ForceLimits& limits, double heat) {
 }  // namespace
 
 ForceShares Arbiter::share(const ForceLimits& limits, Vec3 f_tool, Vec3 f_spring,
-                           double hand_allowance, bool trusted, double dt) noexcept {
+                           double hand_allowance, Trust trust, double dt) noexcept {
   ForceShares out;
-  if (!trusted || !usable(f_tool)) f_tool.setZero();
-  if (!trusted || !usable(f_spring)) f_spring.setZero();
+  if (trust == Trust::kNone) hand_allowance = 0.0;
+  if (trust == Trust::kNone || !usable(f_tool)) f_tool.setZero();
+  if (trust != Trust::kBoth || !usable(f_spring)) f_spring.setZero();
 
   const double cap = peak_now(limits, heat_);
   const double wanted = f_tool.norm();
@@ -51,7 +52,8 @@ ForceShares Arbiter::share(const ForceLimits& limits, Vec3 f_tool, Vec3 f_spring
 
   const Vec3 change = force - last_;
   const double allowed =
-      trusted ? limits.step * dt * 1e3 + hand_allowance : limits.peak * dt / limits.fade_out;
+      hand_allowance +
+      (trust == Trust::kBoth ? limits.step * dt * 1e3 : limits.peak * dt / limits.fade_out);
   if (change.norm() > allowed) {
     force = last_ + change * (allowed / change.norm());
     out.stepped = true;

@@ -30,6 +30,14 @@ struct ForceShares {
   bool stepped = false;           // the step limit acted
 };
 
+// Which of the wanted forces are given. Where it is not both, the force follows what is given as
+// fast as it leaves within `fade_out`.
+enum class Trust {
+  kBoth,
+  kTool,  // the spring counts as none
+  kNone,
+};
+
 // Keeps the heat estimate and the previous force. Real-time safe.
 class Arbiter {
  public:
@@ -37,10 +45,10 @@ class Arbiter {
   void cut() noexcept { last_.setZero(); }
 
   // `f_tool`, `f_spring`: wanted forces on the hand, frame M [N]. `hand_allowance`: stiffness times
-  // the hand's motion since the last tick [N]. `trusted` false: the wanted forces count as none and
-  // the force leaves within `fade_out`. `dt` [s]. Non-finite input counts as no force.
+  // the hand's motion since the last tick [N]; without trust in anything it counts as none. `dt`
+  // [s]. Non-finite input counts as no force.
   ForceShares share(const ForceLimits& limits, Vec3 f_tool, Vec3 f_spring, double hand_allowance,
-                    bool trusted, double dt) noexcept;
+                    Trust trust, double dt) noexcept;
 
  private:
   Vec3 last_ = Vec3::Zero();

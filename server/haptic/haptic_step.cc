@@ -125,6 +125,18 @@ struct Wanted {
   Vec3 tool_spring = Vec3::Zero();  // of `tool`, without its damper
   Vec3 surface = Vec3::Zero();      // that the tip touches
   double stiffness = 0.0;           // of tool and surface together, at most [N/m]
+  double surface_stiffness = 0.0;   // [N/m]
+
+  // What is left where the link or the arm's state is in doubt. `holds`: the arm stands where the
+  // tip touches the surface, which pushes by where the hand is, not by what is told: it stays.
+  // Of an engagement that has ended nothing stays.
+  Wanted in_doubt(bool holds) const {
+    Wanted left;
+    if (!holds) return left;
+    left.surface = surface;
+    left.stiffness = left.surface_stiffness = surface_stiffness;
+    return left;
+  }
 };
 
 // The surface in place of what of the spring is along it.
@@ -147,6 +159,7 @@ void render_surface(const HapticSettings& settings, const HapticInput& in, const
   wanted.surface = felt.push * n_M;
   wanted.spring -= felt.share * wanted.spring.dot(n_M) * n_M;
   const bool alone = wanted.tool_spring.isZero(0.0);
+  wanted.surface_stiffness = felt.stiffness;
   if (felt.stiffness > 0.0) wanted.stiffness = felt.stiffness + (alone ? 0.0 : wanted.stiffness);
 }
 
@@ -202,27 +215,29 @@ GovernedForces govern(const HapticSettings& settings, const Wanted& wanted, doub
                         motion, dt)};
 }
 
-// The device's force and torque. `motion`: of the hand in this tick [M, m]; `trusted` false: what
-// there is leaves fast; `before`: the session in the last tick.
+// The device's force and torque. `motion`: of the hand in this tick [M, m]; `trust`: in what is
+// wanted, the rest leaves fast; `before`: the session in the last tick.
 void give_force(const HapticSettings& settings, const HapticInput& in, const Wanted& wanted,
-                double force_share, const Vec3& motion, bool hand_ok, bool trusted,
+                double force_share, const Vec3& motion, bool hand_ok, Trust trust,
                 SessionState before, double dt, HapticState& s, HapticOutput& out) {
   if (!hand_ok) s.force.cut();
-  const GovernedForces governed = govern(settings, wanted, force_share, motion, dt, s.force);
+  const bool trusted = trust == Trust::kBoth;
+  const Wanted given = trusted ? wanted : wanted.in_doubt(trust == Trust::kTool);
+  const GovernedForces governed = govern(settings, given, force_share, motion, dt, s.force);
   out.energy_made = governed.tool.made;
   out.shares = s.force.arbiter.share(settings.force, governed.tool.force, governed.spring.force,
-                                     wanted.stiffness * motion.norm(), hand_ok && trusted, dt);
+                                     given.stiffness * motion.norm(), trust, dt);
   s.force.governor.told(out.shares.device - out.shares.spring);
   s.force.tank.told(out.shares.spring);
   const Vec3 cue = play_cue(settings, in, before, out, hand_ok, dt, s);
   out.shares.device += cue;
   out.shares.limited += cue;
-  const Vec3 taken = governed.tool.force - force_share * (wanted.tool + wanted.surface) +
-                     governed.spring.force - force_share * wanted.spring;
+  const Vec3 taken = governed.tool.force - force_share * (given.tool + given.surface) +
+                     governed.spring.force - force_share * given.spring;
   out.force = account(out.shares, wanted.tool, wanted.surface, wanted.spring, taken, cue);
   out.f_H_M.force = out.shares.device;
-  out.f_H_M.torque = s.force.torque = limited_torque(
-      settings, s.force.torque, hand_ok && trusted ? wanted.torque : Vec3(Vec3::Zero()), dt);
+  out.f_H_M.torque = s.force.torque =
+      limited_torque(settings, s.force.torque, trusted ? wanted.torque : Vec3(Vec3::Zero()), dt);
   if (governed.tool.acted || governed.spring.acted) out.reasons.add(Reason::kForceEnergy);
   if (out.shares.clamped) out.reasons.add(Reason::kForceClamped);
   if (out.shares.thermal) out.reasons.add(Reason::kForceContinuous);
@@ -252,11 +267,12 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
   // No force while the hand does not drive; and where its reading, the link or the slave's state is
   // not to be trusted, what there is leaves fast.
   const bool engaged = s.lead.session == SessionState::kEngaged;
-  const bool in_doubt = s.lead.session == SessionState::kHold ||
-                        s.lead.session == SessionState::kFault ||
-                        (engaged && !(in.slave.has_pose && is_place(in.slave.X_ST)));
-  give_force(settings, in, wanted, ladder.force_share, motion, hand_ok, !in_doubt, before, dt, s,
-             out);
+  const bool holds = s.lead.session == SessionState::kHold;
+  const bool told = !engaged || (in.slave.has_pose && is_place(in.slave.X_ST));
+  const Trust trust = !hand_ok || !told || s.lead.session == SessionState::kFault ? Trust::kNone
+                      : holds                                                     ? Trust::kTool
+                                                                                  : Trust::kBoth;
+  give_force(settings, in, wanted, ladder.force_share, motion, hand_ok, trust, before, dt, s, out);
 
   out.reason = s.lead.reason;
   if (engaged && !s.command.driving) out.reason = Reason::kDeviceInvalid;

@@ -105,7 +105,7 @@ void wall_step(const WallSettings& settings, const WallInput& in, double dt, Wal
   }
 
   out.shares = s.arbiter.share(settings.force, governed.force, Vec3::Zero(), allowed,
-                               hand_ok && !in.release, dt);
+                               hand_ok && !in.release ? Trust::kBoth : Trust::kNone, dt);
   s.governor.told(out.shares.device);
   out.energy_made = governed.made;
   out.ledger = account(out.shares, Vec3::Zero(), in_space(force), Vec3::Zero(),

@@ -173,7 +173,8 @@ void add_bumper(CLI::App& app, BumperCommand& bumper) {
 void add_delay(CLI::App& app, DelayCommand& delay) {
   CLI::App* sub = app.add_subcommand(
       "contact-delay", "touch surfaces over delay, felt through the spring and by a local model");
-  sub->add_flag("--quick", delay.quick, "round trips of 0, 200 and 1000 ms alone");
+  sub->add_flag("--quick", delay.quick, "0, 200 and 1000 ms, and the worst link of all");
+  sub->add_option("--seed", delay.seed, "other networks and hands")->capture_default_str();
   add_threads(*sub, delay.threads);
   sub->add_flag("--json", delay.json, "print a line of JSON for each cell");
 }

@@ -21,6 +21,14 @@ std::string what(const Rendering& r) {
   return out;
 }
 
+// What it declares, and by whom.
+std::string declared(const HapticCapabilities& device) {
+  const DeviceDynamics& d = device.dynamics;
+  return fmt::format("{}: mass {:g} kg, damping {:g} N s/m, friction {:g} N, counts {:.3g} mm ({})",
+                     device.name, d.mass, d.damping, d.friction, d.resolution / kMm,
+                     *d.source ? d.source : "no source given");
+}
+
 std::string done(const CheckedRendering& c) {
   if (c.bounded) return "rendered as it is, its energy bounded";
   if (c.share >= 1.0) return "rendered as it is";
@@ -72,7 +80,7 @@ double governed_share(const std::vector<CheckedRendering>& checked) {
 
 std::vector<std::string> stability_lines(const std::vector<CheckedRendering>& checked,
                                          const HapticCapabilities& device, bool governor) {
-  std::vector<std::string> out;
+  std::vector<std::string> out{declared(device)};
   for (const CheckedRendering& c : checked) {
     out.push_back(fmt::format("{}; {} holds {} that, by its {}; {}", what(c.rendering), device.name,
                               times(c.margin.share), name_of(c.margin.by),

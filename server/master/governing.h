@@ -35,7 +35,8 @@ std::vector<CheckedRendering> check_renderings(const Scene& scene,
 // The least share of those that are not bounded.
 double governed_share(const std::vector<CheckedRendering>& checked);
 
-// A line for each: margin, what limits it, and what the governor does.
+// The device's declared data and their source, then a line for each: margin, what limits it, and
+// what the governor does.
 std::vector<std::string> stability_lines(const std::vector<CheckedRendering>& checked,
                                          const HapticCapabilities& device, bool governor);
 

@@ -93,7 +93,9 @@ class DelayRun {
     if (!out_.engaged) return out_;
     set(faults_of(of_));
     pass(kSecond + trip());
+    ticks_ = held_ = 0;
     for (TouchFigures& touch : out_.touch) touch_once(touch);
+    out_.held_share = static_cast<double>(held_) / static_cast<double>(ticks_);
     out_.off_mm = std::abs(cell_->slave().X_ST.p.z() - asked()) / kMm;
     return out_;
   }
@@ -111,6 +113,8 @@ class DelayRun {
     if (!out_.engaged) return;
     const SessionState session = cell_->master_state().lead.session;
     out_.ended |= session == SessionState::kOff || session == SessionState::kFault;
+    ++ticks_;
+    held_ += session == SessionState::kHold;
   }
   void pass(Nanos span) {
     for (Nanos t = 0; t < span; t += kMillisecond) tick();
@@ -147,6 +151,7 @@ class DelayRun {
   std::unique_ptr<Cell> cell_;
   SimOmni omni_;
   DelayFigures out_;
+  std::int64_t ticks_ = 0, held_ = 0;
 };
 
 // Force per depth, by least squares through the surface.

@@ -31,6 +31,7 @@ struct DelayFigures {
   bool engaged = false;
   bool ended = false;           // the engagement did not last
   double true_stiffness = 0.0;  // at the hand [N/m]
+  double held_share = 0.0;      // of the time of both touches the arm held, for want of news
   double off_mm = 0.0;  // of the tip after the last retreat, from where the hand asks it to be
   std::array<TouchFigures, 2> touch;
 

@@ -32,6 +32,12 @@ std::string stability_json(const Scene& scene) {
   pb::RenderingReport report;
   report.set_scene(scene.name);
   report.set_device(device.name);
+  pb::DeclaredDevice& declared = *report.mutable_declared();
+  declared.set_mass_kg(device.dynamics.mass);
+  declared.set_damping_n_s_per_m(device.dynamics.damping);
+  declared.set_friction_n(device.dynamics.friction);
+  declared.set_counts_mm(device.dynamics.resolution / kMm);
+  declared.set_source(device.dynamics.source);
   for (const CheckedRendering& c : check_renderings(scene, device)) {
     pb::CheckedRendering& out = *report.add_renderings();
     out.set_name(c.rendering.name);

@@ -15,9 +15,9 @@ const Vec3 kNone = Vec3::Zero();
 TEST(Arbiter, TheDevicesOwnLimitComesLastEvenWhenItIsLoweredAtOnce) {
   Arbiter arbiter;
   ForceLimits limits;
-  for (int i = 0; i < 200; ++i) arbiter.share(limits, {5, 0, 0}, kNone, 0.0, true, kTick);
+  for (int i = 0; i < 200; ++i) arbiter.share(limits, {5, 0, 0}, kNone, 0.0, Trust::kBoth, kTick);
   limits.peak = 1.0;
-  const ForceShares out = arbiter.share(limits, {5, 0, 0}, kNone, 0.0, true, kTick);
+  const ForceShares out = arbiter.share(limits, {5, 0, 0}, kNone, 0.0, Trust::kBoth, kTick);
   EXPECT_LE(out.device.norm(), 1.0 + 1e-12);
 }
 
@@ -28,13 +28,13 @@ TEST(Arbiter, AForceThatIsNoNumberOrCannotBeSquaredCountsAsNone) {
     const ForceLimits limits;
     ForceShares out;
     for (int i = 0; i < 100; ++i) {
-      out = arbiter.share(limits, {1, 0, 0}, {0, bad, 0}, 0.0, true, kTick);
+      out = arbiter.share(limits, {1, 0, 0}, {0, bad, 0}, 0.0, Trust::kBoth, kTick);
       ASSERT_TRUE(is_finite(out.device));
     }
     EXPECT_LT((out.device - Vec3(1, 0, 0)).norm(), 1e-12);
     EXPECT_EQ(out.spring, kNone);
     for (int i = 0; i < 100; ++i) {
-      out = arbiter.share(limits, {bad, 0, 0}, {0, 1, 0}, 0.0, true, kTick);
+      out = arbiter.share(limits, {bad, 0, 0}, {0, 1, 0}, 0.0, Trust::kBoth, kTick);
     }
     EXPECT_LT((out.device - Vec3(0, 1, 0)).norm(), 1e-12);
   }
@@ -46,7 +46,7 @@ TEST(Arbiter, TheSpringGetsWhatTheToolLeavesWhateverTheirAngle) {
   for (int i = 0; i < 300; ++i) {
     Arbiter arbiter;
     const Vec3 tool = dice.within(2.5), spring = dice.within(5.0);
-    const ForceShares out = arbiter.share(limits, tool, spring, 1e3, true, kTick);
+    const ForceShares out = arbiter.share(limits, tool, spring, 1e3, Trust::kBoth, kTick);
     ASSERT_LE(out.device.norm(), limits.peak + 1e-12);
     if (tool.norm() > limits.peak) continue;
     // The tool's force is there in full; what is on top points along the spring.
@@ -62,10 +62,25 @@ TEST(Arbiter, TheSpringGetsWhatTheToolLeavesWhateverTheirAngle) {
 TEST(Arbiter, WithoutTrustAnyForceLeavesWithinTheFadeTime) {
   Arbiter arbiter;
   const ForceLimits limits;
-  for (int i = 0; i < 200; ++i) arbiter.share(limits, {5, 0, 0}, kNone, 0.0, true, kTick);
+  for (int i = 0; i < 200; ++i) arbiter.share(limits, {5, 0, 0}, kNone, 0.0, Trust::kBoth, kTick);
   ForceShares out;
-  for (int i = 0; i < 50; ++i) out = arbiter.share(limits, {5, 0, 0}, kNone, 9.0, false, kTick);
+  for (int i = 0; i < 50; ++i)
+    out = arbiter.share(limits, {5, 0, 0}, kNone, 9.0, Trust::kNone, kTick);
   EXPECT_LT(out.device.norm(), 1e-12);
+}
+
+TEST(Arbiter, WithTrustInTheToolAloneTheSpringLeavesWithinTheFadeTime) {
+  Arbiter arbiter;
+  const ForceLimits limits;
+  const auto share = [&](Trust trust) {
+    return arbiter.share(limits, {1, 0, 0}, {0, 2, 0}, 0.0, trust, kTick);
+  };
+  for (int i = 0; i < 200; ++i) share(Trust::kBoth);
+  ASSERT_LT((share(Trust::kBoth).device - Vec3(1, 2, 0)).norm(), 1e-12);
+  ForceShares out;
+  for (int i = 0; i < 25; ++i) out = share(Trust::kTool);
+  EXPECT_LT((out.device - Vec3(1, 0, 0)).norm(), 1e-12);
+  EXPECT_LT(out.spring.norm(), 1e-12);
 }
 
 }  // namespace

@@ -124,7 +124,7 @@ TEST(Ledger, WhatThePeakTakesIsTheClampsAndWhatTheStepLimitHoldsBackTheLimits) {
     Arbiter arbiter;
     ForceShares shares;
     for (int i = 0; i < ticks; ++i) {
-      shares = arbiter.share(limits, tool, Vec3::Zero(), 0.0, true, 1e-3);
+      shares = arbiter.share(limits, tool, Vec3::Zero(), 0.0, Trust::kBoth, 1e-3);
     }
     return account(shares, tool, Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero());
   };

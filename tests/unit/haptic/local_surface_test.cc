@@ -255,6 +255,38 @@ TEST(LocalSurface, TheClutchForgetsIt) {
   EXPECT_FALSE(rig.state->force.surface.known());
 }
 
+// The arm stands, and so does what it touches: a hand that goes on is pushed as before.
+TEST(LocalSurface, WhileTheArmHoldsItPushesAndTheSpringDoesNot) {
+  AtTheHand rig;
+  rig.press(4e-3, 400);
+  rig.in.slave.X_ST.p.y() += 2e-3;
+  rig.ticks(300);
+  for (int ms = 1; ms <= 150; ++ms) {
+    rig.in.slave_age = ms * kMillisecond;
+    rig.in.hand.X_MH.p.y() -= 5e-6;
+    rig.tick();
+    const Vec3 force = rig.out.f_H_M.force - rig.out.force.cue;
+    // What is too much for a tick is taken from the whole step.
+    ASSERT_NEAR(force.y(), 800.0 * (2e-3 + ms * 5e-6), ms <= 50 ? 4e-3 : 1e-6) << ms;
+    ASSERT_LE(rig.force_step, rig.settings.force.peak / 25.0 + 4e-3 + 0.1) << ms;
+    if (ms <= 50) continue;
+    ASSERT_NEAR(std::hypot(force.x(), force.z()), 0.0, 1e-9) << ms;
+  }
+  ASSERT_EQ(rig.session(), SessionState::kHold);
+  EXPECT_TRUE(rig.out.reasons.has(Reason::kForceFaded));
+}
+
+TEST(LocalSurface, ALostLinkTakesItWithTheEngagement) {
+  AtTheHand rig;
+  rig.press(4e-3, 400);
+  rig.in.slave_age = 100 * kMillisecond;
+  rig.ticks(50);
+  rig.in.slave_age = 201 * kMillisecond;
+  rig.ticks(26);
+  ASSERT_EQ(rig.session(), SessionState::kFault);
+  EXPECT_EQ((rig.out.f_H_M.force - rig.out.force.cue).norm(), 0.0);
+}
+
 TEST(LocalSurface, ItsEnergyIsGovernedWithTheTools) {
   AtTheHand rig;
   rig.settings.governor.on = true;

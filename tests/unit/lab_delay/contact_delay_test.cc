@@ -27,17 +27,27 @@ TEST(ContactDelay, TheSpringIsFeltNoStifferThanItIs) {
   EXPECT_GT(f.touch[1].error, 0.3);
 }
 
+// Half of the time the arm holds. What it touches stands still the while.
+TEST(ContactDelay, HoldsDoNotTakeTheSurfaceFromTheHand) {
+  const DelayFigures f = measure_delay({50e3, 500.0, 100.0, 0.3, true, 3});
+  ASSERT_TRUE(f.engaged);
+  EXPECT_GT(f.held_share, 0.2);
+  EXPECT_LT(f.held_share, 1.0);
+  EXPECT_GE(f.touch[1].felt, 0.9 * f.true_stiffness);
+  EXPECT_TRUE(f.stable()) << f.touch[0].swing << " N, " << f.touch[1].swing << " N";
+}
+
 TEST(ContactDelay, TheSameCaseGivesTheSameFigures) {
   const DelayCase of{1e3, 50.0, 0.0, 0.3, true, 7};
   EXPECT_EQ(delay_json({{of, measure_delay(of)}}), delay_json({{of, measure_delay(of)}}));
 }
 
 TEST(ContactDelay, EveryCaseCanBeSent) {
-  for (const DelayCase& of : delay_cases(false)) {
+  for (const DelayCase& of : delay_cases(false, 1)) {
     EXPECT_LE(of.jitter_ms, 0.5 * of.round_trip_ms);
     EXPECT_LE(of.loss, 0.5);
   }
-  EXPECT_EQ(delay_cases(true).size(), 12u);
+  EXPECT_EQ(delay_cases(true, 1).size(), 16u);
 }
 
 }  // namespace
