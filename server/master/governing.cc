@@ -24,9 +24,10 @@ std::string what(const Rendering& r) {
 // What it declares, and by whom.
 std::string declared(const HapticCapabilities& device) {
   const DeviceDynamics& d = device.dynamics;
-  return fmt::format("{}: mass {:g} kg, damping {:g} N s/m, friction {:g} N, counts {:.3g} mm ({})",
-                     device.name, d.mass, d.damping, d.friction, d.resolution / kMm,
-                     *d.source ? d.source : "no source given");
+  return fmt::format(
+      "{}: mass {:g} kg, damping {:g} N s/m, friction {:g} N, counts {:.3g} mm, delay {:g} ms ({})",
+      device.name, d.mass, d.damping, d.friction, d.resolution / kMm, 1e3 * d.delay,
+      *d.source ? d.source : "no source given");
 }
 
 std::string done(const CheckedRendering& c) {
@@ -49,8 +50,11 @@ GovernorSettings governor_settings(const HapticCapabilities& device, bool on) {
   GovernorSettings out;
   out.on = on;
   out.peak = device.max_force;
-  // What a device takes up whose mass or counts are not known is not known either.
-  if (!(device.dynamics.mass > 0.0 && device.dynamics.resolution > 0.0)) return out;
+  // What a device takes up whose mass, counts or delay are not known is not known either.
+  const double late = std::ceil(device.dynamics.delay / out.period);
+  const bool known = device.dynamics.mass > 0.0 && device.dynamics.resolution > 0.0;
+  if (!(known && late >= 0.0 && late <= kMostForceDelay)) return out;
+  out.delay = static_cast<int>(late);
   out.friction = std::max(device.dynamics.friction, 0.0);
   out.damping = std::max(device.dynamics.damping, 0.0);
   return out;
@@ -85,6 +89,12 @@ std::vector<std::string> stability_lines(const std::vector<CheckedRendering>& ch
     out.push_back(fmt::format("{}; {} holds {} that, by its {}; {}", what(c.rendering), device.name,
                               times(c.margin.share), name_of(c.margin.by),
                               governor ? done(c) : "governor off: rendered as it is"));
+  }
+  if (device.actuates_torque) {
+    out.push_back(
+        fmt::format("orientation tools: not checked, {} declares no rotational inertia; "
+                    "rendered as they are",
+                    device.name));
   }
   return out;
 }

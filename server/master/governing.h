@@ -36,7 +36,7 @@ std::vector<CheckedRendering> check_renderings(const Scene& scene,
 double governed_share(const std::vector<CheckedRendering>& checked);
 
 // The device's declared data and their source, then a line for each: margin, what limits it, and
-// what the governor does.
+// what the governor does; and of torque, where there is any, that it is not checked.
 std::vector<std::string> stability_lines(const std::vector<CheckedRendering>& checked,
                                          const HapticCapabilities& device, bool governor);
 

@@ -11,6 +11,7 @@ struct DeviceDynamics {
   double damping = 0.0;     // viscous [N s/m]
   double friction = 0.0;    // Coulomb [N]
   double resolution = 0.0;  // of the position it reads [m]
+  double delay = 0.0;       // of a force, from the position that it is for, beside being held [s]
   const char* source = "";  // where these are from; static storage
 };
 

@@ -45,9 +45,19 @@ Governed reduced(const Vec3& force, const Vec3& way, double push, double less) {
 
 }  // namespace
 
+void ToldForces::add(const Vec3& force) noexcept {
+  newest_ = (newest_ + 1) % told_.size();
+  told_[newest_] = is_finite(force) ? force : Vec3(Vec3::Zero());
+}
+
+const Vec3& ToldForces::acting(int delay) const noexcept {
+  const auto back = static_cast<std::size_t>(std::clamp(delay, 0, kMostForceDelay));
+  return told_[(newest_ + told_.size() - back) % told_.size()];
+}
+
 void EnergyGovernor::told(const Vec3& force) noexcept {
-  told_ = is_finite(force) ? force : Vec3(Vec3::Zero());
-  const double size = told_.norm();
+  told_.add(force);
+  const double size = told_.acting(0).norm();
   limit_ = size < asked_ ? size : kNoLimit;
 }
 
@@ -65,13 +75,16 @@ Governed EnergyGovernor::govern(const GovernorSettings& settings, const Rendered
   if (force.stiffness > 0.0) stiffness_ = force.stiffness;
   const double law =
       0.5 * pushed_part(before, springs, stiffness_, way) * (before + springs).dot(moved);
-  made_ = std::max(made_ + told_.dot(moved) - law - taken_by_device(settings, way, dt), 0.0);
-  // The next way is taken to be as this one was.
+  made_ = std::max(
+      made_ + told_.acting(settings.delay).dot(moved) - law - taken_by_device(settings, way, dt),
+      0.0);
+  // The next way is taken to be as this one was, and those after it until what is told now acts.
   const double push = way > 0.0 ? force.wanted.dot(moved) / way : 0.0;
   if (push > 0.0 && force.stiffness > 0.0) {
     const double taken = taken_by_device(settings, way, dt) / way;
     const double left = made_ * force.stiffness / size;  // spread over size / stiffness
-    out = reduced(force.wanted, moved / way, push, 0.5 * force.stiffness * way + left - taken);
+    out = reduced(force.wanted, moved / way, push,
+                  (0.5 + settings.delay) * force.stiffness * way + left - taken);
     asked_ = out.force.norm();
   }
   out.made = made_;
@@ -87,7 +100,7 @@ Governed EnergyTank::govern(const GovernorSettings& settings, const Vec3& wanted
     return out;
   }
   const double way = moved.norm(), size = wanted.norm();
-  energy_ += taken_by_device(settings, way, dt) - told_.dot(moved);
+  energy_ += taken_by_device(settings, way, dt) - told_.acting(settings.delay).dot(moved);
   energy_ = std::min(energy_, 0.5 * size * size / stiffness);
   const double push = way > 0.0 ? wanted.dot(moved) / way : 0.0;
   if (push > 0.0) {

@@ -1,6 +1,8 @@
 // Keeps what is rendered at the hand from making energy.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <limits>
 
 #include "server/base/spatial.h"
@@ -15,7 +17,12 @@ struct GovernorSettings {
   double peak = 3.3;       // largest force that the device makes [N]
   double period = 1e-3;    // of the loop, nominal, > 0 [s]
   double most_way = 0.05;  // a hand further away than this after a tick has jumped [m]
+  int delay = 0;           // from a force to its acting on the device, 0 to kMostForceDelay [ticks]
 };
+
+// Longer than any device's own way from a position to a force that we know of (links are not among
+// them: their springs are bounded).
+inline constexpr int kMostForceDelay = 31;
 
 // The force that is asked for, by what makes it. Frame M.
 struct RenderedForce {
@@ -29,6 +36,25 @@ struct Governed {
   Vec3 force = Vec3::Zero();  // what was wanted, less along the way the hand goes; no larger [N]
   double made = 0.0;          // energy that was made and not yet taken back, >= 0 [J]
   bool acted = false;
+};
+
+// What the device was told, tick by tick, as long as some of it may be on its way [N].
+class ToldForces {
+ public:
+  void add(const Vec3& force) noexcept;
+  // The one that acted in the tick that has just passed; `delay` as in GovernorSettings.
+  const Vec3& acting(int delay) const noexcept;
+  void clear() noexcept { told_.fill(Vec3::Zero()); }
+
+ private:
+  std::array<Vec3, kMostForceDelay + 1> told_ = zeros();
+  std::size_t newest_ = 0;
+
+  static std::array<Vec3, kMostForceDelay + 1> zeros() noexcept {
+    std::array<Vec3, kMostForceDelay + 1> out;
+    out.fill(Vec3::Zero());
+    return out;
+  }
 };
 
 // Observer and controller at the hand port, for forces that are held for a period.
@@ -54,14 +80,14 @@ class EnergyGovernor {
   // What the device was told of it in the end, within its limits; it acts until the next tick [N].
   void told(const Vec3& force) noexcept;
   // The hand is elsewhere, or is not heard: the way since the last tick is not known.
-  void restart() noexcept { told_.setZero(), springs_.setZero(); }
+  void restart() noexcept { told_.clear(), springs_.setZero(); }
 
   double made() const noexcept { return made_; }  // as in Governed [J]
 
  private:
   static constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
-  Vec3 told_ = Vec3::Zero();     // [N]
+  ToldForces told_;
   Vec3 springs_ = Vec3::Zero();  // of the tick before, as far as the limits let them [N]
   double asked_ = 0.0;           // size of the governed force of the tick before [N]
   double limit_ = kNoLimit;      // what the device's limits let pass then [N]
@@ -77,12 +103,12 @@ class EnergyTank {
   // One tick, as EnergyGovernor's.
   Governed govern(const GovernorSettings& settings, const Vec3& wanted, double stiffness,
                   const Vec3& moved, double dt) noexcept;
-  void told(const Vec3& force) noexcept { told_ = is_finite(force) ? force : Vec3(Vec3::Zero()); }
-  void restart() noexcept { told_.setZero(), energy_ = 0.0; }
+  void told(const Vec3& force) noexcept { told_.add(force); }
+  void restart() noexcept { told_.clear(), energy_ = 0.0; }
 
  private:
-  Vec3 told_ = Vec3::Zero();  // [N]
-  double energy_ = 0.0;       // that it may give back [J]
+  ToldForces told_;
+  double energy_ = 0.0;  // that it may give back [J]
 };
 
 }  // namespace handrail

@@ -24,11 +24,11 @@ bool usable(double value) { return value >= 0.0 && value < kUnlimited; }
 std::optional<SampledWall> sampled(const DeviceDynamics& device, const RenderingLoop& loop,
                                    const Rendering& r) {
   for (const double value : {device.mass, device.damping, device.friction, device.resolution,
-                             r.stiffness, r.damping, r.delay, loop.velocity_lag}) {
+                             device.delay, r.stiffness, r.damping, r.delay, loop.velocity_lag}) {
     if (!usable(value)) return std::nullopt;
   }
   if (!(loop.period > 0.0 && usable(loop.period) && loop.peak > 0.0)) return std::nullopt;
-  const double delay = std::ceil(r.delay / loop.period - kRounded);
+  const double delay = std::ceil((device.delay + r.delay) / loop.period - kRounded);
   if (delay > kLongestDelay) return std::nullopt;
   SampledWall out{.mass = device.mass, .damping = device.damping, .period = loop.period};
   out.wall_damping = r.damping;

@@ -37,6 +37,7 @@ std::string stability_json(const Scene& scene) {
   declared.set_damping_n_s_per_m(device.dynamics.damping);
   declared.set_friction_n(device.dynamics.friction);
   declared.set_counts_mm(device.dynamics.resolution / kMm);
+  declared.set_delay_ms(1e3 * device.dynamics.delay);
   declared.set_source(device.dynamics.source);
   for (const CheckedRendering& c : check_renderings(scene, device)) {
     pb::CheckedRendering& out = *report.add_renderings();

@@ -92,7 +92,7 @@ int run_stability_command(const StabilityCommand& command, const std::atomic<boo
     map.progress = [&](std::size_t n, std::size_t of) {
       progress.show(fmt::format("figure: {} of {} runs", n, of));
     };
-    const Result<bool> drawn = draw_stability_map(command.figures, map);
+    const Result<bool> drawn = draw_stability_maps(command.figures, map);
     progress.clear();
     if (!drawn) return complain(drawn.status(), kFailed);
     if (!*drawn) return complain(Status::error("cancelled"), kCancelled);

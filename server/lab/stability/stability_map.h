@@ -1,4 +1,5 @@
-// A map of stiffness and loop rate: where each device holds a wall, and where theory says so.
+// Maps of stiffness and loop rate or delay: where each device holds a wall, and where theory says
+// so.
 #pragma once
 
 #include <atomic>
@@ -17,7 +18,8 @@ struct StabilityMapOptions {
 };
 
 // A row a device without a hand, kicked by half a metre a second at a drawn wall; a column for the
-// governor off and one for on. Writes FOLDER/stability-map.svg. False and no file when cancelled.
-Result<bool> draw_stability_map(const std::string& folder, const StabilityMapOptions& options);
+// governor off and one for on. Writes FOLDER/stability-map.svg by rate, and
+// stability-delay-map.svg. False, and no file that is not whole, when cancelled.
+Result<bool> draw_stability_maps(const std::string& folder, const StabilityMapOptions& options);
 
 }  // namespace handrail

@@ -123,6 +123,22 @@ void add_late_ticks(std::vector<StabilityCase>& all) {
   cells.move_to(all);
 }
 
+void add_delays(std::vector<StabilityCase>& all) {
+  Cells cells("delays");
+  cells.each([&](WallCell cell) {
+    // What friction alone holds goes with the square of the delay: on the Omni 3 N/m at 10 ms.
+    cell.most_softer = 1000.0;
+    for (const double n_mm : {0.2, 0.8, 2.0}) {
+      for (const int ticks : {1, 2, 5, 10}) {
+        cell.stiffness = n_mm * kNewtonPerMm;
+        cell.delay = ticks;
+        cells.put(cell, fmt::format("K{:g}/{}ms", n_mm, ticks));
+      }
+    }
+  });
+  cells.move_to(all);
+}
+
 void add_encoders(std::vector<StabilityCase>& all) {
   constexpr double kCount = 0.05e-3;  // chosen, about what both devices have [m]
   Cells cells("encoder");
@@ -191,6 +207,7 @@ std::vector<StabilityCase> wall_cases() {
   add_undeclared(out);
   add_rates(out);
   add_late_ticks(out);
+  add_delays(out);
   add_encoders(out);
   add_impacts(out);
   add_effects(out);

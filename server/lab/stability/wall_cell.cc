@@ -23,9 +23,7 @@ constexpr double kStart = 0.2e-3;                // from the wall [m]
 constexpr double kMostGiven = 1e-3;              // in a contact, with ticks in time [J]
 // Chosen: what a swing may be more than a second before, and the counts that it may be anyway.
 constexpr double kMoreSwing = 1.05, kCounts = 2.0;
-constexpr double kDriven = 2.0;  // the same, where late ticks drive it
-constexpr double kMostSofter =
-    100.0;                           // chosen: softer than that, what a scene asks for is not there
+constexpr double kDriven = 2.0;      // the same, where late ticks drive it
 constexpr double kSmall = 0.02e-3;   // where there are none [m]
 constexpr double kLateShare = 0.02;  // of the ticks that are late at random
 constexpr int kLateEvery = 50;       // ticks, where they are late periodically
@@ -35,6 +33,7 @@ HapticCapabilities seen(const WallCell& cell) {
   HapticCapabilities out = cell.device->capabilities;
   if (cell.resolution >= 0.0) out.dynamics.resolution = std::max(cell.resolution, kFinest);
   if (!cell.declared) out.dynamics.resolution = 0.0;
+  out.dynamics.delay = cell.delay / cell.rate;
   const double cutoff = cell.cutoff < 0.0 ? cell.device->cutoff : cell.cutoff;
   out.velocity_lag = cutoff > 0.0 ? 1.0 / (2.0 * std::numbers::pi * cutoff) : 0.0;
   return out;
@@ -58,6 +57,7 @@ std::unique_ptr<WallRun> run_of(const WallCell& cell) {
   WallSettings& settings = run->settings;
   settings.governor.on = cell.governing != Governing::kOff;
   settings.governor.period = 1.0 / cell.rate;
+  settings.governor.delay = cell.delay;
   // The master's own loop has the nominal rate alone.
   if (cell.governing == Governing::kOn && cell.rate != kNominalRate) {
     settings.share = share_at(scene, device, settings.governor.period);
@@ -95,7 +95,8 @@ class Bench {
   Swing kicked_, before_, last_;  // by the first kick, and of the last two windows
   double t_ = 0.0, dt_;           // [s]
   std::int64_t ticks_ = 0;
-  Vec2 force_ = Vec2::Zero();            // [N]
+  Vec2 force_ = Vec2::Zero();  // [N]
+  ToldForces on_way_;
   double change_ = 0.0;                  // most of the force from tick to tick [N]
   std::int64_t pushed_ = 0, acted_ = 0;  // ticks with a force, and with one that was governed
 };
@@ -158,14 +159,17 @@ void Bench::tick() {
   pushed_ += !force.isZero(0.0);
   acted_ += out_.reasons.has(Reason::kForceEnergy);
   force_ = force;
+  on_way_.add({force.x(), force.y(), 0.0});
+  const Vec2 acting = on_way_.acting(cell_.delay).head<2>();
   const double late = this->late();
   dt_ = period_ + late;
   const double work = device_.given(), taken = device_.lost(), speed = device_.velocity().norm();
-  device_.advance(dt_, force_);
+  device_.advance(dt_, acting);
   const double fastest = std::max(speed, device_.velocity().norm());
   // A governor may ask for no force amid a wall.
-  const bool contact = !force_.isZero(0.0) || !out_.effects.force.isZero(0.0);
-  meter_.add(contact, force_.norm(), device_.given() - work, device_.lost() - taken,
+  const bool contact =
+      !acting.isZero(0.0) || !force_.isZero(0.0) || !out_.effects.force.isZero(0.0);
+  meter_.add(contact, acting.norm(), device_.given() - work, device_.lost() - taken,
              cell_.device->capabilities.max_force * fastest * late + came_by_itself());
   t_ += dt_;
   ++ticks_;
@@ -206,7 +210,7 @@ CaseFigures Bench::figures() const {
       judged("swing_mm", last_.peak_to_peak() / kMm,
              ((driven ? kDriven : kMoreSwing) * swing + fine) / kMm),
       judged("drift_mm", (last_.mean() - before_.mean()).norm() / kMm, (0.5 * swing + fine) / kMm),
-      judged("times_softer", 1.0 / walls_->settings.share, kMostSofter),
+      judged("times_softer", 1.0 / walls_->settings.share, cell_.most_softer),
       told("rest_mm", last_.mean().dot(ahead()) / kMm),
       told("given_mj", 1e3 * meter_.worst()),
       told("contacts", meter_.contacts()),

@@ -33,6 +33,7 @@ struct WallCell {
   double rate = 1000.0;      // of the loop [Hz]
   Lateness lateness = Lateness::kNone;
   double gap = 0.0;          // the most by which a tick is late [s]
+  int delay = 0;             // until a force acts on the device, which says so [ticks]
   double resolution = -1.0;  // [m]
   // False: its driver does not say how fine its counts are; the master then counts on no loss.
   bool declared = true;
@@ -41,6 +42,7 @@ struct WallCell {
   std::vector<EffectKind> effects = {EffectKind::kWall};
   bool at_wall = true;  // leans on it; else it is in the middle of the effects
   Governing governing = Governing::kOff;
+  double most_softer = 100.0;  // chosen: softer than that, what a scene asks for is not there
 };
 
 // Runs the cell for six seconds.

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "devices/joystick/joystick_data.h"
 #include "devices/omni/omni_data.h"
 #include "server/master/haptic_settings.h"
@@ -87,6 +89,24 @@ TEST(Governing, ADeviceThatDeclaresNothingIsRenderedNothing) {
   EXPECT_EQ(governor_settings(unknown, true).friction, 0.0);
 }
 
+TEST(Governing, ADevicesDelayLetsItHoldLessAndOneThatIsNoneNothing) {
+  HapticCapabilities device = joystick_capabilities();
+  const auto share = [&] { return check_renderings(walled(5000.0), device)[0].margin.share; };
+  const double at_once = share();
+  device.dynamics.delay = 2e-3;
+  EXPECT_LT(share(), 0.3 * at_once);  // T / 2 + d: a fifth, by what is passive
+  EXPECT_EQ(governor_settings(device, true).delay, 2);
+  EXPECT_GT(governor_settings(device, true).friction, 0.0);
+  for (const double none : {-1e-3, std::nan(""), 1.0}) {
+    device.dynamics.delay = none;
+    EXPECT_EQ(share() == 0.0, !(none > 0.0)) << none;
+    EXPECT_EQ(governor_settings(device, true).delay, 0) << none;
+    EXPECT_EQ(governor_settings(device, true).friction, 0.0) << none;
+  }
+  EXPECT_THAT(stability_lines(check_renderings(walled(5000.0), device), device, true)[0],
+              HasSubstr("delay 1000 ms (resolution as published"));
+}
+
 TEST(Governing, TheSpringToTheTipKeepsItsStiffnessAndIsBounded) {
   Scene scene;
   const auto checked = check_renderings(scene, omni_capabilities(false));
@@ -96,6 +116,8 @@ TEST(Governing, TheSpringToTheTipKeepsItsStiffnessAndIsBounded) {
   EXPECT_EQ(spring.share, 1.0);
   EXPECT_THAT(stability_lines(checked, omni_capabilities(false), true).back(),
               HasSubstr("energy bounded"));
+  EXPECT_THAT(stability_lines(checked, omni_capabilities(true), true).back(),
+              HasSubstr("orientation tools: not checked, Phantom Omni with torque declares no"));
 }
 
 }  // namespace

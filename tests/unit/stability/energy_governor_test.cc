@@ -35,6 +35,7 @@ struct Port {
   double damping = 0.0;  // rendered, by backward difference [N s/m]
   double warm = 1e9;     // what the device's heat leaves of its peak [N]
   EnergyGovernor governor;
+  ToldForces on_way;
   Vec3 last = Vec3::Zero(), force = Vec3::Zero();
   double given = 0.0;    // to the hand [J]
   double changed = 0.0;  // sum of |change of the force| [N]
@@ -43,7 +44,7 @@ struct Port {
   double push(double x, double dt = kTick) {
     const Vec3 p(x, 0.0, 0.0), moved = p - last;
     last = p;
-    given += force.dot(moved);
+    given += on_way.acting(settings.delay).dot(moved);
     RenderedForce law;
     if (both_sides || x > 0.0) {
       law.springs = -stiffness * p;
@@ -58,6 +59,7 @@ struct Port {
     const double most = std::min(settings.peak, warm), size = out.force.norm();
     force = size > most ? Vec3(out.force * (most / size)) : out.force;
     governor.told(force);
+    on_way.add(force);
     return force.x();
   }
 };
@@ -93,6 +95,28 @@ TEST(EnergyGovernor, SeesTheEnergyThatAHeldSpringMakes) {
     EXPECT_LT(port.governor.made(), 0.01 * made) << frequency;
     EXPECT_GT(port.governor.made(), 0.0) << frequency;
   }
+}
+
+TEST(EnergyGovernor, SeesWhatAForceMakesThatIsLate) {
+  for (const int late : {1, 3, 10, kMostForceDelay}) {
+    Port port;
+    port.both_sides = true;
+    port.settings = governed();
+    port.settings.delay = late;
+    port.settings.damping = (0.5 + late) * port.stiffness * kTick * 0.999;
+    swing(port, 5e-3, 1.0, 4);
+    const double made = energy_per_cycle(1000.0, 5e-3, 1.0, kTick, late * kTick);
+    // At first the forces that are on their way are none.
+    EXPECT_NEAR(port.given, 4.0 * made, 0.1 * made) << late;
+    EXPECT_LT(port.governor.made(), 0.1 * made) << late;
+  }
+  Port unsaid;
+  unsaid.both_sides = true;
+  unsaid.settings = governed();
+  unsaid.settings.delay = 3;
+  unsaid.settings.damping = 0.5 * unsaid.stiffness * kTick;
+  swing(unsaid, 5e-3, 1.0, 4);
+  EXPECT_GT(unsaid.changed, 0.0) << "what the delay makes is taken back";
 }
 
 TEST(EnergyGovernor, WhatTheDeviceTakesUpItLeavesAlone) {
