@@ -26,8 +26,10 @@ bool begins_with(const std::string& name, const std::string& only) {
 
 std::vector<StabilityCase> chosen(const StabilityCommand& command) {
   std::vector<StabilityCase> out;
-  for (auto* cases : {&truth_cases, &rendered_cases, &wall_cases}) {
+  for (auto* cases :
+       {&long_cases, &teleop_cases, &arm_cases, &truth_cases, &rendered_cases, &wall_cases}) {
     for (StabilityCase& one : cases()) {
+      if (command.quick && one.size == CaseSize::kFull) continue;
       if (begins_with(one.name, command.only)) out.push_back(std::move(one));
     }
   }
@@ -52,10 +54,10 @@ Status unknown(const std::string& only) {
 
 std::vector<CaseRun> runs_of(const std::vector<StabilityCase>& cases,
                              const StabilityCommand& command) {
-  const int whole = command.quick || !command.only.empty() ? 1 : kSeeds;
-  const int seeds = command.seeds > 0 ? command.seeds : whole;
   std::vector<CaseRun> runs;
   for (const StabilityCase& one : cases) {
+    const bool small = one.size == CaseSize::kSmall && !command.quick && command.only.empty();
+    const int seeds = command.seeds > 0 ? command.seeds : small ? kSeeds : 1;
     for (int i = 0; i < (one.drawn ? seeds : 1); ++i) {
       runs.push_back({&one, command.seed + static_cast<std::uint64_t>(i), {}});
     }
@@ -80,7 +82,7 @@ int run_stability_command(const StabilityCommand& command, const std::atomic<boo
   const Nanos start = monotonic_now();
   const bool done = run_parallel(
       runs.size(), command.threads,
-      [&](std::size_t i) { runs[i].figures = runs[i].of->run(runs[i].seed); },
+      [&](std::size_t i) { runs[i].came_to = runs[i].of->run(runs[i].seed); },
       [&](std::size_t n) { progress.show(fmt::format("{} of {} runs", n, runs.size())); },
       &cancelled);
   progress.clear();
