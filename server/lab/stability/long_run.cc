@@ -156,15 +156,15 @@ CaseOutcome Day::run() {
     half.n[i] -= begun.n[i];
     whole.n[i] -= begun.n[i];
   }
-  return CaseFigures{judged("drift_um", 1e6 * drift_, 1e6 * kNoDrift),
-                     judged("growth", growth(half, whole), 1.0),
-                     judged("later_ms", 1e3 * to_seconds(oldest_ - oldest), kNoLater),
-                     judged("bounds", loop_.bounds(), 1.0 + 1e-9),
-                     judged("ended", loop_.ended() ? 1.0 : 0.0, 0.0),
-                     told("hours", loop_.time() / 3600.0),
-                     told("path_m", path_),
-                     told("counted", whole.sum()),
-                     told("oldest_ms", 1e3 * to_seconds(std::max(oldest, oldest_)))};
+  return {CaseFigures{judged("drift_um", 1e6 * drift_, 1e6 * kNoDrift),
+                      judged("growth", growth(half, whole), 1.0),
+                      judged("later_ms", 1e3 * to_seconds(oldest_ - oldest), kNoLater),
+                      judged("bounds", loop_.bounds(), 1.0 + 1e-9),
+                      judged("ended", loop_.ended() ? 1.0 : 0.0, 0.0),
+                      told("hours", loop_.time() / 3600.0), told("path_m", path_),
+                      told("counted", whole.sum()),
+                      told("oldest_ms", 1e3 * to_seconds(std::max(oldest, oldest_)))},
+          loop_.ended_by()};
 }
 
 // Engages, moves, stops and resets, five times. The tip at every tick.

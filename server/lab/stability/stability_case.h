@@ -39,11 +39,13 @@ struct Refused {
 
 struct CaseOutcome {
   CaseOutcome() = default;
-  CaseOutcome(CaseFigures of) : figures(std::move(of)) {}
+  CaseOutcome(CaseFigures of, std::string what = {})
+      : figures(std::move(of)), note(std::move(what)) {}
   CaseOutcome(Refused of) : refused(std::move(of.why)) {}
 
   CaseFigures figures;
   std::string refused;  // why; empty: it was not
+  std::string note;     // beside the figures, such as why an engagement ended
 };
 
 // Which runs of the suite have a case.

@@ -40,6 +40,7 @@ std::string run_text(const CaseRun& run, bool every) {
   for (const CaseFigure& f : run.came_to.figures) {
     if (every || !f.holds()) out.append(fmt::format(" {};", figure_text(f)));
   }
+  if (!run.came_to.note.empty()) out.append(fmt::format(" {};", run.came_to.note));
   out.back() = '\n';
   return out;
 }
@@ -89,6 +90,9 @@ std::string stability_json(const std::vector<CaseRun>& runs) {
     out.append(fmt::format("{{\"case\": \"{}\", \"seed\": {}, \"must_hold\": {}, \"holds\": {}",
                            run.of->name, run.seed, run.of->must_hold, run.holds()));
     if (run.refused()) out.append(fmt::format(", \"refused\": \"{}\"", run.came_to.refused));
+    if (!run.came_to.note.empty()) {
+      out.append(fmt::format(", \"note\": \"{}\"", run.came_to.note));
+    }
     for (const CaseFigure& f : run.came_to.figures) {
       out.append(fmt::format(", \"{}\": {}", f.name, number(f.value)));
       if (f.judged) out.append(fmt::format(", \"{}_most\": {}", f.name, number(f.most)));

@@ -28,12 +28,16 @@ constexpr std::array kGrounds = {Ground{"free", 0.0}, Ground{"K1", 1.0}, Ground{
                                  Ground{"K50", 50.0}};
 
 constexpr std::array kTrips = {0.0, 10.0, 50.0, 100.0, 200.0, 500.0, 1000.0};  // [ms]
-constexpr double kLongest = 5000.0;                                            // [ms]
+constexpr double kHoldAge = 20.0;    // of the newest datagram, from which on the arm holds [ms]
+constexpr double kLongest = 5000.0;  // [ms]
 
 struct Weather {
   std::string name;
   LinkFaults faults;
   bool later = false;
+  // False: the arm holds again and again, and each time the force is taken from the hand. So by
+  // rule a hand in contact is not still.
+  bool calm = true;
 };
 
 LinkFaults jitter(double ms) {
@@ -53,23 +57,27 @@ std::vector<Weather> weathers(double trip_ms) {
   std::vector<Weather> out = {{"clean", {}}};
   for (const double ms : {10.0, 50.0, 100.0}) {
     if (2.0 * ms > trip_ms) continue;
-    out.push_back({fmt::format("jitter{:g}", ms), jitter(ms)});
-    out.push_back({fmt::format("jitter{:g}-later", ms), jitter(ms), true});
+    // Datagrams that overtake each other leave gaps of up to twice the jitter.
+    const bool calm = 2.0 * ms <= kHoldAge;
+    out.push_back({fmt::format("jitter{:g}", ms), jitter(ms), false, calm});
+    out.push_back({fmt::format("jitter{:g}-later", ms), jitter(ms), true, calm});
   }
   for (const double share : {0.1, 0.3, 0.5}) {
-    out.push_back({fmt::format("loss{:g}", 100.0 * share), loss(share)});
-    if (share > 0.1) out.push_back({out.back().name + "-later", loss(share), true});
+    // Of 100 datagrams 40 must come; of half of them by chance as few do now and then.
+    const bool calm = share < 0.5;
+    out.push_back({fmt::format("loss{:g}", 100.0 * share), loss(share), false, calm});
+    if (share > 0.1) out.push_back({out.back().name + "-later", loss(share), true, calm});
   }
   LinkFaults bursts = find_network("bursts")->way;
   bursts.jitter = 0;
-  out.push_back({"bursts", bursts});
+  out.push_back({"bursts", bursts, false, false});
   return out;
 }
 
 class TeleopCases {
  public:
-  void put(const TeleopCell& cell, const std::string& name, CaseSize size) {
-    out_.push_back({"teleoperation/" + name, true, true,
+  void put(const TeleopCell& cell, const std::string& name, bool must_hold, CaseSize size) {
+    out_.push_back({"teleoperation/" + name, must_hold, true,
                     [cell](std::uint64_t seed) { return run_teleop_cell(cell, seed); }, size});
   }
   std::vector<StabilityCase> take() { return std::move(out_); }
@@ -94,7 +102,7 @@ std::vector<StabilityCase> teleop_cases() {
   far.round_trip = 1e-3 * kLongest;
   for (const bool local : {false, true}) {
     far.local = local;
-    out.put(far, fmt::format("five-seconds/{}", local ? "model" : "spring"), CaseSize::kFull);
+    out.put(far, fmt::format("five-seconds/{}", local ? "model" : "spring"), true, CaseSize::kFull);
   }
   for (const double trip : kTrips) {
     for (const Weather& weather : weathers(trip)) {
@@ -108,11 +116,12 @@ std::vector<StabilityCase> teleop_cases() {
                                   hand.stiffness,
                                   ground.n_mm * kNewtonPerMm,
                                   local};
-            out.put(
-                cell,
-                fmt::format("{}/{:g}ms/{}/{}/{}", local ? "model" : "spring", trip, weather.name,
-                            hand.name, ground.name),
-                is_quick(trip, weather.name, hand, ground) ? CaseSize::kLarge : CaseSize::kFull);
+            const CaseSize size =
+                is_quick(trip, weather.name, hand, ground) ? CaseSize::kLarge : CaseSize::kFull;
+            out.put(cell,
+                    fmt::format("{}/{:g}ms/{}/{}/{}", local ? "model" : "spring", trip,
+                                weather.name, hand.name, ground.name),
+                    weather.calm, size);
           }
         }
       }

@@ -22,6 +22,7 @@ constexpr double kKick = 0.5;        // as of the bare devices [m/s]
 constexpr double kMostAngle = 0.35;  // of a kick from straight [rad]
 constexpr double kPatience = 6.0;    // to engage, and six round trips [s]
 constexpr double kServoLag = 0.045 * 1.03;  // of the rig's slowest joint [s]
+constexpr int kCyclesToStop = 5;            // joints of limited jerk, at most
 constexpr double kArm = 60e3;               // in series with the surface [N/m]
 
 constexpr double kMostSwing = 2.0 * kOmniResolution;  // as of the bare devices, two counts [m]
@@ -104,6 +105,7 @@ class TeleopRun {
   double command_ = 0.0;  // height of the slave's newest command [m]
   double fastest_ = 0.0;  // of it downward, above the surface or in it [m/s]
   double peak_ = 0.0;     // [N]
+  int above_ = 0;         // cycles in a row with more than the threshold
   bool second_ = false;
   int inside_ = 0, touched_ = 0;  // ticks
   double fx_ = 0.0, xx_ = 0.0, errors_ = 0.0;
@@ -125,9 +127,10 @@ void TeleopRun::look() {
   const double command = cell.slave().X_ST_command.p.z();
   if (cell.robot_cycle()) {
     const double step = command_ - command;
+    above_ = cell.follow_state().f_E_S.norm() > threshold_ ? above_ + 1 : 0;
     if (command_ != 0.0) {
       fastest_ = std::max(fastest_, step / to_seconds(kMxtPeriod));
-      if (cell.follow_state().f_E_S.norm() > threshold_) out_.inward = std::max(out_.inward, step);
+      if (above_ > kCyclesToStop) out_.inward = std::max(out_.inward, step);
     }
     command_ = command;
   }
@@ -181,8 +184,7 @@ TeleopFigures TeleopRun::run() {
     if (!loop_.ended()) touch(true);
   }
   if (loop_.ended()) {
-    (of_link(loop_.why()) ? out_.refused : out_.ended) =
-        std::string("ended: ") + describe(loop_.why());
+    (of_link(loop_.why()) ? out_.refused : out_.ended) = loop_.ended_by();
   }
   out_.bounds = loop_.bounds();
   out_.most_step = loop_.most_step();
@@ -222,7 +224,7 @@ TeleopFigures measure_teleop(const TeleopCell& cell, std::uint64_t seed) {
 CaseOutcome run_teleop_cell(const TeleopCell& cell, std::uint64_t seed) {
   const TeleopFigures f = measure_teleop(cell, seed);
   if (!f.refused.empty()) return Refused{f.refused};
-  return figures_of(f);
+  return {figures_of(f), f.ended};
 }
 
 }  // namespace handrail

@@ -29,12 +29,13 @@ struct TeleopFigures {
   double energy = 0.0;      // that the hand was given in a touch, beyond what the device took [J]
   double bounds = 0.0;      // of force and command, largest share
   double most_step = 0.0;   // of the force between two ticks [N]
-  double inward = 0.0;      // largest step of the command into the surface above the threshold [m]
-  double peak = 0.0;        // contact force, as a share of what the bumper lets a peak come to
-  double drift = 0.0;       // of the tip from where the hand asks it to be, after a touch, most [m]
-  double held = 0.0;        // share of ticks in a hold
-  double felt = 0.0;        // at the second touch, force per depth in its first second [N/m]
-  double error = 0.0;       // of the force at the second touch against the true surface, rms [N]
+  double inward = 0.0;  // largest step of the command into the surface when it had been above the
+                        // threshold for as long as the arm takes to stop [m]
+  double peak = 0.0;    // contact force, as a share of what the bumper lets a peak come to
+  double drift = 0.0;   // of the tip from where the hand asks it to be, after a touch, most [m]
+  double held = 0.0;    // share of ticks in a hold
+  double felt = 0.0;    // at the second touch, force per depth in its first second [N/m]
+  double error = 0.0;   // of the force at the second touch against the true surface, rms [N]
 
   bool stable() const;
 };

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "devices/hand/min_jerk.h"
 #include "server/lab/cell/cell.h"
@@ -53,6 +54,10 @@ class WholeLoop {
   void start_anew() noexcept { engaged_ = ended_ = false; }
   // Of the last refusal, or the end.
   Reason why() const noexcept { return why_; }
+  // Empty while it has not ended.
+  std::string ended_by() const {
+    return ended_ ? std::string("ended: ") + describe(why_) : std::string();
+  }
 
   // The hand means to go by so much in its plane, and to turn, in `seconds` > 0.
   void lead(const Vec2& by, double seconds, const Vec3& turn_M = Vec3::Zero());
