@@ -10,6 +10,7 @@
 #include "server/lab/console/console.h"
 #include "server/lab/stability/stability_map.h"
 #include "server/lab/stability/stability_report.h"
+#include "server/lab/stability/teleop_map.h"
 #include "server/lab/study/parallel.h"
 #include "server/lab/study/study_drawing.h"
 
@@ -65,6 +66,20 @@ std::vector<CaseRun> runs_of(const std::vector<StabilityCase>& cases,
   return runs;
 }
 
+// All that --figures draws; `table`: of delay and loss.
+Result<bool> draw_maps(const StabilityCommand& command, const std::atomic<bool>& cancelled,
+                       Progress& progress, std::string& table) {
+  StabilityMapOptions map;
+  map.threads = command.threads;
+  map.cancelled = &cancelled;
+  map.progress = [&](std::size_t n, std::size_t of) {
+    progress.show(fmt::format("figure: {} of {} runs", n, of));
+  };
+  const Result<bool> drawn = draw_stability_map(command.figures, map);
+  if (!drawn || !*drawn) return drawn;
+  return draw_teleop_map(command.figures, map, table);
+}
+
 }  // namespace
 
 int run_stability_command(const StabilityCommand& command, const std::atomic<bool>& cancelled) {
@@ -87,14 +102,9 @@ int run_stability_command(const StabilityCommand& command, const std::atomic<boo
       &cancelled);
   progress.clear();
   if (!done) return complain(Status::error("cancelled"), kCancelled);
+  std::string map;
   if (!command.figures.empty()) {
-    StabilityMapOptions map;
-    map.threads = command.threads;
-    map.cancelled = &cancelled;
-    map.progress = [&](std::size_t n, std::size_t of) {
-      progress.show(fmt::format("figure: {} of {} runs", n, of));
-    };
-    const Result<bool> drawn = draw_stability_map(command.figures, map);
+    const Result<bool> drawn = draw_maps(command, cancelled, progress, map);
     progress.clear();
     if (!drawn) return complain(drawn.status(), kFailed);
     if (!*drawn) return complain(Status::error("cancelled"), kCancelled);
@@ -102,6 +112,7 @@ int run_stability_command(const StabilityCommand& command, const std::atomic<boo
   const double took = to_seconds(monotonic_now() - start);
   const bool every = !command.only.empty();
   std::fputs((command.json ? stability_json(runs) : stability_table(runs, every)).c_str(), stdout);
+  if (!command.json && !map.empty()) std::printf("\n%s", map.c_str());
   std::fprintf(stderr, "%zu runs in %.1f s\n", runs.size(), took);
   const auto failed =
       std::count_if(runs.begin(), runs.end(), [](const CaseRun& run) { return run.failed(); });

@@ -123,6 +123,7 @@ void WholeLoop::tick(const HapticOrder& order) {
   if (!ended_ && (lead.session == SessionState::kOff || lead.session == SessionState::kFault)) {
     ended_ = true;
     why_ = lead.reason;
+    ended_peer_ = lead.peer_fault;
   }
 }
 
@@ -143,6 +144,12 @@ void WholeLoop::measure() {
   const Vec3 tip = R_SM.transpose() * cell_->rig().true_tip().p;
   window_.tip.add({tip.dot(options_.along_M), tip.dot(options_.across_M)});
   window_.most_given = std::max(window_.most_given, device_.given() - device_.lost() - given_0_);
+}
+
+std::string WholeLoop::ended_by() const {
+  if (!ended_) return {};
+  const std::string out = std::string("ended: ") + describe(why_);
+  return why_ == Reason::kPeerFault ? out + ": " + describe(ended_peer_) : out;
 }
 
 Vec3 WholeLoop::asked_at(const Vec2& hand) const {

@@ -55,9 +55,7 @@ class WholeLoop {
   // Of the last refusal, or the end.
   Reason why() const noexcept { return why_; }
   // Empty while it has not ended.
-  std::string ended_by() const {
-    return ended_ ? std::string("ended: ") + describe(why_) : std::string();
-  }
+  std::string ended_by() const;
 
   // The hand means to go by so much in its plane, and to turn, in `seconds` > 0.
   void lead(const Vec2& by, double seconds, const Vec3& turn_M = Vec3::Zero());
@@ -110,7 +108,7 @@ class WholeLoop {
   Vec2 hand_0_ = Vec2::Zero();
   Vec3 tip_0_ = Vec3::Zero();
   bool engaged_ = false, ended_ = false;
-  Reason why_ = Reason::kNone;
+  Reason why_ = Reason::kNone, ended_peer_ = Reason::kNone;
   std::int64_t led_ = 0, held_ = 0;
   double most_step_ = 0.0, most_bound_ = 0.0;
   LoopWindow window_;
