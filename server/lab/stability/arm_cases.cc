@@ -29,7 +29,7 @@ ArmWay between(const JointVector& from, const JointVector& to) {
   return {from, b.p - a.p, rotation_log(b.q * a.q.conjugate())};
 }
 
-struct Place {
+struct ArmPlace {
   std::string name;
   ArmWay way;
   CaseSize size = CaseSize::kSmall;
@@ -38,7 +38,7 @@ struct Place {
 // The wrist stretched: J5 = 0. The elbow: at J3 = 27.5 degrees, 22.5 beyond the end of its range,
 // so it is the arm's reach that ends. The shoulder: the wrist's centre over the axis of J1, 60 mm
 // behind where the way begins.
-std::vector<Place> singular() {
+std::vector<ArmPlace> singular() {
   const JointVector wrist = degrees(0, 10, 80, 0, 17, 0);
   const JointVector bent = degrees(5, 10, 80, 6, 17, 0);
   const JointVector elbow = degrees(0, 30, 75, 0, 60, 0);
@@ -58,10 +58,10 @@ std::vector<Place> singular() {
 }
 
 // From inside of each end of each joint's range to beyond it.
-std::vector<Place> ends() {
+std::vector<ArmPlace> ends() {
   const JointLimits& limits = rv2a_limits();
   const JointVector middle = degrees(0, 20, 100, 0, 50, 0);
-  std::vector<Place> out;
+  std::vector<ArmPlace> out;
   for (int i = 0; i < kJoints; ++i) {
     for (const bool upper : {false, true}) {
       JointVector from = middle, to = middle;
@@ -80,7 +80,7 @@ std::vector<Place> ends() {
 std::vector<StabilityCase> arm_cases() {
   std::vector<StabilityCase> out;
   for (const auto& [kind, places] : {std::pair{"singular", singular()}, std::pair{"end", ends()}}) {
-    for (const Place& place : places) {
+    for (const ArmPlace& place : places) {
       for (const auto& [name, speed] : {std::pair{"slow", 0.1}, std::pair{"fast", 1.0}}) {
         ArmWay way = place.way;
         way.tip_speed = speed;

@@ -20,13 +20,17 @@ std::vector<StabilityCase> long_cases() {
                           std::function<CaseOutcome(std::uint64_t)> run, bool drawn = false) {
     out.push_back({"long-run/" + name, true, drawn, std::move(run), size});
   };
-  add(
-      "teleoperation/24h", CaseSize::kFull, [](std::uint64_t seed) { return run_long({}, seed); },
-      true);
-  add(
-      "teleoperation/2min", CaseSize::kLarge,
-      [](std::uint64_t seed) { return run_long({.parts = 12, .part = 10.0}, seed); }, true);
-  add("turns/24h", CaseSize::kFull, [](std::uint64_t) { return run_turns(kDay); });
+  for (const bool surface : {false, true}) {
+    const std::string where = surface ? "contact" : "free";
+    const LongRun day{.surface = surface}, minutes{.parts = 12, .part = 10.0, .surface = surface};
+    add(
+        where + "/24h", CaseSize::kDay, [day](std::uint64_t seed) { return run_long(day, seed); },
+        true);
+    add(
+        where + "/2min", CaseSize::kLarge,
+        [minutes](std::uint64_t seed) { return run_long(minutes, seed); }, true);
+  }
+  add("turns/24h", CaseSize::kDay, [](std::uint64_t) { return run_turns(kDay); });
   add("turns/10min", CaseSize::kLarge, [](std::uint64_t) { return run_turns(600.0); });
   const auto counters = [&add](const std::string& name, const LoopCounters& of) {
     add("counters/" + name, CaseSize::kLarge, [of](std::uint64_t) { return run_counters(of); });

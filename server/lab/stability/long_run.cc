@@ -23,7 +23,7 @@ constexpr double kNoDrift = 1e-6;           // ten times what 32 bits on the wir
 constexpr double kNoLater = 5.0;            // a run of lost datagrams more or less [ms]
 constexpr double kTurnRadius = 20.0 * kMm;
 
-Scene long_scene() {
+Scene long_scene(bool surface) {
   Scene scene;
   scene.name = "long-run";
   scene.limits.joints = rv2a_limits();
@@ -34,13 +34,14 @@ Scene long_scene() {
   plane.at = forward(arm, ServoArmOptions::default_start()).p - kBelow * Vec3::UnitZ();
   plane.surface.stiffness = 10e3;
   plane.surface.damping = 50.0;
-  scene.simulate = Simulate{{ServoLagSpec(), ArmComplianceSpec{}, plane, SensorSaturationSpec()}};
+  scene.simulate = Simulate{{ServoLagSpec(), ArmComplianceSpec{}, SensorSaturationSpec()}};
+  if (surface) scene.simulate->effects.push_back(plane);
   return scene;
 }
 
-WholeLoopOptions long_options(std::uint64_t seed) {
+WholeLoopOptions long_options(std::uint64_t seed, bool surface) {
   WholeLoopOptions out;
-  out.scene = long_scene();
+  out.scene = long_scene(surface);
   out.grip = stylus_grip(kLongGrip);
   out.way.delay = 10 * kMillisecond;
   out.way.jitter = kMillisecond;
@@ -87,7 +88,7 @@ double growth(const Counted& half, const Counted& whole) {
 class Day {
  public:
   Day(const LongRun& run, std::uint64_t seed)
-      : run_(run), random_(seed), loop_(long_options(seed)) {}
+      : run_(run), random_(seed), loop_(long_options(seed, run.surface)) {}
 
   CaseOutcome run();
 
@@ -174,7 +175,7 @@ struct Rounds {
   int engagements = 0;
 
   explicit Rounds(const LoopCounters& counters) {
-    WholeLoopOptions options = long_options(1);
+    WholeLoopOptions options = long_options(1, true);
     options.counters = counters;
     WholeLoop loop(options);
     for (int i = 0; i < kRounds; ++i) {
@@ -245,7 +246,7 @@ CaseOutcome run_counters(const LoopCounters& counters) {
 
 CaseOutcome run_last_datagram() {
   constexpr std::uint64_t kLeft = 10'000;  // a millisecond each
-  WholeLoopOptions options = long_options(1);
+  WholeLoopOptions options = long_options(1, true);
   options.counters.sequence = ~std::uint64_t{0} - kLeft;
   WholeLoop loop(options);
   if (!loop.engage(5.0)) return Refused{std::string("refused: ") + describe(loop.why())};

@@ -6,8 +6,8 @@
 
 namespace handrail {
 
-// A hand that goes to drawn places, touches a surface and comes home, over a link of 20 +- 2 ms
-// that loses 1 %; in parts, at each one's end at rest where it began.
+// A hand that goes to drawn places, touches a surface if there is one, and comes home, over a link
+// of 20 +- 2 ms that loses 1 %; in parts, at each one's end at rest where it began.
 //
 //   drift_um    of the tip from where the hand asks it to be, from part to part, most
 //   growth      of what is counted (holds, silences, halts, targets the guard did not pass, refused
@@ -18,6 +18,7 @@ namespace handrail {
 struct LongRun {
   int parts = 24;
   double part = 3600.0;  // at least 10 [s]
+  bool surface = false;  // there is one to touch
 };
 CaseOutcome run_long(const LongRun& run, std::uint64_t seed);
 

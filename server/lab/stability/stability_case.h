@@ -53,6 +53,7 @@ enum class CaseSize : std::uint8_t {
   kSmall,  // all, with as many seeds as they have
   kLarge,  // all, with a seed unless more are asked for
   kFull,   // the same, and not the quick ones
+  kDay,    // the same, and a seed however many are asked for
 };
 
 struct StabilityCase {

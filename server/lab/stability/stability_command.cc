@@ -30,7 +30,7 @@ std::vector<StabilityCase> chosen(const StabilityCommand& command) {
   for (auto* cases :
        {&long_cases, &teleop_cases, &arm_cases, &truth_cases, &rendered_cases, &wall_cases}) {
     for (StabilityCase& one : cases()) {
-      if (command.quick && one.size == CaseSize::kFull) continue;
+      if (command.quick && one.size >= CaseSize::kFull) continue;
       if (begins_with(one.name, command.only)) out.push_back(std::move(one));
     }
   }
@@ -58,7 +58,8 @@ std::vector<CaseRun> runs_of(const std::vector<StabilityCase>& cases,
   std::vector<CaseRun> runs;
   for (const StabilityCase& one : cases) {
     const bool small = one.size == CaseSize::kSmall && !command.quick && command.only.empty();
-    const int seeds = command.seeds > 0 ? command.seeds : small ? kSeeds : 1;
+    const int many = command.seeds > 0 ? command.seeds : small ? kSeeds : 1;
+    const int seeds = one.size == CaseSize::kDay ? 1 : many;
     for (int i = 0; i < (one.drawn ? seeds : 1); ++i) {
       runs.push_back({&one, command.seed + static_cast<std::uint64_t>(i), {}});
     }

@@ -40,13 +40,13 @@ struct Weather {
   bool calm = true;
 };
 
-LinkFaults jitter(double ms) {
+LinkFaults with_jitter(double ms) {
   LinkFaults out;
   out.jitter = from_seconds(1e-3 * ms);
   return out;
 }
 
-LinkFaults loss(double share) {
+LinkFaults with_loss(double share) {
   LinkFaults out;
   out.loss = share;
   return out;
@@ -59,14 +59,14 @@ std::vector<Weather> weathers(double trip_ms) {
     if (2.0 * ms > trip_ms) continue;
     // Datagrams that overtake each other leave gaps of up to twice the jitter.
     const bool calm = 2.0 * ms <= kHoldAge;
-    out.push_back({fmt::format("jitter{:g}", ms), jitter(ms), false, calm});
-    out.push_back({fmt::format("jitter{:g}-later", ms), jitter(ms), true, calm});
+    out.push_back({fmt::format("jitter{:g}", ms), with_jitter(ms), false, calm});
+    out.push_back({fmt::format("jitter{:g}-later", ms), with_jitter(ms), true, calm});
   }
   for (const double share : {0.1, 0.3, 0.5}) {
     // Of 100 datagrams 40 must come; of half of them by chance as few do now and then.
     const bool calm = share < 0.5;
-    out.push_back({fmt::format("loss{:g}", 100.0 * share), loss(share), false, calm});
-    if (share > 0.1) out.push_back({out.back().name + "-later", loss(share), true, calm});
+    out.push_back({fmt::format("loss{:g}", 100.0 * share), with_loss(share), false, calm});
+    if (share > 0.1) out.push_back({out.back().name + "-later", with_loss(share), true, calm});
   }
   LinkFaults bursts = find_network("bursts")->way;
   bursts.jitter = 0;

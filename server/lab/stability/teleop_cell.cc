@@ -13,20 +13,20 @@
 namespace handrail {
 namespace {
 
-constexpr double kGap = 10.0 * kMm;  // from the tip to the surface, as the run starts [m]
-constexpr double kDeep = 8.0 * kMm;  // that the hand means to go past it, at the hand [m]
-constexpr double kPressTime = 1.5;   // [s]
-constexpr double kSettle = 1.0;      // before a kick, and the round trip [s]
-constexpr double kRest = 3.0;        // after it, and two round trips; its last second is judged
-constexpr double kKick = 0.5;        // as of the bare devices [m/s]
-constexpr double kMostAngle = 0.35;  // of a kick from straight [rad]
-constexpr double kPatience = 6.0;    // to engage, and six round trips [s]
+constexpr double kGap = 10.0 * kMm;   // from the tip to the surface, as the run starts [m]
+constexpr double kDeep = 8.0 * kMm;   // that the hand means to go past it, at the hand [m]
+constexpr double kPressTime = 1.5;    // [s]
+constexpr double kSettle = 1.0;       // before a kick, and the round trip [s]
+constexpr double kRest = 3.0;         // after it, and two round trips; its last second is judged
+constexpr double kTouchKick = 0.5;    // as of the bare devices [m/s]
+constexpr double kTouchAngle = 0.35;  // of a kick from straight [rad]
+constexpr double kPatience = 6.0;     // to engage, and six round trips [s]
 constexpr double kServoLag = 0.045 * 1.03;  // of the rig's slowest joint [s]
 constexpr int kCyclesToStop = 5;            // joints of limited jerk, at most
 constexpr double kArm = 60e3;               // in series with the surface [N/m]
 
 constexpr double kMostSwing = 2.0 * kOmniResolution;  // as of the bare devices, two counts [m]
-constexpr double kMostGiven = 1e-3;                   // as of the bare devices [J]
+constexpr double kTouchGives = 1e-3;                  // as of the bare devices [J]
 constexpr double kMostDrift = 0.5 * kMm;
 
 Scene scene_of(const TeleopCell& of) {
@@ -153,7 +153,7 @@ bool TeleopRun::rest(double way, double kick) {
   loop_.lead({way, 0.0}, kPressTime);
   if (!pass(kPressTime + kSettle + of_.round_trip)) return false;
   const double speed = kick * (0.8 + 0.4 * random_.uniform());
-  const double angle = kMostAngle * (2.0 * random_.uniform() - 1.0);
+  const double angle = kTouchAngle * (2.0 * random_.uniform() - 1.0);
   loop_.kick(speed * Vec2(std::cos(angle), std::sin(angle)));
   if (!pass(kRest + 2.0 * of_.round_trip - 1.0)) return false;
   LoopWindow& last = loop_.window();
@@ -168,7 +168,7 @@ void TeleopRun::touch(bool second) {
   second_ = second;
   const double way = kGap / scale_ + kDeep;
   loop_.begin_window();
-  if (!rest(way, kKick) || !rest(-way, -kKick)) return;
+  if (!rest(way, kTouchKick) || !rest(-way, -kTouchKick)) return;
   if (second || !of_.local) out_.energy = std::max(out_.energy, loop_.window().most_given);
   out_.drift = std::max(out_.drift, loop_.off());
 }
@@ -201,7 +201,7 @@ CaseFigures figures_of(const TeleopFigures& f) {
   const double tip = kMostSwing * Scene::Mapping().scale;
   return {judged("hand_swing_mm", f.hand_swing / kMm, kMostSwing / kMm),
           judged("tip_swing_mm", f.tip_swing / kMm, tip / kMm),
-          judged("energy_mj", 1e3 * f.energy, 1e3 * kMostGiven),
+          judged("energy_mj", 1e3 * f.energy, 1e3 * kTouchGives),
           judged("bounds", f.bounds, 1.0 + 1e-9),
           judged("inward_um", 1e6 * f.inward, 1e-3),
           judged("peak_share", f.peak, 1.0),

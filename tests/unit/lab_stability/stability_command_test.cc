@@ -44,11 +44,11 @@ TEST(StabilityCommand, ANameThatIsNoCaseGetsTheNearest) {
 }
 
 TEST(StabilityCommand, TheQuickFormLeavesTheLongCasesOut) {
-  const std::string day = "long-run/teleoperation/24h";
+  const std::string day = "long-run/contact/24h";
   EXPECT_THAT(run({.only = "long-run", .list = true}).out, HasSubstr(day));
   const Printed quick = run({.quick = true, .list = true});
   EXPECT_THAT(quick.out, Not(HasSubstr(day)));
-  EXPECT_THAT(quick.out, HasSubstr("long-run/teleoperation/2min\n"));
+  EXPECT_THAT(quick.out, HasSubstr("long-run/contact/2min\n"));
   EXPECT_THAT(quick.out, HasSubstr("teleoperation/model/1000ms/clean/middle/K50\n"));
   EXPECT_THAT(quick.out, HasSubstr("arm/end/J6/upper/fast\n"));
 }

@@ -109,7 +109,7 @@ TEST(ArmCell, AWayThatEndsBeyondAJointsRangeIsHeldWithinIt) {
 }
 
 TEST(LongRun, APartOfADayEndsWhereItBeganAndNothingGrows) {
-  const CaseOutcome outcome = run_long({.parts = 4, .part = 10.0}, 1);
+  const CaseOutcome outcome = run_long({.parts = 4, .part = 10.0, .surface = true}, 1);
   EXPECT_TRUE(all_hold(outcome.figures));
   EXPECT_GT(values(outcome).at("path_m"), 0.05);
 }
