@@ -117,24 +117,27 @@ Panel panel_of(const PlaceTable& table, const Quantity& quantity, std::size_t mo
   return panel;
 }
 
+std::string number_of(const Quantity& quantity, const PlaceFigures& place) {
+  const double value = quantity.of(place);
+  return std::isfinite(value) ? fmt::format("{:.{}f}", value, quantity.decimals) : "-";
+}
+
+// By the spring / by the model.
 std::string text_of(const PlaceTable& table) {
-  std::string out = "| | | |";
+  std::string out = "| by the spring / by the model | |";
   for (const double trip : kMapTrips) out.append(fmt::format(" {:g} ms |", trip));
-  out.append("\n|---|---|---|");
+  out.append("\n|---|---|");
   for (std::size_t i = 0; i < kMapTrips.size(); ++i) out.append("---|");
   out.append("\n");
   for (const Quantity& quantity : kQuantities) {
-    for (std::size_t model = 0; model < 2; ++model) {
-      for (std::size_t loss = 0; loss < kMapLosses.size(); ++loss) {
-        out.append(fmt::format("| {}, {} | {} | {} |", quantity.title, quantity.label,
-                               name_of_way(model), name_of_loss(loss)));
-        for (const PlaceFigures& place : table[model][loss]) {
-          const double value = quantity.of(place);
-          out.append(std::isfinite(value) ? fmt::format(" {:.{}f} |", value, quantity.decimals)
-                                          : std::string(" - |"));
-        }
-        out.append("\n");
+    for (std::size_t loss = 0; loss < kMapLosses.size(); ++loss) {
+      out.append(
+          fmt::format("| {}, {} | {} |", quantity.title, quantity.label, name_of_loss(loss)));
+      for (std::size_t trip = 0; trip < kMapTrips.size(); ++trip) {
+        out.append(fmt::format(" {} / {} |", number_of(quantity, table[0][loss][trip]),
+                               number_of(quantity, table[1][loss][trip])));
       }
+      out.append("\n");
     }
   }
   return out;
