@@ -58,7 +58,10 @@ class ProgressiveFriction {
     }
     if (turning_) {
       const double cross = arm_.x() * arm.y() - arm_.y() * arm.x();
-      alpha_ += sign_ * std::atan2(cross, arm_.dot(arm));
+      // Kahan's sum: a day of turns, a tick each, adds up without rounding.
+      const double by = sign_ * std::atan2(cross, arm_.dot(arm)) - carry_, before = alpha_;
+      alpha_ = before + by;
+      carry_ = (alpha_ - before) - by;
     }
     arm_ = arm;
     turning_ = true;
@@ -68,6 +71,7 @@ class ProgressiveFriction {
   Vec2 centre_;
   double sign_;
   double alpha_ = 0.0;
+  double carry_ = 0.0;       // that alpha_ has too much by rounding [rad]
   bool turning_ = false;     // arm_ is of the tick before
   Vec2 arm_ = Vec2::Zero();  // from the centre to the proxy [m]
   Fade fade_;

@@ -198,17 +198,19 @@ void add_links(CLI::App& app, LinkCommand& links) {
 
 void add_stability(CLI::App& app, StabilityCommand& stability) {
   CLI::App* sub = app.add_subcommand(
-      "stability", "whether what is rendered at the hand is stable: theory, walls, effects");
-  sub->add_flag("--quick", stability.quick, "one seed of each case");
+      "stability",
+      "whether it is stable: theory, walls, effects; both sides across the link; the arm; a day");
+  sub->add_flag("--quick", stability.quick, "one seed of each case, without the long ones");
   sub->add_option("--case", stability.only, "a case of --list, or the first parts of its name");
   sub->add_option("--seed", stability.seed, "the first: other kicks and moments")
       ->capture_default_str();
-  sub->add_option("--seeds", stability.seeds, "of each case; without it 20, or 1 of --case")
+  sub->add_option("--seeds", stability.seeds,
+                  "of each case; without it 20, or 1 of --case and of the long ones")
       ->check(CLI::Range(1, 100000));
   sub->add_flag("--list", stability.list, "print the cases' names and run none");
   add_threads(*sub, stability.threads);
   sub->add_flag("--json", stability.json, "print a line of JSON a run");
-  sub->add_option("--figures", stability.figures, "folder for the figure (SVG)");
+  sub->add_option("--figures", stability.figures, "folder for the figures (SVG); the table of one");
 }
 
 void add_sequences(CLI::App& app, SequenceCommand& sequences) {

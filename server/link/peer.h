@@ -76,7 +76,8 @@ struct LinkSnapshot {
 // The part of a peer that does not depend on its role. Use LinkPeer.
 class PeerCore {
  public:
-  explicit PeerCore(std::uint64_t session) noexcept : session_(session) {}
+  explicit PeerCore(std::uint64_t session, std::uint64_t sequence) noexcept
+      : session_(session), sequence_(sequence) {}
 
   // Judges a well-formed datagram from the other side; kNone: it is the newest. Real-time safe.
   Reject accept(const DatagramHeader& header, Nanos now) noexcept;
@@ -120,7 +121,7 @@ class PeerCore {
   void take_echo(const DatagramHeader& header, Nanos now) noexcept;
 
   std::uint64_t session_;
-  std::uint64_t sequence_ = 0;  // of the last datagram sent
+  std::uint64_t sequence_;  // of the last datagram sent
   Nanos next_due_ = -kForever;
   std::uint64_t peer_session_ = 0;
   Nanos peer_since_ = 0;  // when that session was accepted
@@ -144,8 +145,9 @@ class PeerCore {
 template <typename Local, typename Remote>
 class LinkPeer {
  public:
-  // `session`: random, not 0 (random_session_id()).
-  explicit LinkPeer(std::uint64_t session) : core_(session) {}
+  // `session`: random, not 0 (random_session_id()). `sequence`: that its datagrams rise from; 0 but
+  // for a trial of what only ages would bring.
+  explicit LinkPeer(std::uint64_t session, std::uint64_t sequence = 0) : core_(session, sequence) {}
 
   // Takes one datagram. kNone: newest() and snapshot() have moved on; kRefused: snapshot() tells
   // who leads the other side. Otherwise it was counted and nothing else has changed.

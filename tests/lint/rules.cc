@@ -101,8 +101,9 @@ Table lab_rows() {
                                Folders{"server/lab/study", "server/master", "server/haptic",
                                        "server/constraint", "server/constraint/drawn"}},
       {"server/lab/stability",
-       lab + kHands +
-           Folders{"server/lab/study", "server/master", "server/haptic", "server/stability"}},
+       lab + kHands + sides +
+           Folders{"server/lab/sequences", "server/lab/faults/audit", "server/lab/study",
+                   "server/haptic", "server/stability", "server/kinematics"}},
       {"server/lab/contact", lab + Folders{"server/lab/study", "server/follow"}},
       {"server/lab/delay",
        lab + kHands + kRigs + sides +

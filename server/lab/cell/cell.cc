@@ -22,8 +22,8 @@ Cell::Cell(const CellOptions& options)
       line_(options.robot_line ? std::make_unique<RobotLine>(*options.robot_line) : nullptr),
       repeat_next_(kRepeat) {
   if (net_) {
-    begin_epochs(net_->master().session(), haptic_);
-    follow_.fault_epoch = net_->slave().session();
+    begin_epochs(options_.epoch.value_or(net_->master().session()), haptic_);
+    follow_.fault_epoch = options_.epoch.value_or(net_->slave().session());
   }
   to_controller(client_.start(0));
   rig_.sensor().on_datagram(encode_rdt(RdtRequest{RdtCommand::kStream, 0}), kSlave);
@@ -86,13 +86,13 @@ void Cell::restart_master() {
   haptic_out_ = HapticOutput();
   haptic_in_ = HapticInput();
   master_at_ = now_;
-  begin_epochs(net_->master().session(), haptic_);
+  begin_epochs(options_.epoch.value_or(net_->master().session()), haptic_);
 }
 
 void Cell::restart_slave() {
   net_->restart_slave();
   follow_ = FollowState();
-  follow_.fault_epoch = net_->slave().session();
+  follow_.fault_epoch = options_.epoch.value_or(net_->slave().session());
   follow_in_ = FollowInput();
   follow_out_ = FollowOutput();
   reply_ = RobotReply();

@@ -31,6 +31,8 @@ struct CellOptions {
   // once.
   std::optional<std::uint64_t> robot_line;
   std::size_t packet_bytes = kMxtLong;  // to the controller and back
+  // With a net: that stops, faults and engagements are counted from; none: each program's session.
+  std::optional<std::uint64_t> epoch;
 };
 
 // What the controller did in one of its cycles.
@@ -62,6 +64,7 @@ class Cell {
 
   Nanos now() const noexcept { return now_; }
   const HapticOutput& master() const noexcept { return haptic_out_; }
+  const HapticInput& master_input() const noexcept { return haptic_in_; }
   const HapticState& master_state() const noexcept { return haptic_; }
   const SlaveState& slave() const noexcept { return follow_out_.link; }
   const Rig& rig() const noexcept { return rig_; }

@@ -18,14 +18,14 @@ std::uint64_t CellNet::next_session() noexcept {
 
 void CellNet::restart_master() {
   master_pump_.reset();
-  master_.emplace(next_session());
+  master_.emplace(next_session(), options_.sequence);
   master_pump_.emplace(link_.master(), *master_);
   link_.to_master().flush();
 }
 
 void CellNet::restart_slave() {
   slave_pump_.reset();
-  slave_.emplace(next_session());
+  slave_.emplace(next_session(), options_.sequence);
   slave_pump_.emplace(link_.slave(), *slave_);
   link_.to_slave().flush();
 }

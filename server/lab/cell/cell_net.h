@@ -15,6 +15,7 @@ struct CellNetOptions {
   // Of the two programs' clocks before the cell's, >= 0: they need not agree.
   Nanos master_clock = 0;
   Nanos slave_clock = 0;
+  std::uint64_t sequence = 0;  // that the datagrams of both programs rise from
 };
 
 // All times are the cell's, but for what a peer sees. Real-time safe but for the restarts.

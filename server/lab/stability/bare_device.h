@@ -17,11 +17,11 @@ struct DeviceBody {
   double friction = 0.0;  // Coulomb, with sticking, in any direction [N]
 };
 
-// A hand that moves with the device: it has no will, so it can only take energy. All >= 0.
+// A hand that moves with the device: unless it is led it can only take energy. All >= 0.
 struct PassiveGrip {
   double mass = 0.0;         // [kg]
   double damping = 0.0;      // [N s/m]
-  double stiffness = 0.0;    // back to where it took hold [N/m]
+  double stiffness = 0.0;    // back to where it took hold, or is led to [N/m]
   Vec2 push = Vec2::Zero();  // that it leans on the device with, as a weight does [N]
 };
 
@@ -45,6 +45,8 @@ class BareDevice {
 
   // Changes the velocity at once [m/s]. It counts as nobody's work.
   void kick(const Vec2& by) noexcept { v_ += by; }
+  // The hand means to be there from now on: its spring pulls to it. Its own work, as a kick's.
+  void lead(const Vec2& to) noexcept { hold_ = to; }
   // `dt` > 0 under a force that is held [N].
   void advance(double dt, const Vec2& force) noexcept;
 
@@ -55,7 +57,7 @@ class BareDevice {
   double given() const noexcept { return given_; }
   // What the device's own friction and damping took so far; the hand's damping is not in it [J].
   double lost() const noexcept { return lost_; }
-  // Of motion, of the hand's spring and of its weight, from where it took hold [J].
+  // Of motion, of the hand's spring and of its weight, from where it holds [J].
   double energy() const noexcept;
 
  private:

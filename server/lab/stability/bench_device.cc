@@ -16,23 +16,14 @@ PassiveGrip passive(const HandOptions& hand) {
           hand.stiffness, Vec2::Zero()};
 }
 
-// A stylus grip at an end of the range that is published for it (Fu and Cavusoglu 2012).
-PassiveGrip stylus(double stiffness) {
-  HandOptions hand;
-  hand.stiffness = stiffness;
-  return passive(hand);
-}
-
-constexpr double kLightest = 50.0, kFirmest = 500.0;  // [N/m]
-
 BenchDevice omni() {
   BenchDevice out;
   out.name = "omni";
   out.capabilities = omni_capabilities(false);
   out.cutoff = 30.0;  // as the simulated one
   out.damping = 5.0;  // what CHAI3D holds for the most on it
-  out.light = stylus(kLightest);
-  out.firm = stylus(kFirmest);
+  out.light = stylus_grip(kLightest);
+  out.firm = stylus_grip(kFirmest);
   return out;
 }
 
@@ -57,12 +48,18 @@ BenchDevice linear() {
   c.dynamics = {.mass = 0.1, .damping = 0.5, .resolution = kFinest, .source = "chosen"};
   c.least_mass = 0.1;
   out.damping = 5.0;
-  out.light = stylus(kLightest);
-  out.firm = stylus(kFirmest);
+  out.light = stylus_grip(kLightest);
+  out.firm = stylus_grip(kFirmest);
   return out;
 }
 
 }  // namespace
+
+PassiveGrip stylus_grip(double stiffness) {
+  HandOptions hand;
+  hand.stiffness = stiffness;
+  return passive(hand);
+}
 
 DeviceBody BenchDevice::body() const {
   const DeviceDynamics& of = capabilities.dynamics;

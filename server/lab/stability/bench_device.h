@@ -30,6 +30,11 @@ struct BenchDevice {
 
 const char* name_of(GripKind kind);
 
+// The passive part of a stylus grip of that stiffness [N/m]; published are kLightest to kFirmest
+// (Fu and Cavusoglu 2012).
+inline constexpr double kLightest = 50.0, kFirmest = 500.0;
+PassiveGrip stylus_grip(double stiffness);
+
 // Omni and joystick as their data say, and a linear axis that has viscous damping alone.
 const std::array<BenchDevice, 3>& bench_devices();
 

@@ -32,13 +32,38 @@ inline bool all_hold(const CaseFigures& figures) {
   return true;
 }
 
+// It did not come to be, and rightly: neither does it hold nor fail.
+struct Refused {
+  std::string why;
+};
+
+struct CaseOutcome {
+  CaseOutcome() = default;
+  CaseOutcome(CaseFigures of, std::string what = {})
+      : figures(std::move(of)), note(std::move(what)) {}
+  CaseOutcome(Refused of) : refused(std::move(of.why)) {}
+
+  CaseFigures figures;
+  std::string refused;  // why; empty: it was not
+  std::string note;     // beside the figures, such as why an engagement ended
+};
+
+// Which runs of the suite have a case.
+enum class CaseSize : std::uint8_t {
+  kSmall,  // all, with as many seeds as they have
+  kLarge,  // all, with a seed unless more are asked for
+  kFull,   // the same, and not the quick ones
+  kDay,    // the same, and a seed however many are asked for
+};
+
 struct StabilityCase {
   // family/...; the last part of a cell of walls is off, energy or on.
   std::string name;
   // False: whether it holds is information, as of a wall without a governor.
   bool must_hold = true;
   bool drawn = false;  // another seed is another run
-  std::function<CaseFigures(std::uint64_t seed)> run;
+  std::function<CaseOutcome(std::uint64_t seed)> run;
+  CaseSize size = CaseSize::kSmall;
 
   std::string family() const { return name.substr(0, name.find('/')); }
 };
@@ -49,5 +74,11 @@ std::vector<StabilityCase> truth_cases();
 std::vector<StabilityCase> rendered_cases();
 // The walls and effects of the master's own step.
 std::vector<StabilityCase> wall_cases();
+// Both sides, the link and the arm, in free space and in contact.
+std::vector<StabilityCase> teleop_cases();
+// The same where the arm's poses are singular and where its joints' ranges end.
+std::vector<StabilityCase> arm_cases();
+// A day, and counters near their ends.
+std::vector<StabilityCase> long_cases();
 
 }  // namespace handrail

@@ -10,6 +10,7 @@
 #include "server/lab/console/console.h"
 #include "server/lab/stability/stability_map.h"
 #include "server/lab/stability/stability_report.h"
+#include "server/lab/stability/teleop_map.h"
 #include "server/lab/study/parallel.h"
 #include "server/lab/study/study_drawing.h"
 
@@ -26,8 +27,10 @@ bool begins_with(const std::string& name, const std::string& only) {
 
 std::vector<StabilityCase> chosen(const StabilityCommand& command) {
   std::vector<StabilityCase> out;
-  for (auto* cases : {&truth_cases, &rendered_cases, &wall_cases}) {
+  for (auto* cases :
+       {&long_cases, &teleop_cases, &arm_cases, &truth_cases, &rendered_cases, &wall_cases}) {
     for (StabilityCase& one : cases()) {
+      if (command.quick && one.size >= CaseSize::kFull) continue;
       if (begins_with(one.name, command.only)) out.push_back(std::move(one));
     }
   }
@@ -52,15 +55,30 @@ Status unknown(const std::string& only) {
 
 std::vector<CaseRun> runs_of(const std::vector<StabilityCase>& cases,
                              const StabilityCommand& command) {
-  const int whole = command.quick || !command.only.empty() ? 1 : kSeeds;
-  const int seeds = command.seeds > 0 ? command.seeds : whole;
   std::vector<CaseRun> runs;
   for (const StabilityCase& one : cases) {
+    const bool small = one.size == CaseSize::kSmall && !command.quick && command.only.empty();
+    const int many = command.seeds > 0 ? command.seeds : small ? kSeeds : 1;
+    const int seeds = one.size == CaseSize::kDay ? 1 : many;
     for (int i = 0; i < (one.drawn ? seeds : 1); ++i) {
       runs.push_back({&one, command.seed + static_cast<std::uint64_t>(i), {}});
     }
   }
   return runs;
+}
+
+// All that --figures draws; `table`: of delay and loss.
+Result<bool> draw_maps(const StabilityCommand& command, const std::atomic<bool>& cancelled,
+                       Progress& progress, std::string& table) {
+  StabilityMapOptions map;
+  map.threads = command.threads;
+  map.cancelled = &cancelled;
+  map.progress = [&](std::size_t n, std::size_t of) {
+    progress.show(fmt::format("figure: {} of {} runs", n, of));
+  };
+  const Result<bool> drawn = draw_stability_maps(command.figures, map);
+  if (!drawn || !*drawn) return drawn;
+  return draw_teleop_map(command.figures, map, table);
 }
 
 }  // namespace
@@ -80,19 +98,14 @@ int run_stability_command(const StabilityCommand& command, const std::atomic<boo
   const Nanos start = monotonic_now();
   const bool done = run_parallel(
       runs.size(), command.threads,
-      [&](std::size_t i) { runs[i].figures = runs[i].of->run(runs[i].seed); },
+      [&](std::size_t i) { runs[i].came_to = runs[i].of->run(runs[i].seed); },
       [&](std::size_t n) { progress.show(fmt::format("{} of {} runs", n, runs.size())); },
       &cancelled);
   progress.clear();
   if (!done) return complain(Status::error("cancelled"), kCancelled);
+  std::string map;
   if (!command.figures.empty()) {
-    StabilityMapOptions map;
-    map.threads = command.threads;
-    map.cancelled = &cancelled;
-    map.progress = [&](std::size_t n, std::size_t of) {
-      progress.show(fmt::format("figure: {} of {} runs", n, of));
-    };
-    const Result<bool> drawn = draw_stability_maps(command.figures, map);
+    const Result<bool> drawn = draw_maps(command, cancelled, progress, map);
     progress.clear();
     if (!drawn) return complain(drawn.status(), kFailed);
     if (!*drawn) return complain(Status::error("cancelled"), kCancelled);
@@ -100,6 +113,7 @@ int run_stability_command(const StabilityCommand& command, const std::atomic<boo
   const double took = to_seconds(monotonic_now() - start);
   const bool every = !command.only.empty();
   std::fputs((command.json ? stability_json(runs) : stability_table(runs, every)).c_str(), stdout);
+  if (!command.json && !map.empty()) std::printf("\n%s", map.c_str());
   std::fprintf(stderr, "%zu runs in %.1f s\n", runs.size(), took);
   const auto failed =
       std::count_if(runs.begin(), runs.end(), [](const CaseRun& run) { return run.failed(); });

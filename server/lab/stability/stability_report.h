@@ -11,10 +11,11 @@ namespace handrail {
 struct CaseRun {
   const StabilityCase* of = nullptr;
   std::uint64_t seed = 1;
-  CaseFigures figures;
+  CaseOutcome came_to;
 
-  bool holds() const { return all_hold(figures); }
-  bool failed() const { return of->must_hold && !holds(); }
+  bool refused() const { return !came_to.refused.empty(); }
+  bool holds() const { return !refused() && all_hold(came_to.figures); }
+  bool failed() const { return of->must_hold && !refused() && !holds(); }
 };
 
 // How to run it again: "--case NAME --seed S".

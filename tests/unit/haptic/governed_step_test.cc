@@ -123,6 +123,67 @@ TEST(GovernedStep, AStandingTipGivesBackWhatWasPutIntoTheSpring) {
   EXPECT_LE(back, put);
 }
 
+// A floor that the slave tells of, where the tip stands; the smoother adds nothing.
+struct OnAFloor : HapticRig {
+  explicit OnAFloor(bool governor, double stiffness = 60e3) {
+    settings.local_surface = true;
+    settings.guide.smoother_length = 1;
+    engage();
+    settings.governor = governed(0.0, 3.3);
+    settings.governor.on = governor;
+    play_slave = false;
+    in.slave.surface = Surface{Vec3::UnitZ(), command().p.z(), stiffness};
+    in.slave.f_E_S.force = {0, 0, 45.0};
+    in.slave.has_wrench = true;
+    ticks(200);
+  }
+  // 2 mm into it and out again, `step` a tick [m]. Device Y is the base's Z. What the hand put into
+  // it and got back [J].
+  struct Work {
+    double put = 0.0, back = 0.0;
+  };
+  Work there_and_back(double step) {
+    Work work;
+    const int n = static_cast<int>(std::lround(2e-3 / step));
+    for (int i = 0; i < 2 * n; ++i) {
+      const double way = i < n ? -step : step;
+      const double done = way * out.f_H_M.force.y();
+      (done < 0.0 ? work.put : work.back) += std::abs(done);
+      in.hand.X_MH.p.y() += way;
+      tick();
+    }
+    return work;
+  }
+};
+
+// A millisecond's hold makes K v T / 2 on the whole way, here 0.5 % of what is put in.
+TEST(GovernedStep, ATouchedSurfaceGivesBackWhatWasPutIntoIt) {
+  OnAFloor rig(true);
+  for (int i = 0; i < 3; ++i) {
+    const OnAFloor::Work slow = rig.there_and_back(1e-5);
+    EXPECT_GT(slow.put, 1.5e-3);
+    EXPECT_GT(slow.back, 0.98 * slow.put) << i;
+    EXPECT_LT(slow.back, 1.001 * slow.put) << i;
+  }
+}
+
+TEST(GovernedStep, ATouchedSurfaceGivesTheHandNoMoreThanItGave) {
+  OnAFloor held(false), rig(true);
+  const OnAFloor::Work made = held.there_and_back(2e-4);
+  EXPECT_GT(made.back, 1.15 * made.put);
+  const OnAFloor::Work work = rig.there_and_back(2e-4);
+  EXPECT_LT(work.back, 1.02 * work.put);
+}
+
+// 0.1 N/mm at the tip is 0.4 at the hand; the tools', of which none is called, are 0.8.
+TEST(GovernedStep, ASoftSurfaceIsGovernedAsTheSpringItIs) {
+  OnAFloor rig(true, 100.0);
+  const OnAFloor::Work work = rig.there_and_back(2e-4);
+  EXPECT_GT(work.put, 0.6e-3);
+  EXPECT_GT(work.back, 0.98 * work.put);
+  EXPECT_LT(work.back, 1.02 * work.put);
+}
+
 // A tip that swings by itself pulls a hand to and fro that goes with it.
 TEST(GovernedStep, ATipThatMovesByItselfGivesTheHandNothing) {
   for (const bool on : {false, true}) {

@@ -9,6 +9,7 @@ namespace handrail {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 struct Printed {
   int code = 0;
@@ -40,6 +41,16 @@ TEST(StabilityCommand, ANameThatIsNoCaseGetsTheNearest) {
   const Printed printed = run({.only = "cycle/K800/2Hz/d8"});
   EXPECT_EQ(printed.code, kUsage);
   EXPECT_THAT(printed.err, HasSubstr("did you mean 'cycle/K800/2Hz/d7'?"));
+}
+
+TEST(StabilityCommand, TheQuickFormLeavesTheLongCasesOut) {
+  const std::string day = "long-run/contact/24h";
+  EXPECT_THAT(run({.only = "long-run", .list = true}).out, HasSubstr(day));
+  const Printed quick = run({.quick = true, .list = true});
+  EXPECT_THAT(quick.out, Not(HasSubstr(day)));
+  EXPECT_THAT(quick.out, HasSubstr("long-run/contact/2min\n"));
+  EXPECT_THAT(quick.out, HasSubstr("teleoperation/model/1000ms/clean/middle/K50\n"));
+  EXPECT_THAT(quick.out, HasSubstr("arm/end/J6/upper/fast\n"));
 }
 
 TEST(StabilityCommand, IsCancelledCleanly) {
