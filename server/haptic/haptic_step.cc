@@ -227,8 +227,10 @@ void give_force(const HapticSettings& settings, const HapticInput& in, const Wan
   out.energy_made = governed.tool.made;
   out.shares = s.force.arbiter.share(settings.force, governed.tool.force, governed.spring.force,
                                      given.stiffness * motion.norm(), trust, dt);
-  s.force.governor.told(out.shares.device - out.shares.spring);
-  s.force.tank.told(out.shares.spring);
+  // What the step limit left of a force that was to be gone counts where it can be taken back.
+  const Vec3 spring = governed.tool.force.isZero(0.0) ? out.shares.device : out.shares.spring;
+  s.force.governor.told(out.shares.device - spring);
+  s.force.tank.told(spring);
   const Vec3 cue = play_cue(settings, in, before, out, hand_ok, dt, s);
   out.shares.device += cue;
   out.shares.limited += cue;

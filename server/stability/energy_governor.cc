@@ -7,13 +7,6 @@
 namespace handrail {
 namespace {
 
-// What the device takes of this way by itself [J].
-double taken_by_device(const GovernorSettings& settings, double way, double dt) {
-  // A clock that has leapt does not make the hand faster than it was.
-  const double time = std::max(dt, settings.period);
-  return way * (settings.friction + settings.damping * way / time);
-}
-
 // The part of `way` on which a spring that goes from `before` to `now` pushes: all of it, but where
 // it begins or ends in between.
 double pushed_part(const Vec3& before, const Vec3& now, double stiffness, double way) {
@@ -45,6 +38,13 @@ Governed reduced(const Vec3& force, const Vec3& way, double push, double less) {
 
 }  // namespace
 
+double DeviceLosses::take(const GovernorSettings& settings, double way, double dt) noexcept {
+  // A clock that has leapt does not make the hand faster than it was.
+  still_ += std::max(dt, settings.period);
+  if (way == 0.0) return 0.0;
+  return way * (settings.friction + settings.damping * way / std::exchange(still_, 0.0));
+}
+
 void ToldForces::add(const Vec3& force) noexcept {
   newest_ = (newest_ + 1) % told_.size();
   told_[newest_] = is_finite(force) ? force : Vec3(Vec3::Zero());
@@ -75,16 +75,14 @@ Governed EnergyGovernor::govern(const GovernorSettings& settings, const Rendered
   if (force.stiffness > 0.0) stiffness_ = force.stiffness;
   const double law =
       0.5 * pushed_part(before, springs, stiffness_, way) * (before + springs).dot(moved);
-  made_ = std::max(
-      made_ + told_.acting(settings.delay).dot(moved) - law - taken_by_device(settings, way, dt),
-      0.0);
+  const double taken = losses_.take(settings, way, dt);
+  made_ = std::max(made_ + told_.acting(settings.delay).dot(moved) - law - taken, 0.0);
   // The next way is taken to be as this one was, and those after it until what is told now acts.
   const double push = way > 0.0 ? force.wanted.dot(moved) / way : 0.0;
   if (push > 0.0 && force.stiffness > 0.0) {
-    const double taken = taken_by_device(settings, way, dt) / way;
     const double left = made_ * force.stiffness / size;  // spread over size / stiffness
-    out = reduced(force.wanted, moved / way, push,
-                  (0.5 + settings.delay) * force.stiffness * way + left - taken);
+    const double made = (0.5 + settings.delay) * force.stiffness * way;
+    out = reduced(force.wanted, moved / way, push, made + left - taken / way);
     asked_ = out.force.norm();
   }
   out.made = made_;
@@ -99,13 +97,16 @@ Governed EnergyTank::govern(const GovernorSettings& settings, const Vec3& wanted
     if (!known || !usable(moved, dt, settings.most_way)) energy_ = 0.0;
     return out;
   }
-  const double way = moved.norm(), size = wanted.norm();
-  energy_ += taken_by_device(settings, way, dt) - told_.acting(settings.delay).dot(moved);
+  const double size = wanted.norm();
+  const double taken = losses_.take(settings, moved.norm(), dt);
+  if (!moved.isZero(0.0)) way_ = moved, taken_ = taken;
+  energy_ += taken - told_.acting(settings.delay).dot(moved);
   energy_ = std::min(energy_, 0.5 * size * size / stiffness);
-  const double push = way > 0.0 ? wanted.dot(moved) / way : 0.0;
+  const double way = way_.norm();
+  const double push = way > 0.0 ? wanted.dot(way_) / way : 0.0;
   if (push > 0.0) {
-    const double most = std::max(energy_ + taken_by_device(settings, way, dt), 0.0) / way;
-    out = reduced(wanted, moved / way, push, push - most);
+    const double most = std::max(energy_ + taken_, 0.0) / way;
+    out = reduced(wanted, way_ / way, push, push - most);
   }
   out.made = std::max(-energy_, 0.0);
   return out;

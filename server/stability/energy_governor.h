@@ -57,6 +57,17 @@ class ToldForces {
   }
 };
 
+// The device's own losses on ways that an encoder tells in counts: a count that comes after ticks
+// without one was gone in all of their time.
+class DeviceLosses {
+ public:
+  // In this tick, on `way` >= 0 [m], `dt` > 0 [s]: [J]. The least that they can have been.
+  double take(const GovernorSettings& settings, double way, double dt) noexcept;
+
+ private:
+  double still_ = 0.0;  // since the last way [s]
+};
+
 // Observer and controller at the hand port, for forces that are held for a period.
 //
 // A spring that is held for a period pushes less on the way in, and more on the way out, than the
@@ -92,23 +103,29 @@ class EnergyGovernor {
   double asked_ = 0.0;           // size of the governed force of the tick before [N]
   double limit_ = kNoLimit;      // what the device's limits let pass then [N]
   double stiffness_ = 0.0;       // of the springs that pushed last [N/m]
-  double made_ = 0.0;            // [J]
+  DeviceLosses losses_;
+  double made_ = 0.0;  // [J]
 };
 
 // A spring whose other end is told over a link may give the hand no more than the hand has put into
 // it: the energy in it is counted from zero, and is never more than the spring would hold at this
-// force. What its other end does to it gives nothing. `stiffness` > 0 [N/m].
+// force. What its other end does to it gives nothing. The hand is taken to go on as it went last:
+// a slow one moves by a count of its encoder now and then, and what it is told in between acts on
+// the next. `stiffness` > 0 [N/m].
 class EnergyTank {
  public:
   // One tick, as EnergyGovernor's.
   Governed govern(const GovernorSettings& settings, const Vec3& wanted, double stiffness,
                   const Vec3& moved, double dt) noexcept;
   void told(const Vec3& force) noexcept { told_.add(force); }
-  void restart() noexcept { told_.clear(), energy_ = 0.0; }
+  void restart() noexcept { *this = EnergyTank(); }
 
  private:
   ToldForces told_;
-  double energy_ = 0.0;  // that it may give back [J]
+  DeviceLosses losses_;
+  Vec3 way_ = Vec3::Zero();  // the hand's last [m]
+  double taken_ = 0.0;       // of it by the device [J]
+  double energy_ = 0.0;      // that it may give back [J]
 };
 
 }  // namespace handrail

@@ -306,5 +306,42 @@ TEST(EnergyTank, AStandingTipIsFeltInFull) {
   EXPECT_NEAR(back, 0.5 * 200.0 * 1e-4, 0.03 * 0.5 * 200.0 * 1e-4);
 }
 
+// The far end swings by itself and the hand goes with it, slowly, seen in counts: in most ticks it
+// does not seem to move.
+TEST(EnergyTank, AHandThatMovesByACountNowAndThenIsGivenNoMoreThanItGave) {
+  constexpr double kCount = 0.055e-3, kStiffness = 200.0, kHz = 1.0;
+  EnergyTank tank;
+  double given = 0.0, at = 0.0, seen = 0.0, most = 0.0;
+  Vec3 told = Vec3::Zero();
+  for (int i = 1; i <= 5000; ++i) {
+    const double phase = 2.0 * std::numbers::pi * kHz * kTick * i;
+    const double now = -2e-3 * std::cos(phase), read = std::floor(now / kCount) * kCount;
+    given += told.x() * (now - at);
+    most = std::max(most, std::abs(told.x()));
+    const Vec3 wanted(kStiffness * 5e-3 * std::sin(phase), 0.0, 0.0);
+    told = tank.govern(governed(), wanted, kStiffness, {read - seen, 0.0, 0.0}, kTick).force;
+    tank.told(told);
+    at = now;
+    seen = read;
+  }
+  EXPECT_GT(most, 0.0);
+  EXPECT_LT(given, 5e-3 * kStiffness * kCount);  // a count that is not seen through
+}
+
+TEST(DeviceLosses, AHandThatIsSeenInCountsLosesAsMuchAsOneThatIsSeenAsItGoes) {
+  constexpr double kSpeed = 0.02, kCount = 0.1e-3, kSeconds = 2.0;
+  const GovernorSettings settings = governed(0.3, 3.0);
+  DeviceLosses fine, coarse;
+  double by_way = 0.0, by_counts = 0.0, seen = 0.0;
+  for (int i = 1; i * kTick <= kSeconds; ++i) {
+    const double read = std::floor(kSpeed * kTick * i / kCount + 1e-9) * kCount;
+    by_way += fine.take(settings, kSpeed * kTick, kTick);
+    by_counts += coarse.take(settings, read - seen, kTick);
+    seen = read;
+  }
+  EXPECT_NEAR(by_way, kSeconds * kSpeed * (0.3 + 3.0 * kSpeed), 1e-9);
+  EXPECT_NEAR(by_counts, by_way, 0.01 * by_way);
+}
+
 }  // namespace
 }  // namespace handrail
