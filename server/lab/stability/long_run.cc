@@ -202,7 +202,7 @@ struct Rounds {
 CaseOutcome run_long(const LongRun& run, std::uint64_t seed) { return Day(run, seed).run(); }
 
 CaseOutcome run_turns(double seconds) {
-  constexpr double kMost = 1e-6;  // [rad]
+  constexpr double kMost = 1e-9;  // ten roundings of what a day of turns comes to [rad]
   constexpr std::int64_t kTicksOfTurn = 1000;
   WallCell cell;
   cell.device = &bench_devices()[2];
