@@ -17,6 +17,7 @@ namespace {
 
 constexpr double kLongGrip = 250.0;         // the middle of what is published [N/m]
 constexpr double kReach = 20.0 * kMm;       // of the hand from where it began, at most, chosen
+constexpr double kTurned = 0.4;             // of the stylus, from side to side, chosen [rad]
 constexpr double kBelow = 10.0 * kMm;       // of the surface, from where the tip begins
 constexpr double kMove = 1.5, kHome = 6.0;  // a move; going home and resting there [s]
 constexpr double kNoDrift = 1e-6;           // ten times what 32 bits on the wire round [m]
@@ -100,6 +101,7 @@ class Day {
   Random random_;
   WholeLoop loop_;
   Vec2 meant_ = Vec2::Zero();
+  Vec3 turned_ = Vec3::Zero();
   Vec3 tip_ = Vec3::Zero(), home_ = Vec3::Zero();
   double path_ = 0.0, drift_ = 0.0;
   bool home_known_ = false;
@@ -122,15 +124,17 @@ void Day::part() {
   for (int i = 0; i < moves && !loop_.ended(); ++i) {
     const double angle = 2.0 * std::numbers::pi * random_.uniform();
     const Vec2 to = kReach * random_.uniform() * Vec2(std::cos(angle), std::sin(angle));
-    loop_.lead(to - meant_, 0.8 * kMove,
-               0.2 * Vec3(random_.uniform() - 0.5, random_.uniform() - 0.5, 0.0));
+    const Vec3 turned = kTurned * Vec3(random_.uniform() - 0.5, random_.uniform() - 0.5, 0.0);
+    loop_.lead(to - meant_, 0.8 * kMove, turned - turned_);
     meant_ = to;
+    turned_ = turned;
     pass(kMove);
   }
   // 1 mm above where it began: the surface is far.
   const Vec2 home(-0.5e-3, 0.0);
-  loop_.lead(home - meant_, kMove);
+  loop_.lead(home - meant_, kMove, -turned_);
   meant_ = home;
+  turned_.setZero();
   pass(run_.part - moves * kMove);
   const Vec3 off = tip_ - loop_.asked_as_read();
   if (!home_known_) home_ = off;
@@ -202,7 +206,7 @@ struct Rounds {
 CaseOutcome run_long(const LongRun& run, std::uint64_t seed) { return Day(run, seed).run(); }
 
 CaseOutcome run_turns(double seconds) {
-  constexpr double kMost = 1e-6;  // [rad]
+  constexpr double kMost = 1e-9;  // ten roundings of what a day of turns comes to [rad]
   constexpr std::int64_t kTicksOfTurn = 1000;
   WallCell cell;
   cell.device = &bench_devices()[2];

@@ -23,7 +23,7 @@ struct LongRun {
 CaseOutcome run_long(const LongRun& run, std::uint64_t seed);
 
 // A hand that turns about the centre of a progressive friction, once a second, for so long [s]:
-// `off_urad`, of the angle that was summed from the one turned, at most a microradian.
+// `off_urad`, of the angle that was summed from the one turned, at most a nanoradian.
 CaseOutcome run_turns(double seconds);
 
 // Engaging, moving and stopping five times from these counters on, beside the same from none:

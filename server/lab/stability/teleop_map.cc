@@ -20,14 +20,12 @@ namespace {
 using figure::Axis;
 using figure::Panel;
 using figure::Point;
-using figure::Scale;
 
 constexpr std::array kMapTrips = {0.0, 10.0, 50.0, 100.0, 200.0, 500.0, 1000.0};  // [ms]
 constexpr std::array kMapLosses = {0.0, 0.1, 0.3, 0.5};
 constexpr std::array kMapHands = {kLightest, 250.0, kFirmest};  // [N/m]
 constexpr std::array kMapGrounds = {1e3, 10e3, 50e3};           // [N/m]
 constexpr double kFeltAt = kMapGrounds.back();
-constexpr double kNoTrip = 4.0;  // where the axis has none [ms]
 
 // What a place came to; not a number where nothing engaged.
 struct PlaceFigures {
@@ -103,13 +101,15 @@ std::string name_of_loss(std::size_t loss) {
 const char* name_of_way(std::size_t model) { return model == 0 ? "by the spring" : "by the model"; }
 
 Panel panel_of(const PlaceTable& table, const Quantity& quantity, std::size_t model) {
+  std::vector<std::string> trips;
+  for (const double trip : kMapTrips) trips.push_back(fmt::format("{:g}", trip));
   Panel panel(fmt::format("{}, {}", quantity.title, name_of_way(model)),
-              Axis{.label = "round trip [ms]", .scale = Scale::kLog, .none = kNoTrip},
+              Axis{.label = "round trip [ms]", .categories = trips},
               Axis{.label = quantity.label, .low = 0.0});
   for (std::size_t loss = 0; loss < kMapLosses.size(); ++loss) {
     std::vector<Point> points;
     for (std::size_t trip = 0; trip < kMapTrips.size(); ++trip) {
-      points.push_back({std::max(kMapTrips[trip], kNoTrip), quantity.of(table[model][loss][trip])});
+      points.push_back({static_cast<double>(trip + 1), quantity.of(table[model][loss][trip])});
     }
     panel.line(points, figure::style_of(loss), name_of_loss(loss));
     panel.points(std::move(points), figure::style_of(loss), name_of_loss(loss));
