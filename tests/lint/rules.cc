@@ -19,7 +19,7 @@ Folders operator+(Folders a, const Folders& b) {
 
 const Folders kBase = {"server/base"};
 const Folders kModel = kBase + Folders{"server/model"};
-const Folders kHands = {"devices/hand", "devices/omni", "devices/joystick"};
+const Folders kHands = {"devices/hand", "devices/omni", "devices/joystick", "devices/page"};
 const Folders kRigs = {"devices/rig", "devices/rig/world", "devices/melfa", "devices/net_ft"};
 
 using Table = std::map<std::string, Folders>;
@@ -126,6 +126,7 @@ Table device_rows() {
           {"devices/hand", sim},
           {"devices/omni", sim},
           {"devices/joystick", sim},
+          {"devices/page", sim + Folders{"devices/joystick"}},
           {"devices/rig/world", kModel + Folders{"server/kinematics"}},
           {"devices/rig", kModel + kRigs +
                               Folders{"proto", "server/daemon", "server/kinematics", "server/scene",
