@@ -296,6 +296,7 @@ pb::Status status_report(const MasterIdentity& identity, const HapticReport& rep
   set_pose(s.mutable_hand(), report.X_MH);
   set_desired(out.motion, slave, s);
   set_haptic(identity, *s.mutable_haptic());
+  s.set_scene_epoch(report.scene_epoch);
   s.set_hand_moving(report.hand_moving);
   if (known) {
     for (const std::string& text : hash_mismatches(out.link, slave)) s.add_hash_mismatch(text);

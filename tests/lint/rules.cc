@@ -66,7 +66,11 @@ Table program_rows() {
           {"client/cli", kModel + Folders{"proto", "server/keys", "server/keys/pairing",
                                           "server/link", "server/link/secure", "server/task",
                                           "server/scene", "client/api", "client/doctor"}},
-          {"client/console", kBase + Folders{"proto", "client/api"}}};
+          {"client/console/gateway", kBase + Folders{"proto"}},
+          {"client/console/scene", kModel + Folders{"proto", "server/kinematics", "server/scene"}},
+          {"client/console",
+           kModel + Folders{"proto", "server/daemon", "server/keys", "server/scene", "client/api",
+                            "client/console/gateway", "client/console/scene"}}};
 }
 
 Table lab_rows() {
