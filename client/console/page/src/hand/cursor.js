@@ -1,0 +1,78 @@
+// The cursor: where a person wants the device's hand to be, told to the gateway while the dead-man is
+// held, and the moment it is let go.
+
+/** @typedef {import('../link/gateway.js').Gateway} Gateway */
+/** @typedef {import('./dead_man.js').DeadMan} DeadMan */
+/** @typedef {import('../link/wire.d.ts').Vec} Vec */
+
+const PERIOD_MS = 10; // 100 a second: the gateway takes 60 to 125
+
+export class Cursor {
+  /** @param {Gateway} gateway @param {DeadMan} deadMan */
+  constructor(gateway, deadMan) {
+    this.gateway = gateway;
+    this.held = false;
+    // Rises from page to page: a page sends fewer than a thousand a second.
+    this.sequence = Date.now();
+    /** Device frame M [mm]. @type {Vec} */
+    this.position = [0, 0, 0];
+    /** Rotation vector in M [deg]. @type {Vec} */
+    this.rotation = [0, 0, 0];
+    /** Half edges of the device's box about M's origin [mm]. @type {Vec} */
+    this.half = [80, 60, 35];
+    /** Where the device is; the cursor starts there. @type {() => Vec} */
+    this.deviceAt = () => [0, 0, 0];
+    /** Where and how turned, for a fresh start. @type {() => Vec} */
+    this.deviceTurn = () => this.rotation;
+    this.timer = 0;
+    deadMan.onChange((held) => (held ? this.take() : this.letGo()));
+  }
+
+  /** Starts where the device is, so that nothing jumps. */
+  take() {
+    this.position = [...this.deviceAt()];
+    this.rotation = [...this.deviceTurn()];
+    this.held = true;
+    this.send();
+    this.timer = window.setInterval(() => this.send(), PERIOD_MS);
+  }
+
+  letGo() {
+    this.held = false;
+    window.clearInterval(this.timer);
+    this.send();
+  }
+
+  /** @param {Vec} by [mm], M */
+  move(by) {
+    this.moveTo(this.position.map((value, i) => value + (by[i] ?? 0)));
+  }
+
+  /** @param {Vec} to [mm], M; kept within the device's box */
+  moveTo(to) {
+    this.position = to.map((value, i) => {
+      const most = this.half[i] ?? 0;
+      return Math.max(-most, Math.min(most, value));
+    });
+  }
+
+  /** @param {Vec} by rotation vector [deg], M; small */
+  turn(by) {
+    const sum = this.rotation.map((value, i) => value + (by[i] ?? 0));
+    const size = Math.hypot(...sum);
+    const most = 170; // below half a turn, where a rotation vector is no longer one
+    this.rotation = size > most ? sum.map((value) => (value * most) / size) : sum;
+  }
+
+  send() {
+    this.sequence += 1;
+    this.gateway.send({
+      hand: {
+        sequence: this.sequence,
+        position_mm: this.position,
+        rotation_deg: this.rotation,
+        held: this.held,
+      },
+    });
+  }
+}

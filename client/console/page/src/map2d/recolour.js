@@ -1,0 +1,63 @@
+// A painted map in the page's own colours: each pixel by the regions whose colours it is mixed of.
+
+/** @typedef {import('../link/wire.d.ts').SceneMap} SceneMap */
+/** @typedef {[number, number, number]} Rgb */
+
+/** @param {string} text `#rrggbb` @returns {Rgb | null} */
+export function rgb(text) {
+  const found = /^#([0-9a-f]{2})([0-9a-f]{2})([0-9a-f]{2})$/i.exec(text.trim());
+  return found ? [parseInt(found[1] ?? '', 16), parseInt(found[2] ?? '', 16), parseInt(found[3] ?? '', 16)] : null;
+}
+
+/** @param {Rgb} a @param {ArrayLike<number>} b @param {number} at */
+const distance = (a, b, at) => Math.hypot(a[0] - (b[at] ?? 0), a[1] - (b[at + 1] ?? 0), a[2] - (b[at + 2] ?? 0));
+
+/**
+ * @param {SceneMap} map
+ * @param {string[]} without wall regions that are not there in this stage
+ * @param {(kind: string) => Rgb} paint the page's colour of a kind of region
+ * @returns {{from: Rgb, to: Rgb}[]}
+ */
+export function palette(map, without, paint) {
+  return (map.region ?? []).flatMap((region) => {
+    const from = rgb(region.colour ?? '');
+    const gone = without.includes(region.name ?? '');
+    return from ? [{ from, to: paint(gone ? 'free' : region.kind ?? 'wall') }] : [];
+  });
+}
+
+/**
+ * Changes pixels in place. One that an edge crosses lies between two colours, and stays as far between.
+ * @param {Uint8ClampedArray} data RGBA
+ * @param {{from: Rgb, to: Rgb}[]} colours
+ */
+export function recolour(data, colours) {
+  if (colours.length === 0) return;
+  /** What was found for a colour before: a map has few. @type {Map<number, Rgb>} */
+  const known = new Map();
+  for (let at = 0; at < data.length; at += 4) {
+    const key = ((data[at] ?? 0) << 16) | ((data[at + 1] ?? 0) << 8) | (data[at + 2] ?? 0);
+    let to = known.get(key);
+    if (!to) {
+      to = mixed(data, at, colours);
+      known.set(key, to);
+    }
+    data[at] = to[0];
+    data[at + 1] = to[1];
+    data[at + 2] = to[2];
+  }
+}
+
+/** @param {Uint8ClampedArray} data @param {number} at @param {{from: Rgb, to: Rgb}[]} colours @returns {Rgb} */
+function mixed(data, at, colours) {
+  const near = colours
+    .map(({ from, to }) => ({ to, far: distance(from, data, at) }))
+    .sort((a, b) => a.far - b.far);
+  const first = near[0], second = near[1];
+  if (!first) return [0, 0, 0];
+  if (!second || first.far < 1) return first.to;
+  const share = first.far / (first.far + second.far);
+  /** @param {0 | 1 | 2} i */
+  const mix = (i) => first.to[i] * (1 - share) + second.to[i] * share;
+  return [mix(0), mix(1), mix(2)];
+}

@@ -1,0 +1,115 @@
+// The buttons and keys that give orders.
+import { whyNoOrders, whyNoStop } from '../link/facts.js';
+import { toolOrder } from '../link/tool_orders.js';
+import { orderKeys, stopKeys } from '../hand/keys.js';
+import { block, box, button, element, setData, setText, show } from './dom.js';
+
+/** @typedef {import('../link/facts.js').Facts} Facts */
+/** @typedef {import('../link/lead.js').Lead} Lead */
+/** @typedef {import('../link/wire.d.ts').Order} Order */
+/** @typedef {import('../link/wire.d.ts').Tool['kind']} Kind */
+
+/** @type {Record<string, string>} */
+const ORDER_KEYS = { KeyE: 'engage', KeyD: 'disengage', KeyC: 'clutch', KeyR: 'reset', KeyX: 'tool-off' };
+/** @type {Record<string, Kind>} */
+const TOOL_KEYS = { KeyL: 'LINE', KeyP: 'PLANE', KeyO: 'POINT', KeyN: 'N_ROTATION', KeyF: 'F_ROTATION' };
+
+const all = () => /** @type {NodeListOf<HTMLButtonElement>} */ (document.querySelectorAll('[data-order], [data-tool]'));
+
+export class OrderPanel {
+  /**
+   * @param {Facts} facts @param {Lead} lead
+   * @param {{stop: () => void, say: (text: string, mood?: string) => void}} parts
+   */
+  constructor(facts, lead, { stop, say }) {
+    this.facts = facts;
+    this.lead = lead;
+    this.say = say;
+    /** Whether the master's clutch was last ordered on. */
+    this.clutched = false;
+    button('stop').addEventListener('click', stop);
+    stopKeys(stop);
+    for (const node of all()) node.addEventListener('click', () => this.press(node));
+    /** @type {Map<string, () => void>} */
+    const keys = new Map();
+    for (const [code, name] of Object.entries(ORDER_KEYS)) keys.set(code, () => this.byKey(`[data-order="${name}"]`));
+    for (const [code, kind] of Object.entries(TOOL_KEYS)) keys.set(code, () => this.byKey(`[data-tool="${kind}"]`));
+    orderKeys(keys);
+  }
+
+  /** @param {string} selector */
+  byKey(selector) {
+    const node = document.querySelector(selector);
+    if (!(node instanceof HTMLButtonElement)) return;
+    if (node.disabled) this.say(node.title, 'bad');
+    else this.press(node);
+  }
+
+  /** @param {HTMLButtonElement} node */
+  async press(node) {
+    const order = this.orderOf(node);
+    if (!order) return;
+    node.setAttribute('aria-busy', 'true');
+    const { done } = await this.lead.give(order);
+    node.removeAttribute('aria-busy');
+    if (done && order.clutch !== undefined) this.clutched = order.clutch;
+  }
+
+  /** @param {HTMLButtonElement} node @returns {Order | null} */
+  orderOf(node) {
+    switch (node.dataset.order) {
+      case 'engage': return { engage: true };
+      case 'disengage': return { disengage: true };
+      case 'reset': return { reset: true };
+      case 'clutch': return { clutch: !this.clutched };
+      case 'tool-off': return { tool_off: { position: true, orientation: true } };
+      default:
+    }
+    const kind = /** @type {Kind} */ (node.dataset.tool);
+    const along = element('along', HTMLSelectElement).value;
+    const made = toolOrder(this.facts, kind, along, element('one-way', HTMLInputElement).checked);
+    if ('refused' in made) {
+      this.say(made.refused, 'bad');
+      return null;
+    }
+    return element('approach', HTMLInputElement).checked ? { ...made.order, approach: true } : made.order;
+  }
+
+  /** Directions that this scene offers. */
+  setScene() {
+    const select = element('along', HTMLSelectElement);
+    const goals = (this.facts.scene.goal ?? []).map((_, i) => [`goal ${i}`, `to ${'ABCDEFGH'[i] ?? i + 1}`]);
+    const axes = ['x', 'y', 'z'].flatMap((axis) => [[axis, `+${axis.toUpperCase()}`], [`-${axis}`, `−${axis.toUpperCase()}`]]);
+    const options = [...axes, ['tip', 'tip’s axis'], ...goals];
+    select.replaceChildren(...options.map(([value = '', text = '']) => new Option(text, value)));
+    select.value = '-y';
+  }
+
+  update() {
+    const { facts } = this;
+    const blocked = whyNoOrders(facts);
+    const walls = facts.isWalls ? 'this scene has walls for the hand alone: no arm takes part' : '';
+    for (const node of all()) block(node, blocked || walls);
+    block(button('stop'), whyNoStop(facts));
+    setText(box('blocked'), blocked ? sentence(blocked) : '');
+    if (facts.status.state === 'off') this.clutched = false;
+    else if (facts.status.desired === 'clutched') this.clutched = true;
+    document.querySelector('[data-order="clutch"]')?.setAttribute('aria-pressed', String(this.clutched));
+    this.markTools();
+    show(box('tools-card'), !facts.isWalls);
+    setData(document.documentElement, 'kind', facts.isWalls ? 'walls' : 'arm');
+  }
+
+  markTools() {
+    const { position_tool: position, orientation_tool: orientation } = this.facts.status;
+    const kinds = [position?.kind, orientation?.kind].filter((kind) => kind && kind !== 'none');
+    for (const node of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll('[data-tool]'))) {
+      const kind = (node.dataset.tool ?? '').toLowerCase().replace('_', '-');
+      node.setAttribute('aria-pressed', String(kinds.includes(kind)));
+    }
+    setText(box('tool-now'), kinds.join(' + ') || 'none');
+  }
+}
+
+/** @param {string} text */
+const sentence = (text) => (text[0]?.toUpperCase() ?? '') + text.slice(1) + '.';

@@ -1,0 +1,31 @@
+// Why the robot is not where the hand is, in one line, with the way out as a button.
+import { whyNoOrders } from '../link/facts.js';
+import { block, box, button, setText, show } from './dom.js';
+
+/** @typedef {import('../link/facts.js').Facts} Facts */
+/** @typedef {import('../link/lead.js').Lead} Lead */
+
+/** @param {string} text */
+const sentence = (text) => (text ? text[0]?.toUpperCase() + text.slice(1) : text);
+
+/** @param {Facts} facts @param {Lead} lead */
+export function setUpWhy(facts, lead) {
+  button('way-out').addEventListener('click', async () => {
+    for (const order of facts.status.ledger?.way_out_order ?? []) {
+      const { done } = await lead.give(order);
+      if (!done) return;
+    }
+  });
+}
+
+/** @param {Facts} facts */
+export function updateWhy(facts) {
+  const ledger = facts.status.ledger ?? {};
+  const orders = ledger.way_out_order ?? [];
+  const way = ledger.way_out ?? '';
+  const text = ledger.sentence ?? (facts.hasStatus ? 'nothing keeps the robot from the hand' : 'waiting for the first news');
+  setText(box('why'), sentence(text) + (way && orders.length === 0 ? `. Way out: ${way}` : '') + '.');
+  show(button('way-out'), orders.length > 0);
+  setText(button('way-out'), sentence(way || 'way out'));
+  block(button('way-out'), whyNoOrders(facts));
+}
