@@ -39,6 +39,10 @@ watchPage(deadMan);
 gateway.on('closed', () => deadMan.letAllGo('the connection was lost'));
 cursor.deviceAt = () => facts.status.hand?.position_mm ?? [0, 0, 0];
 cursor.deviceTurn = () => rotationVector(facts.status.hand?.quaternion ?? []);
+cursor.returns = () => facts.scene.kind === 'ARM';
+gateway.on('hello', () => {
+  if (facts.otherLeader) deadMan.letAllGo('another page leads');
+});
 gateway.on('status', () => {
   const half = facts.status.haptic?.workspace_half_mm;
   if (half?.length) cursor.half = half;

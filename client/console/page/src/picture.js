@@ -141,7 +141,7 @@ export class Picture {
   sayHint() {
     const { facts, hand } = this;
     const state = facts.status.state;
-    let text = '';
+    let text = hand.cursor.atEdge && !facts.isWalls ? 'The hand is at the edge of its reach: let go and take it anew.' : '';
     if (!hand.deadMan.held && !this.problem() && facts.connected && !facts.otherLeader && facts.hello.role !== 'OBSERVER') {
       if (facts.isWalls) text = 'Drag the lever. Or hold Shift and use the arrows.';
       else if (state === 'off') text = 'Engage (E), then drag the ring at the tip.';
@@ -157,6 +157,7 @@ export class Picture {
     if (node.hidden) return;
     const { calls = 0, triangles = 0, drawn = 0 } = this.facts.isWalls ? {} : this.view3d?.cost() ?? {};
     setText(node, `${calls} draw calls, ${triangles} triangles, ${this.times.length} pictures/s, ${drawn} drawn`);
-    Object.assign(node.dataset, { calls, triangles, rate: this.times.length });
+    const { x = 0, y = 0 } = this.view3d?.tipOnScreen() ?? {};
+    Object.assign(node.dataset, { calls, triangles, rate: this.times.length, tipX: x, tipY: y });
   }
 }

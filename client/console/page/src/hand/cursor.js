@@ -6,6 +6,7 @@
 /** @typedef {import('../link/wire.d.ts').Vec} Vec */
 
 const PERIOD_MS = 10; // 100 a second: the gateway takes 60 to 125
+const RETURN_FRAMES = 50; // the device is back within its two lags of 16 ms; the rest is patience
 
 export class Cursor {
   /** @param {Gateway} gateway @param {DeadMan} deadMan */
@@ -24,6 +25,8 @@ export class Cursor {
     this.deviceAt = () => [0, 0, 0];
     /** Where and how turned, for a fresh start. @type {() => Vec} */
     this.deviceTurn = () => this.rotation;
+    /** Whether a hand that was let go goes back to the middle, as the arm then holds. @type {() => boolean} */
+    this.returns = () => false;
     this.timer = 0;
     deadMan.onChange((held) => (held ? this.take() : this.letGo()));
   }
@@ -33,14 +36,28 @@ export class Cursor {
     this.position = [...this.deviceAt()];
     this.rotation = [...this.deviceTurn()];
     this.held = true;
+    window.clearInterval(this.timer);
     this.send();
     this.timer = window.setInterval(() => this.send(), PERIOD_MS);
   }
 
+  /** Says so at once; then, where the hand returns, it has all of its work space again when it is taken anew. */
   letGo() {
     this.held = false;
     window.clearInterval(this.timer);
     this.send();
+    if (!this.returns()) return;
+    this.position = [0, 0, 0];
+    let left = RETURN_FRAMES;
+    this.timer = window.setInterval(() => {
+      this.send();
+      if (--left === 0) window.clearInterval(this.timer);
+    }, PERIOD_MS);
+  }
+
+  /** Whether it cannot go further some way. */
+  get atEdge() {
+    return this.held && this.position.some((value, i) => Math.abs(value) >= (this.half[i] ?? 0) - 1e-6);
   }
 
   /** @param {Vec} by [mm], M */

@@ -29,7 +29,7 @@ export function wayToDevice({ turn }, v) {
  */
 export function window2d(lie, [w = 100, h = 100], width, height) {
   const c = Math.abs(Math.cos(lie.turn)), s = Math.abs(Math.sin(lie.turn));
-  const scale = 0.96 * Math.min(width / (c * w + s * h), height / (s * w + c * h));
+  const scale = 0.92 * Math.min(width / (c * w + s * h), height / (s * w + c * h));
   return {
     scale,
     px: ([x = 0, y = 0]) => [width / 2 + scale * (x - lie.x), height / 2 - scale * (y - lie.y)],

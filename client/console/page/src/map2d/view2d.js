@@ -5,7 +5,7 @@ import { palette, recolour, rgb } from './recolour.js';
 /** @typedef {import('../link/facts.js').Facts} Facts */
 /** @typedef {import('../link/wire.d.ts').Vec} Vec */
 
-const FORCE_MM_N = 4; // an arrow's length: 5 N are 20 mm of a map of about 100
+const FORCE_MM_N = 2; // an arrow's length: 10 N are 20 mm of a map of about 100
 const LEAST_N = 0.05; // smaller forces are the device's own noise
 
 export class View2d {
@@ -127,7 +127,8 @@ export class View2d {
     const { context: c, size } = this;
     const { lie, lever, hand, ring, force, map } = this.places(facts);
     const view = window2d(lie, map.size_mm ?? [100, 100], size.width, size.height);
-    c.clearRect(0, 0, size.width, size.height);
+    c.fillStyle = this.colours.wall; // beyond the map nothing is free
+    c.fillRect(0, 0, size.width, size.height);
     if (this.painted) {
       const [w = 100, h = 100] = map.size_mm ?? [];
       c.save();

@@ -27,6 +27,7 @@ export class OrderPanel {
     this.say = say;
     /** Whether the master's clutch was last ordered on. */
     this.clutched = false;
+    element('along', HTMLSelectElement).addEventListener('change', () => this.preferOneWay());
     button('stop').addEventListener('click', stop);
     stopKeys(stop);
     for (const node of all()) node.addEventListener('click', () => this.press(node));
@@ -81,17 +82,23 @@ export class OrderPanel {
     const goals = (this.facts.scene.goal ?? []).map((_, i) => [`goal ${i}`, `to ${'ABCDEFGH'[i] ?? i + 1}`]);
     const axes = ['x', 'y', 'z'].flatMap((axis) => [[axis, `+${axis.toUpperCase()}`], [`-${axis}`, `−${axis.toUpperCase()}`]]);
     const options = [...axes, ['tip', 'tip’s axis'], ...goals];
-    select.replaceChildren(...options.map(([value = '', text = '']) => new Option(text, value)));
-    select.value = '-y';
+    select.replaceChildren(...options.map(([value = '', text = '']) => new Option(`along ${text}`.replace('along to', 'to'), value)));
+    select.value = goals.length > 1 ? 'goal 1' : '-y'; // the first goal is where one starts
+    this.preferOneWay();
+  }
+
+  /** To a goal one way, along an axis both, until a person says otherwise. */
+  preferOneWay() {
+    element('one-way', HTMLInputElement).checked = element('along', HTMLSelectElement).value.startsWith('goal');
   }
 
   update() {
     const { facts } = this;
     const blocked = whyNoOrders(facts);
     const walls = facts.isWalls ? 'this scene has walls for the hand alone: no arm takes part' : '';
-    for (const node of all()) block(node, blocked || walls);
+    for (const node of all()) block(node, blocked || (node.dataset.order === 'reset' ? '' : walls));
     block(button('stop'), whyNoStop(facts));
-    setText(box('blocked'), blocked ? sentence(blocked) : '');
+    setText(box('blocked'), blocked || walls ? sentence(blocked || walls) : '');
     if (facts.status.state === 'off') this.clutched = false;
     else if (facts.status.desired === 'clutched') this.clutched = true;
     document.querySelector('[data-order="clutch"]')?.setAttribute('aria-pressed', String(this.clutched));

@@ -148,7 +148,7 @@ export class View3d {
     if (!this.dirty || !this.size) return false;
     this.dirty = false;
     this.handle.quaternion.copy(this.eye.camera.quaternion);
-    this.handle.scale.setScalar(this.eye.camera.position.distanceTo(this.tip) / 1100);
+    this.handle.scale.setScalar(this.eye.camera.position.distanceTo(this.tip) / 900);
     this.renderer.render(this.scene, this.eye.camera);
     this.labels.layOut(this.eye.camera, this.size.width, this.size.height);
     this.drawn += 1;
