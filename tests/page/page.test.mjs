@@ -43,7 +43,7 @@ describe('loading', () => {
   test('EveryButtonAndFieldHasAName', async () => {
     await start({ tour: true });
     const nameless = await page.evaluate(() => [...document.querySelectorAll('button, select, input, canvas')].filter((node) => {
-      const label = node.getAttribute('aria-label') || node.textContent?.trim() || node.closest('label')?.textContent?.trim();
+      const label = node.getAttribute('aria-label') || node.textContent?.trim() || node.closest('label')?.textContent?.trim() || node.closest('[role="img"]')?.getAttribute('aria-label');
       return !label && !(node instanceof HTMLElement && node.hidden);
     }).map((node) => node.outerHTML));
     assert.deepEqual(nameless, []);
