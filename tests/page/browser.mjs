@@ -26,7 +26,7 @@ export async function open(browser, url, { width = 1280, height = 720, theme = '
   return page;
 }
 
-/** Waits until `check` is true of the page. */
-export const until = (page, check, argument) => page.waitForFunction(check, argument, { timeout: 8000, polling: 50 });
+/** Waits until `check` is true of the page: 20 s, as a build beside it may leave a browser little. */
+export const until = (page, check, argument) => page.waitForFunction(check, argument, { timeout: 20000, polling: 50 });
 
 export const text = (page, id) => page.locator(`#${id}`).textContent();

@@ -1,6 +1,7 @@
 // The page against a made-up gateway: what it loads, sends and says. Needs `npm run build` in
 // client/console/page; HANDRAIL_CHROMIUM names another browser than /usr/bin/chromium.
 import assert from 'node:assert/strict';
+import { cpus, loadavg } from 'node:os';
 import { after, afterEach, before, beforeEach, describe, test } from 'node:test';
 import { launch, open, text, until } from './browser.mjs';
 import { FakeGateway } from './fake/gateway.mjs';
@@ -58,6 +59,24 @@ describe('loading', () => {
     const { calls, triangles } = await page.evaluate(() => ({ ...document.querySelector('#stats').dataset }));
     assert.ok(Number(calls) > 5 && Number(calls) <= 200, calls);
     assert.ok(Number(triangles) > 1000 && Number(triangles) <= 200000, triangles);
+  });
+
+  test('DrawsFifteenPicturesASecondWithoutAGraphicsCard', async (context) => {
+    await start({ query: '?stats' });
+    for (const key of ['e', 'l', 'f']) await page.keyboard.press(key);
+    await ordered((o) => o.tool?.kind === 'F_ROTATION');
+    await page.keyboard.down('Shift');
+    const rates = [];
+    for (let i = 0; i < 8; ++i) {
+      const key = i % 2 ? 'ArrowLeft' : 'ArrowRight';
+      await page.keyboard.down(key);
+      await pause(600);
+      await page.keyboard.up(key);
+      rates.push(await page.evaluate(() => Number(document.querySelector('#stats').dataset.rate)));
+    }
+    const best = Math.max(...rates), busy = loadavg()[0] / cpus().length;
+    context.diagnostic(`${rates.join(', ')} pictures/s; load ${busy.toFixed(1)} a core`);
+    assert.ok(best >= (busy < 1.5 ? 15 : 5), `${best} pictures/s`); // others' work takes the processor away
   });
 
   test('DrawsNothingWhileNothingChanges', async () => {

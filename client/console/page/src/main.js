@@ -2,6 +2,7 @@
 // is drawn is drawn from the newest facts (picture.js, panels/), and neither waits for the other.
 import { Cursor } from './hand/cursor.js';
 import { DeadMan, watchPage } from './hand/dead_man.js';
+import { Engage } from './hand/engage.js';
 import { Pad } from './hand/gamepad.js';
 import { handKeys } from './hand/keys.js';
 import { Facts, whyNoOrders } from './link/facts.js';
@@ -30,23 +31,33 @@ const orders = new Orders(gateway);
 const lead = new Lead(orders, facts);
 const said = new Said();
 orders.onOutcome = (order, outcome) => said.outcome(order, outcome);
-const stop = () => void orders.stop();
 
 // The hand.
 const deadMan = new DeadMan();
 const cursor = new Cursor(gateway, deadMan);
+const engage = new Engage(lead, facts, deadMan, (text) => said.say(text));
+const stop = () => {
+  void orders.stop();
+  engage.drop();
+};
 watchPage(deadMan);
-gateway.on('closed', () => deadMan.letAllGo('the connection was lost'));
+gateway.on('closed', () => {
+  deadMan.letAllGo('the connection was lost');
+  engage.drop();
+});
 cursor.deviceAt = () => facts.status.hand?.position_mm ?? [0, 0, 0];
 cursor.deviceTurn = () => rotationVector(facts.status.hand?.quaternion ?? []);
 cursor.returns = () => facts.scene.kind === 'ARM';
 gateway.on('hello', () => {
-  if (facts.otherLeader) deadMan.letAllGo('another page leads');
+  if (!facts.otherLeader) return;
+  deadMan.letAllGo('another page leads');
+  engage.drop();
 });
 gateway.on('status', () => {
   const half = facts.status.haptic?.workspace_half_mm;
   if (half?.length) cursor.half = half;
   pad.feel(facts.status);
+  engage.look();
 });
 
 /** Whether the hand may be taken now; takes the lead if nobody has it, and says why if not. */
@@ -68,17 +79,17 @@ deadMan.onChange((held, why) => {
   setText(box('hold'), held ? 'hand held' : 'hand free');
   if (!held && why) said.say(`hand let go: ${why}`, 'bad');
 });
-const hand = { cursor, deadMan, mayHold };
+const hand = { cursor, deadMan, mayHold, engage };
 handKeys(hand);
 const pad = new Pad({ ...hand, stop, say: (text) => said.say(text) });
 
 // What is drawn.
 const picture = new Picture(facts, hand);
-const panel = new OrderPanel(facts, lead, { stop, say: (text, mood) => said.say(text, mood) });
+const panel = new OrderPanel(facts, engage, { stop, say: (text, mood) => said.say(text, mood) });
 const scenes = new ScenePanel(facts, lead);
 const leads = new LeadPanel(facts, orders, (text, mood) => said.say(text, mood));
 const charts = new Charts();
-setUpWhy(facts, lead);
+setUpWhy(facts, engage);
 setUpTheme(() => {
   charts.build();
   picture.setTheme();

@@ -13,7 +13,8 @@ const PACE_MS = 1000 / 31; // pictures a second: the eye's due, and half of a pr
 export class Picture {
   /**
    * @param {Facts} facts
-   * @param {{cursor: import('./hand/cursor.js').Cursor, deadMan: import('./hand/dead_man.js').DeadMan, mayHold: () => boolean}} hand
+   * @param {{cursor: import('./hand/cursor.js').Cursor, deadMan: import('./hand/dead_man.js').DeadMan, mayHold: () => boolean,
+   *   engage: import('./hand/engage.js').Engage}} hand
    */
   constructor(facts, hand) {
     this.facts = facts;
@@ -144,6 +145,7 @@ export class Picture {
     let text = hand.cursor.atEdge && !facts.isWalls ? 'The hand is at the edge of its reach: let go and take it anew.' : '';
     if (!hand.deadMan.held && !this.problem() && facts.connected && !facts.otherLeader && facts.hello.role !== 'OBSERVER') {
       if (facts.isWalls) text = 'Drag the lever. Or hold Shift and use the arrows.';
+      else if (hand.engage.waits) text = 'Now hold the ring at the tip, or Shift: it engages then.';
       else if (state === 'off') text = 'Engage (E), then drag the ring at the tip.';
       else if (state === 'fault') text = 'Reset (R), then engage (E).';
       else text = 'Drag the ring at the tip; wheel: nearer, further; Ctrl: turn. Or hold Shift and use the arrows.';

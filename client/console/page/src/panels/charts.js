@@ -105,6 +105,7 @@ export class Charts {
     setText(box('force-now'), number(force ?? undefined, 2, 5));
     setText(box('error-now'), number(error ?? undefined, 1, 5));
     setText(box('packet-now'), number(packet ?? undefined, 0, 5));
+    setText(box('packet-name'), facts.isWalls ? 'data age' : 'packet age');
     setText(box('error-name'), facts.isWalls ? 'hand into the wall' : 'arm behind the hand');
   }
 }

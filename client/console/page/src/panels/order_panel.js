@@ -5,7 +5,7 @@ import { orderKeys, stopKeys } from '../hand/keys.js';
 import { block, box, button, element, setData, setText, show } from './dom.js';
 
 /** @typedef {import('../link/facts.js').Facts} Facts */
-/** @typedef {import('../link/lead.js').Lead} Lead */
+/** @typedef {import('../hand/engage.js').Engage} Engage */
 /** @typedef {import('../link/wire.d.ts').Order} Order */
 /** @typedef {import('../link/wire.d.ts').Tool['kind']} Kind */
 
@@ -18,12 +18,12 @@ const all = () => /** @type {NodeListOf<HTMLButtonElement>} */ (document.querySe
 
 export class OrderPanel {
   /**
-   * @param {Facts} facts @param {Lead} lead
+   * @param {Facts} facts @param {Engage} drive
    * @param {{stop: () => void, say: (text: string, mood?: string) => void}} parts
    */
-  constructor(facts, lead, { stop, say }) {
+  constructor(facts, drive, { stop, say }) {
     this.facts = facts;
-    this.lead = lead;
+    this.drive = drive;
     this.say = say;
     /** Whether the master's clutch was last ordered on. */
     this.clutched = false;
@@ -51,7 +51,7 @@ export class OrderPanel {
     const order = this.orderOf(node);
     if (!order) return;
     node.setAttribute('aria-busy', 'true');
-    const { done } = await this.lead.give(order);
+    const { done } = await this.drive.give(order);
     node.removeAttribute('aria-busy');
     if (done && order.clutch !== undefined) this.clutched = order.clutch;
   }
@@ -102,6 +102,7 @@ export class OrderPanel {
     if (facts.status.state === 'off') this.clutched = false;
     else if (facts.status.desired === 'clutched') this.clutched = true;
     document.querySelector('[data-order="clutch"]')?.setAttribute('aria-pressed', String(this.clutched));
+    document.querySelector('[data-order="engage"]')?.classList.toggle('waits', this.drive.waits);
     this.markTools();
     show(box('tools-card'), !facts.isWalls);
     setData(document.documentElement, 'kind', facts.isWalls ? 'walls' : 'arm');

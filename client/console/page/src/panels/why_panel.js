@@ -3,16 +3,16 @@ import { whyNoOrders } from '../link/facts.js';
 import { block, box, button, setText, show } from './dom.js';
 
 /** @typedef {import('../link/facts.js').Facts} Facts */
-/** @typedef {import('../link/lead.js').Lead} Lead */
+/** @typedef {import('../hand/engage.js').Engage} Engage */
 
 /** @param {string} text */
 const sentence = (text) => (text ? text[0]?.toUpperCase() + text.slice(1) : text);
 
-/** @param {Facts} facts @param {Lead} lead */
-export function setUpWhy(facts, lead) {
+/** @param {Facts} facts @param {Engage} drive */
+export function setUpWhy(facts, drive) {
   button('way-out').addEventListener('click', async () => {
     for (const order of facts.status.ledger?.way_out_order ?? []) {
-      const { done } = await lead.give(order);
+      const { done } = await drive.give(order);
       if (!done) return;
     }
   });
