@@ -56,6 +56,15 @@ describe('news', () => {
     assert.equal(await page.locator('#stop').isDisabled(), false);
   });
 
+  for (const [status, says] of [[403, /started anew.*open the address/], [503, /no further page/]]) {
+    test(`SaysWhyItIsNotLetIn ${status}`, async () => {
+      const page = await start();
+      gateway.refuses = status;
+      for (const socket of gateway.pages.keys()) socket.terminate();
+      await notice(page, says);
+    });
+  }
+
   test('SaysThatTheMasterIsAway', async () => {
     const page = await start();
     gateway.problem = 'the master does not answer: start handrail-master';

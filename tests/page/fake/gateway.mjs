@@ -24,11 +24,13 @@ export class FakeGateway {
     this.silent = false;
     /** Answers to orders are kept back while true. */
     this.mute = false;
+    /** Lets nobody in, as one that was started anew: with this HTTP status. */
+    this.refuses = 0;
   }
 
   async listen(port = 0) {
     this.server = createServer((request, response) => this.serve(request, response));
-    this.sockets = new WebSocketServer({ server: this.server, path: '/ws', handleProtocols: (offered) => (offered.has('handrail.console.v1') ? 'handrail.console.v1' : false) });
+    this.sockets = new WebSocketServer({ server: this.server, path: '/ws', verifyClient: (_, answer) => answer(!this.refuses, this.refuses || 200), handleProtocols: (offered) => (offered.has('handrail.console.v1') ? 'handrail.console.v1' : false) });
     this.sockets.on('connection', (socket) => this.welcome(socket));
     await new Promise((resolve) => this.server.listen(port, '127.0.0.1', resolve));
     this.timer = setInterval(() => this.tell(), 1000 / 60);
@@ -47,6 +49,7 @@ export class FakeGateway {
 
   async serve(request, response) {
     const { pathname } = new URL(request.url, 'http://x');
+    if (this.refuses) return response.writeHead(this.refuses).end();
     const headers = { 'Content-Security-Policy': CSP, 'X-Content-Type-Options': 'nosniff' };
     if (pathname === '/scene/map.png') return response.writeHead(200, { ...headers, 'Content-Type': 'image/png' }).end(gearshiftPng());
     const name = pathname === '/' ? 'index.html' : pathname.slice(1);

@@ -110,7 +110,7 @@ function wayOn() {
 
 /** @returns {string} */
 function noticeText() {
-  const missing = whatIsMissing(facts, gateway.retryAt);
+  const missing = whatIsMissing(facts, gateway);
   if (missing) return missing;
   if (facts.hello.role === 'OBSERVER') return 'You are an observer: you see everything and order nothing.';
   if (facts.otherLeader) return `Another page leads: ${facts.hello.leader_text || `page ${facts.hello.leader}`}. This one looks on; a stop passes all the same.`;

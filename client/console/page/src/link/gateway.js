@@ -19,6 +19,8 @@ export class Gateway {
     this.retryAt = 0;
     this.wait = FIRST_WAIT_MS;
     this.lastFrame = 0;
+    /** What the gateway answers a page that it does not let in, as an HTTP status; 0: nothing. */
+    this.refusal = 0;
     /** @type {WebSocket | null} */
     this.socket = null;
     /** @type {Map<string, ((value: any) => void)[]>} */
@@ -50,6 +52,7 @@ export class Gateway {
     socket.onopen = () => {
       this.wait = FIRST_WAIT_MS;
       this.open = true;
+      this.refusal = 0;
       this.emit('open', null);
     };
     socket.onmessage = (event) => this.receive(event.data);
@@ -81,6 +84,17 @@ export class Gateway {
     this.wait = Math.min(2 * this.wait, LONGEST_WAIT_MS);
     setTimeout(() => this.connect(), wait);
     if (was) this.emit('closed', reason);
+    else void this.askWhy();
+  }
+
+  /** A WebSocket does not say why it was refused; the page's own address does. */
+  async askWhy() {
+    try {
+      const { status } = await fetch('/', { method: 'HEAD', cache: 'no-store' });
+      if (!this.open) this.refusal = status;
+    } catch {
+      this.refusal = 0;
+    }
   }
 
   /** Closes a socket that has been silent too long: then it is opened anew. */

@@ -127,6 +127,7 @@ export class View2d {
     const { context: c, size } = this;
     const { lie, lever, hand, ring, force, map } = this.places(facts);
     const view = window2d(lie, map.size_mm ?? [100, 100], size.width, size.height);
+    this.canvas.dataset.scale = String(view.scale); // pixels a millimetre
     c.fillStyle = this.colours.wall; // beyond the map nothing is free
     c.fillRect(0, 0, size.width, size.height);
     if (this.painted) {

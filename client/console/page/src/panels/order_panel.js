@@ -99,13 +99,19 @@ export class OrderPanel {
     for (const node of all()) block(node, blocked || (node.dataset.order === 'reset' ? '' : walls));
     block(button('stop'), whyNoStop(facts));
     setText(box('blocked'), blocked || walls ? sentence(blocked || walls) : '');
-    if (facts.status.state === 'off') this.clutched = false;
-    else if (facts.status.desired === 'clutched') this.clutched = true;
+    this.seeClutch();
     document.querySelector('[data-order="clutch"]')?.setAttribute('aria-pressed', String(this.clutched));
     document.querySelector('[data-order="engage"]')?.classList.toggle('waits', this.drive.waits);
     this.markTools();
     show(box('tools-card'), !facts.isWalls);
     setData(document.documentElement, 'kind', facts.isWalls ? 'walls' : 'arm');
+  }
+
+  /** A hand that is not held looks clutched too; the way out of a clutch that was ordered is another. */
+  seeClutch() {
+    const { state, ledger } = this.facts.status;
+    if (ledger?.way_out_order?.some((order) => order.clutch === false)) this.clutched = true;
+    else if (state !== 'clutched') this.clutched = false;
   }
 
   markTools() {

@@ -8,6 +8,13 @@ import { block, box, button, setText, show } from './dom.js';
 /** @param {string} text */
 const sentence = (text) => (text ? text[0]?.toUpperCase() + text.slice(1) : text);
 
+/** What an order is called on a button. @type {Record<string, string>} */
+const NAMES = { engage: 'engage', reset: 'reset', clutch: 'let the clutch go', lease: 'take the lease' };
+
+/** @param {import('../link/wire.d.ts').Order[]} orders */
+const named = (orders) =>
+  orders.map((order) => NAMES[Object.keys(order).find((key) => NAMES[key]) ?? ''] ?? 'the way out').join(', then ');
+
 /** @param {Facts} facts @param {Engage} drive */
 export function setUpWhy(facts, drive) {
   button('way-out').addEventListener('click', async () => {
@@ -24,8 +31,8 @@ export function updateWhy(facts) {
   const orders = ledger.way_out_order ?? [];
   const way = ledger.way_out ?? '';
   const text = ledger.sentence ?? (facts.hasStatus ? 'nothing keeps the robot from the hand' : 'waiting for the first news');
-  setText(box('why'), sentence(text) + (way && orders.length === 0 ? `. Way out: ${way}` : '') + '.');
+  setText(box('why'), sentence(text) + (way ? `. Way out: ${way}` : '') + '.');
   show(button('way-out'), orders.length > 0);
-  setText(button('way-out'), sentence(way || 'way out'));
+  setText(button('way-out'), sentence(named(orders)));
   block(button('way-out'), whyNoOrders(facts));
 }

@@ -1,17 +1,21 @@
 // An arrow of any length, drawn once and stretched.
 import * as THREE from 'three';
 
-const HEAD = 14, WIDTH = 5; // [mm]
+const HEAD = 18, WIDTH = 7; // [mm]
 
 export class Arrow {
-  /** @param {number} colour @param {number} [thickness] of the shaft's radius [mm] */
-  constructor(colour, thickness = 1.6) {
-    const paint = new THREE.MeshBasicMaterial({ color: colour });
+  /**
+   * @param {number} colour @param {number} [thickness] of the shaft's radius [mm]
+   * @param {boolean} [onTop] whether nothing hides it
+   */
+  constructor(colour, thickness = 1.6, onTop = false) {
+    const paint = new THREE.MeshBasicMaterial({ color: colour, depthTest: !onTop, transparent: onTop });
     this.paint = paint;
     this.group = new THREE.Group();
     this.shaft = new THREE.Mesh(new THREE.CylinderGeometry(thickness, thickness, 1, 12).translate(0, 0.5, 0), paint);
     this.head = new THREE.Mesh(new THREE.ConeGeometry(WIDTH, HEAD, 18).translate(0, HEAD / 2, 0), paint);
     this.group.add(this.shaft, this.head);
+    this.shaft.renderOrder = this.head.renderOrder = onTop ? 4 : 0;
     this.group.visible = false;
     this.along = new THREE.Vector3();
   }

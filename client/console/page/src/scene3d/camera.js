@@ -9,7 +9,7 @@ const VIEWS = {
   side: [0, 1, 0.08],
   top: [0.001, 0, 1],
 };
-const WHOLE = 1420, NEAR = 420; // distances of the eye [mm]
+const WHOLE = 1300, NEAR = 420; // distances of the eye [mm]
 
 export class Eye {
   /** @param {HTMLCanvasElement} canvas @param {() => void} onChange */
@@ -31,7 +31,7 @@ export class Eye {
    */
   look(view, tip) {
     const [x, y, z] = VIEWS[view] ?? [0.8, 0.9, 0.45];
-    const target = view === 'whole' ? new THREE.Vector3(180, 0, 350) : view === 'tip' ? tip.clone() : new THREE.Vector3(180, 0, 350);
+    const target = view === 'whole' ? new THREE.Vector3(190, 0, 365) : view === 'tip' ? tip.clone() : new THREE.Vector3(190, 0, 365);
     const far = view === 'tip' ? NEAR : WHOLE;
     const aspect = Math.min(1, this.camera.aspect); // a narrow picture needs a longer way
     const way = new THREE.Vector3(x, y, z).normalize().multiplyScalar(far / aspect);

@@ -5,8 +5,9 @@ import { Arrow } from './arrow.js';
 /** @typedef {import('../link/wire.d.ts').Status} Status */
 /** @typedef {import('../link/wire.d.ts').Vec} Vec */
 
-const HAND_MM_N = 24; // of a force on the hand: its 3.3 N are 79 mm
-const CONTACT_MM_N = 1.6; // of what the sensor feels: 50 N, the bumper's threshold, are as long
+const HAND_MM = 110; // as long is the most that the device can push
+const USUAL_N = 3.3; // of a device that does not say
+const CONTACT_MM_N = 2; // of what the sensor feels: 50 N, the bumper's threshold, are 100 mm
 const LONGEST = 150; // [mm]
 const LEAST_HAND = 0.05, LEAST_CONTACT = 0.5; // [N]: smaller ones are noise
 
@@ -22,9 +23,9 @@ export class ForceVectors {
     this.root = new THREE.Group();
     this.labels = labels;
     this.arrows = {
-      tool: new Arrow(0x2f8fff),
-      spring: new Arrow(0xa06bff),
-      contact: new Arrow(0xff7a2e),
+      tool: new Arrow(0x2f8fff, 2.4, true),
+      spring: new Arrow(0xa06bff, 2.4, true),
+      contact: new Arrow(0xff7a2e, 2.4, true),
     };
     for (const arrow of Object.values(this.arrows)) this.root.add(arrow.group);
     this.shown = '';
@@ -42,8 +43,9 @@ export class ForceVectors {
     const now = [tool, spring, contact, tip.toArray()].flat().map((value) => Math.round(20 * value)).join();
     if (now === this.shown) return false;
     this.shown = now;
-    this.set('tool', 'tool', tool, HAND_MM_N, LEAST_HAND, tip);
-    this.set('spring', 'spring', spring, HAND_MM_N, LEAST_HAND, tip);
+    const scale = HAND_MM / (status.haptic?.max_force_n || USUAL_N);
+    this.set('tool', 'tool', tool, scale, LEAST_HAND, tip);
+    this.set('spring', 'spring', spring, scale, LEAST_HAND, tip);
     this.set('contact', 'contact', contact, CONTACT_MM_N, LEAST_CONTACT, tip);
     return true;
   }
