@@ -173,6 +173,7 @@ describe('the dead-man', () => {
     await start();
     await page.keyboard.press('e');
     await ordered((o) => o.engage);
+    await until(page, () => document.querySelector('#said')?.textContent?.startsWith('engage'));
     await page.keyboard.down('Shift');
     await held(true);
   };

@@ -97,7 +97,7 @@ export class FakeMaster {
     status.ledger.sentence = off ? 'the arm holds: not engaged' : fault ? 'the arm holds: a stop was requested'
       : `the arm is ${behind.toFixed(1)} mm from the hand: ${behind.toFixed(1)} mm smoothing`;
     status.ledger.way_out = off ? 'engage' : fault ? 'reset, then engage' : '';
-    status.ledger.way_out_order = off ? [{ engage: true }] : fault ? [{ reset: true }, { engage: true }] : [];
+    status.ledger.way_out_order = status.state === 'clutched' ? [{ clutch: false }] : off ? [{ engage: true }] : fault ? [{ reset: true }, { engage: true }] : [];
     const pull = wanted.map((value, i) => 0.02 * (this.tip[i] - value));
     status.spring_force = { magnitude_n: Math.hypot(...pull), force_n: [-pull[1], pull[2], -pull[0]] };
     status.tool_force = status.position_tool.geometry && leads ? { magnitude_n: 0.9, force_n: [0, 0.8, 0.4] } : { magnitude_n: 0, force_n: [0, 0, 0] };

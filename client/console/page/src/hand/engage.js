@@ -6,6 +6,7 @@
 /** @typedef {import('../link/wire.d.ts').Outcome} Outcome */
 
 const KEPT_MS = 20000; // time to reach for the tip; later a person has forgotten it
+const RESET_SEEN_MS = 1000; // a status from before a reset is older than that
 
 export class Engage {
   /**
@@ -20,6 +21,12 @@ export class Engage {
     this.deadMan = deadMan;
     this.say = say;
     this.keptUntil = 0;
+    this.resetAt = -Infinity;
+  }
+
+  /** Whether a stop or a fault is latched: then holding the hand does not help. */
+  get latched() {
+    return this.facts.status.state === 'fault' && performance.now() - this.resetAt > RESET_SEEN_MS;
   }
 
   /** Whether an engage waits for the hand. */
@@ -31,8 +38,9 @@ export class Engage {
   async give(order) {
     if (order.engage || order.stop || order.disengage) this.drop();
     const outcome = await this.lead.give(order);
+    if (order.reset && outcome.done) this.resetAt = performance.now();
     const unheld = !this.deadMan.held && !!this.facts.status.haptic?.cursor;
-    if (order.engage && !outcome.done && unheld && this.facts.leads) {
+    if (order.engage && !outcome.done && unheld && this.facts.leads && !this.latched) {
       this.keptUntil = performance.now() + KEPT_MS;
       this.say('now hold the ring at the tip, or Shift: it engages then');
     }

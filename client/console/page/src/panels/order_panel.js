@@ -1,5 +1,5 @@
 // The buttons and keys that give orders.
-import { whyNoOrders, whyNoStop } from '../link/facts.js';
+import { OLD_MS, whyNoOrders, whyNoStop } from '../link/facts.js';
 import { toolOrder } from '../link/tool_orders.js';
 import { orderKeys, stopKeys } from '../hand/keys.js';
 import { block, box, button, element, setData, setText, show } from './dom.js';
@@ -27,6 +27,7 @@ export class OrderPanel {
     this.say = say;
     /** Whether the master's clutch was last ordered on. */
     this.clutched = false;
+    this.clutchedAt = -Infinity;
     element('along', HTMLSelectElement).addEventListener('change', () => this.preferOneWay());
     button('stop').addEventListener('click', stop);
     stopKeys(stop);
@@ -53,7 +54,9 @@ export class OrderPanel {
     node.setAttribute('aria-busy', 'true');
     const { done } = await this.drive.give(order);
     node.removeAttribute('aria-busy');
-    if (done && order.clutch !== undefined) this.clutched = order.clutch;
+    if (!done || order.clutch === undefined) return;
+    this.clutched = order.clutch;
+    this.clutchedAt = performance.now();
   }
 
   /** @param {HTMLButtonElement} node @returns {Order | null} */
@@ -109,6 +112,7 @@ export class OrderPanel {
 
   /** A hand that is not held looks clutched too; the way out of a clutch that was ordered is another. */
   seeClutch() {
+    if (performance.now() - this.clutchedAt < OLD_MS) return; // the status may be from before
     const { state, ledger } = this.facts.status;
     if (ledger?.way_out_order?.some((order) => order.clutch === false)) this.clutched = true;
     else if (state !== 'clutched') this.clutched = false;
