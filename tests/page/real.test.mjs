@@ -125,7 +125,7 @@ describe('the arm', () => {
   for (const name of ['slave', 'rig', 'master']) {
     test(`ARestartOfTheProgramIsSurvivedWithoutAReload ${name}`, async () => {
       await programs.end(name, 'SIGKILL');
-      if (name === 'master') await is(page, 'notice', 'no news since');
+      if (name === 'master') await is(page, 'notice', 'o news since');
       await page.waitForTimeout(500);
       await programs.start(name);
       await until(page, () => !document.querySelector('.old'));

@@ -35,7 +35,7 @@ describe('news', () => {
     const page = await start();
     assert.equal(await page.locator('#age-fact').getAttribute('data-mood'), 'good');
     gateway.silent = true;
-    await notice(page, /no news since \d\d:\d\d:\d\d/);
+    await notice(page, /[Nn]o news since \d\d:\d\d:\d\d/);
     assert.equal(await page.locator('#age-fact').getAttribute('data-mood'), 'bad');
     const colour = await page.locator('#age').evaluate((node) => getComputedStyle(node).color);
     const [red, green] = colour.match(/\d+/g).map(Number);

@@ -47,7 +47,7 @@ gateway.on('closed', () => {
 });
 cursor.deviceAt = () => facts.status.hand?.position_mm ?? [0, 0, 0];
 cursor.deviceTurn = () => rotationVector(facts.status.hand?.quaternion ?? []);
-cursor.returns = () => facts.scene.kind === 'ARM';
+cursor.returns = () => facts.isArm;
 gateway.on('hello', () => {
   if (!facts.otherLeader) return;
   deadMan.letAllGo('another page leads');
@@ -78,6 +78,9 @@ deadMan.onChange((held, why) => {
   setData(box('hold'), 'held', String(held));
   setText(box('hold'), held ? 'hand held' : 'hand free');
   if (!held && why) said.say(`hand let go: ${why}`, 'bad');
+});
+gateway.on('hand', () => {
+  if (facts.cursorRefused) said.say(`the master does not take the hand: ${facts.cursorRefused}`, 'bad');
 });
 const hand = { cursor, deadMan, mayHold, engage };
 handKeys(hand);

@@ -24,6 +24,7 @@ export class Picture {
     /** @type {View3d | null} */
     this.view3d = this.make3d();
     this.view2d = new View2d(element('canvas2d', HTMLCanvasElement), hand.cursor);
+    this.view2d.canvas.addEventListener('contextmenu', (event) => event.preventDefault()); // a long press is a grip
     dragMap(this.view2d.canvas, { ...hand, scale: () => this.view2d.frame(facts).scale });
     this.observeSizes();
     this.setUpViews();
@@ -88,7 +89,7 @@ export class Picture {
   setScene() {
     const { facts } = this;
     if (facts.isWalls) this.view2d.setScene(facts);
-    else if (facts.scene.kind === 'ARM') this.view3d?.setScene(facts);
+    else if (facts.isArm) this.view3d?.setScene(facts);
     this.choose();
   }
 

@@ -76,6 +76,11 @@ export class Facts {
     return this.scene.kind === 'WALLS';
   }
 
+  /** Whether it is one of an arm, that can be drawn. */
+  get isArm() {
+    return !!this.scene.name && !this.scene.problem && (this.scene.kind ?? 'ARM') === 'ARM';
+  }
+
   /** Whether this page leads. */
   get leads() {
     return !!this.hello.page && this.hello.leader === this.hello.page;

@@ -43,7 +43,8 @@ function chosen(facts, along) {
  */
 export function toolOrder(facts, kind, along, oneWay) {
   if (kind === 'POINT' || kind === 'N_ROTATION' || kind === 'F_ROTATION') return { order: { tool: { kind } } };
-  const found = chosen(facts, along);
+  // A plane toward a goal would stand across the way: it lies flat.
+  const found = chosen(facts, kind === 'PLANE' && along.startsWith('goal') ? 'z' : along);
   if (!found) return { refused: 'no way to go: the tip is there already, or nobody says where it is' };
   if (kind === 'PLANE') return { order: { tool: { kind, normal: found.direction } } };
   const line = { kind, direction: found.direction, one_way: oneWay };

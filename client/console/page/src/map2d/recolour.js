@@ -48,16 +48,40 @@ export function recolour(data, colours) {
   }
 }
 
-/** @param {Uint8ClampedArray} data @param {number} at @param {{from: Rgb, to: Rgb}[]} colours @returns {Rgb} */
+/**
+ * Of all pairs the one whose line passes nearest: an edge mixes two colours.
+ * @param {Uint8ClampedArray} data @param {number} at @param {{from: Rgb, to: Rgb}[]} colours @returns {Rgb}
+ */
 function mixed(data, at, colours) {
-  const near = colours
-    .map(({ from, to }) => ({ to, far: distance(from, data, at) }))
-    .sort((a, b) => a.far - b.far);
-  const first = near[0], second = near[1];
-  if (!first) return [0, 0, 0];
-  if (!second || first.far < 1) return first.to;
-  const share = first.far / (first.far + second.far);
-  /** @param {0 | 1 | 2} i */
-  const mix = (i) => first.to[i] * (1 - share) + second.to[i] * share;
-  return [mix(0), mix(1), mix(2)];
+  /** @type {Rgb} */
+  let best = [0, 0, 0];
+  let least = Infinity;
+  for (const a of colours) {
+    const alone = distance(a.from, data, at);
+    if (alone < least) [best, least] = [a.to, alone];
+  }
+  if (least < 1) return best;
+  colours.forEach((a, i) => {
+    for (const b of colours.slice(i + 1)) {
+      const share = along(a.from, b.from, data, at);
+      const far = distance(between(a.from, b.from, share), data, at);
+      if (far < least - 1e-9) [best, least] = [between(a.to, b.to, share), far];
+    }
+  });
+  return best;
+}
+
+/** @param {Rgb} a @param {Rgb} b @param {number} share of b @returns {Rgb} */
+const between = (a, b, share) =>
+  [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]), a[2] + share * (b[2] - a[2])];
+
+/** How far from a to b the pixel lies, 0 to 1. @param {Rgb} a @param {Rgb} b @param {ArrayLike<number>} p @param {number} at */
+function along(a, b, p, at) {
+  let dot = 0, square = 0;
+  for (const i of /** @type {(0 | 1 | 2)[]} */ ([0, 1, 2])) {
+    const way = b[i] - a[i];
+    dot += way * ((p[at + i] ?? 0) - a[i]);
+    square += way * way;
+  }
+  return square > 0 ? Math.min(1, Math.max(0, dot / square)) : 0;
 }

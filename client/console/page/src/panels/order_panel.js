@@ -98,13 +98,14 @@ export class OrderPanel {
   update() {
     const { facts } = this;
     const blocked = whyNoOrders(facts);
-    const walls = facts.isWalls ? 'this scene has walls for the hand alone: no arm takes part' : '';
+    const walls = facts.isWalls ? 'walls for the hand alone: no arm takes part' : '';
     for (const node of all()) block(node, blocked || (node.dataset.order === 'reset' ? '' : walls));
     block(button('stop'), whyNoStop(facts));
     setText(box('blocked'), blocked || walls ? sentence(blocked || walls) : '');
     this.seeClutch();
     document.querySelector('[data-order="clutch"]')?.setAttribute('aria-pressed', String(this.clutched));
     document.querySelector('[data-order="engage"]')?.classList.toggle('waits', this.drive.waits);
+    document.querySelector('[data-order="engage"]')?.classList.toggle('primary', ['off', 'fault', undefined].includes(facts.status.state));
     this.markTools();
     show(box('tools-card'), !facts.isWalls);
     setData(document.documentElement, 'kind', facts.isWalls ? 'walls' : 'arm');

@@ -62,6 +62,6 @@ export function whatIsMissing(facts, { retryAt, refusal }) {
     return `The gateway does not answer: is handrail-console running? ${since}. Trying again ${wait > 0 ? `in ${wait} s` : 'now'}.`;
   }
   if (facts.problem) return `${facts.problem} (${since})`;
-  if (facts.hasStatus && facts.age() > OLD_MS) return `${since}: what you see is old.`;
+  if (facts.hasStatus && facts.age() > OLD_MS) return `N${since.slice(1)}: what you see is old.`;
   return '';
 }

@@ -115,6 +115,7 @@ export class View3d {
 
   /** @param {PoseMm} pose */
   solve(pose) {
+    if (pose.position_mm?.length !== 3) return null;
     return inverse(pose.position_mm ?? [], pose.quaternion ?? [], this.tipLength, this.arms.arm.angles);
   }
 
