@@ -149,6 +149,35 @@ test('TheLeverAndTheCursorComeApartAtAWall', async () => {
   await page.mouse.up();
 });
 
+test('AFingerDragsTheLever', async () => {
+  const page = await start({ scene: 'gearshift' });
+  gateway.master.status.hand.position_mm = [0, 0, 0];
+  await page.waitForTimeout(200);
+  const box = await page.locator('#canvas2d').boundingBox();
+  const x = box.x + box.width / 2, y = box.y + box.height / 2;
+  const touch = await page.context().newCDPSession(page);
+  await touch.send('Emulation.setTouchEmulationEnabled', { enabled: true });
+  const finger = (type, ...touchPoints) => touch.send('Input.dispatchTouchEvent', { type, touchPoints });
+  await finger('touchStart', { x, y });
+  for (let way = 10; way <= 60; way += 10) await finger('touchMove', { x: x + way, y });
+  await page.waitForTimeout(300);
+  assert.ok(gateway.hands.at(-1).held && gateway.hands.at(-1).position_mm[0] > 10);
+  await finger('touchEnd');
+  await until(page, () => document.querySelector('#hold')?.textContent === 'hand free');
+});
+
+test('GraphicsThatAreTakenAwayAreSaidAndComeBack', async () => {
+  const page = await start();
+  await page.waitForTimeout(300);
+  await page.evaluate(() => {
+    window.lose = document.querySelector('#canvas3d').getContext('webgl2').getExtension('WEBGL_lose_context');
+    window.lose.loseContext();
+  });
+  await until(page, () => /WebGL context lost/.test(document.querySelector('#no-picture-text')?.textContent ?? ''));
+  await page.evaluate(() => window.lose.restoreContext());
+  await until(page, () => !document.querySelector('#frame3d')?.hidden);
+});
+
 test('WithoutWebGlTheWallsWorkAndTheArmSaysSo', async () => {
   const plain = await launch({ webgl: false });
   try {
