@@ -26,6 +26,12 @@ const ordered = async (wanted) => {
   for (let i = 0; i < 100 && !gateway.orders.some(wanted); ++i) await pause(20);
   assert.ok(gateway.orders.some(wanted), `not among ${JSON.stringify(gateway.orders)}`);
 };
+/** Holds the dead-man by its key, until the master has seen it. */
+const hold = async () => {
+  await page.keyboard.down('Shift');
+  for (let i = 0; i < 100 && !gateway.master.cursor.held; ++i) await pause(20);
+  await pause(100);
+};
 const held = async (value) => {
   for (let i = 0; i < 100 && gateway.hands.at(-1)?.held !== value; ++i) await pause(20);
   assert.equal(gateway.hands.at(-1)?.held, value);
@@ -93,6 +99,7 @@ test('DrawsNothingWhileNothingChanges', async () => {
 
 test('EachKeyGivesItsOrder', async () => {
   await start();
+  await hold();
   const wanted = [
     ['e', (o) => o.engage], ['c', (o) => o.clutch === true], ['l', (o) => o.tool?.kind === 'LINE'], ['p', (o) => o.tool?.kind === 'PLANE'],
     ['o', (o) => o.tool?.kind === 'POINT'], ['n', (o) => o.tool?.kind === 'N_ROTATION'], ['f', (o) => o.tool?.kind === 'F_ROTATION'],
@@ -107,6 +114,7 @@ test('EachKeyGivesItsOrder', async () => {
 
 test('TheClutchGoesOnAndOff', async () => {
   await start();
+  await hold();
   await page.keyboard.press('e');
   await ordered((o) => o.engage);
   await page.keyboard.press('c');
@@ -142,8 +150,8 @@ for (const key of ['Escape', ' ']) {
 test('StopsWhileAnotherOrderWaitsForItsAnswer', async () => {
   await start();
   gateway.mute = true;
-  await page.keyboard.press('e');
-  await ordered((o) => o.engage);
+  await page.keyboard.press('d');
+  await ordered((o) => o.disengage);
   const before = Date.now();
   await page.locator('#stop').click();
   await ordered((o) => o.stop);
@@ -152,11 +160,24 @@ test('StopsWhileAnotherOrderWaitsForItsAnswer', async () => {
 
 test('TheWayOutIsAButton', async () => {
   await start();
+  await hold();
   await page.keyboard.press('Escape');
   await until(page, () => document.querySelector('#state')?.textContent === 'fault');
   await page.locator('#way-out').click();
   await until(page, () => document.querySelector('#state')?.textContent === 'engaged');
   assert.deepEqual(gateway.orders.slice(-2), [{ reset: true }, { engage: true }]);
+});
+
+test('AnEngageWaitsForTheHandAndAStopForgetsIt', async () => {
+  await start();
+  await page.keyboard.press('e');
+  await until(page, () => /hold the ring/.test(document.querySelector('#said')?.textContent ?? ''));
+  assert.deepEqual(gateway.orders, []);
+  await page.keyboard.press('Escape');
+  await ordered((o) => o.stop);
+  await hold();
+  await pause(300);
+  assert.deepEqual(gateway.orders, [{ stop: true }]);
 });
 
 test('SaysWhyAnOrderWasRefused', async () => {
@@ -173,10 +194,10 @@ test('SaysWhyAnOrderWasRefused', async () => {
 const take = async () => {
   await start();
   await page.keyboard.press('e');
-  await ordered((o) => o.engage);
-  await until(page, () => document.querySelector('#said')?.textContent?.startsWith('engage'));
   await page.keyboard.down('Shift');
   await held(true);
+  await ordered((o) => o.engage);
+  await until(page, () => document.querySelector('#said')?.textContent?.startsWith('engage: done'));
 };
 
 test('IsHeldAndLetGoByAKey', async () => {
@@ -265,8 +286,6 @@ test('AGamepadTremblesInContactAndStopsByItsButton', async () => {
 
 test('TheCursorStartsWhereTheDeviceIs', async () => {
   await start();
-  await page.keyboard.press('e');
-  await ordered((o) => o.engage);
   const device = gateway.master.status.hand.position_mm.slice();
   await page.keyboard.down('Shift');
   await held(true);
@@ -276,7 +295,6 @@ test('TheCursorStartsWhereTheDeviceIs', async () => {
 test('DraggingTheTipLeadsAndElsewhereLooksAround', async () => {
   await start({ query: '?stats' });
   await page.keyboard.press('e');
-  await ordered((o) => o.engage);
   const frame = await page.locator('#canvas3d').boundingBox();
   await page.mouse.move(frame.x + 60, frame.y + 300);
   await page.mouse.down();
@@ -290,6 +308,7 @@ test('DraggingTheTipLeadsAndElsewhereLooksAround', async () => {
   await page.mouse.move(frame.x + tip.x, frame.y + tip.y);
   await page.mouse.down();
   await held(true);
+  await ordered((o) => o.engage);
   await page.mouse.move(frame.x + tip.x + 60, frame.y + tip.y, { steps: 6 });
   await pause(300);
   const first = gateway.hands[0].position_mm, last = gateway.hands.at(-1).position_mm;

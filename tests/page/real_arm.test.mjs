@@ -66,8 +66,10 @@ test('AStopStopsAndItsWayOutEngagesAgain', async () => {
   await is(page, 'state', '^fault$');
   await is(page, 'why', 'stop');
   await page.locator('#way-out').click();
+  await is(page, 'said', 'engage: done'); // let go earlier, the engage would be taken back
   await is(page, 'state', '^engaged$');
   await page.keyboard.up('Shift');
+  await is(page, 'state', '^clutched$');
 });
 
 test('AnObserverIsRefused', async () => {
@@ -84,15 +86,19 @@ for (const name of ['slave', 'rig', 'master']) {
   test(`ARestartOfTheProgramIsSurvivedWithoutAReload ${name}`, async () => {
     await programs.end(name, 'SIGKILL');
     if (name === 'master') await is(page, 'notice', 'o news since');
-    await page.waitForTimeout(500);
+    else await is(page, 'state', '^fault$');
     await programs.start(name);
     await until(page, () => !document.querySelector('.old'));
-    for (let i = 0; i < 5 && (await text(page, 'state')) !== 'off'; ++i) {
-      await page.keyboard.press('r');
+    for (let i = 0; i < 8 && (await text(page, 'state')) !== 'engaged'; ++i) {
+      await page.locator('#way-out:not([hidden]):not([disabled])').click({ timeout: 20000 });
+      await page.waitForTimeout(1000);
+      await page.keyboard.down('Shift');
       await page.waitForTimeout(1500);
     }
-    await engage(page);
+    await is(page, 'state', '^engaged$');
+    await is(page, 'said', 'engage: done');
     await page.keyboard.up('Shift');
+    await is(page, 'state', '^clutched$');
   });
 }
 

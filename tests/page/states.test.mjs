@@ -79,7 +79,7 @@ test('SaysThatTheMasterIsAway', async () => {
 
 test('TwoTabsSayWhoLeadsAndTakeOver', async () => {
   const first = await start();
-  await first.keyboard.press('e');
+  await first.keyboard.press('l');
   await until(first, () => document.querySelector('#leader')?.textContent === 'this page');
   const second = await another();
   await notice(second, /Another page leads: page 1/);
@@ -100,6 +100,24 @@ test('AHandThatIsHeldIsLetGoWhenAnotherPageTakesOver', async () => {
   await second.locator('#notice-button').click();
   await until(first, () => document.querySelector('#hold')?.textContent === 'hand free');
   assert.match(await text(first, 'said'), /another page leads/);
+});
+
+test('ALeaseThatTheMasterForgotIsTakenAgainWithTheNextOrder', async () => {
+  const page = await start();
+  await page.keyboard.press('d');
+  await until(page, () => /\(here\)/.test(document.querySelector('#lease')?.textContent ?? ''));
+  gateway.master.status.lease = {};
+  await until(page, () => document.querySelector('#lease')?.textContent === 'free');
+  await page.keyboard.press('l');
+  await until(page, () => /\(here\)/.test(document.querySelector('#lease')?.textContent ?? ''));
+});
+
+test('AHandIsLetGoWhenTheMasterIsAway', async () => {
+  const page = await start();
+  await page.keyboard.down('Shift');
+  await until(page, () => document.querySelector('#hold')?.textContent === 'hand held');
+  gateway.problem = 'the master does not answer';
+  await until(page, () => document.querySelector('#hold')?.textContent === 'hand free');
 });
 
 test('AnObserverSeesAllAndOrdersNothing', async () => {

@@ -22,7 +22,8 @@ import { setUpWhy, updateWhy } from './panels/why_panel.js';
 import { Picture } from './picture.js';
 import { rotationVector } from './scene3d/rotation.js';
 
-const PANELS_MS = 100; // panels read well at ten a second
+const PANELS_MS = 50; // a chart's sample; texts change less often
+const LEASE_MS = 500; // in which a lease is taken or refused
 
 const url = `${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/ws`;
 const gateway = new Gateway(url);
@@ -56,6 +57,7 @@ gateway.on('hello', () => {
 gateway.on('status', () => {
   const half = facts.status.haptic?.workspace_half_mm;
   if (half?.length) cursor.half = half;
+  if (facts.problem) deadMan.letAllGo('the master does not answer');
   pad.feel(facts.status);
   engage.look();
 });
@@ -80,7 +82,8 @@ deadMan.onChange((held, why) => {
   if (!held && why) said.say(`hand let go: ${why}`, 'bad');
 });
 gateway.on('hand', () => {
-  if (facts.cursorRefused) said.say(`the master does not take the hand: ${facts.cursorRefused}`, 'bad');
+  // The first cursors may come before the lease that was asked for with them.
+  if (facts.cursorRefused && cursor.heldFor() > LEASE_MS) refuse(facts.cursorRefused);
 });
 const hand = { cursor, deadMan, mayHold, engage };
 handKeys(hand);
@@ -136,6 +139,6 @@ function frame() {
 }
 
 show(box('stats'), new URLSearchParams(location.search).has('stats'));
-setInterval(updatePanels, PANELS_MS / 2);
+setInterval(updatePanels, PANELS_MS);
 requestAnimationFrame(frame);
 gateway.connect();

@@ -147,8 +147,8 @@ export class Picture {
     if (!hand.deadMan.held && !this.problem() && facts.connected && !facts.otherLeader && facts.hello.role !== 'OBSERVER') {
       if (facts.isWalls) text = 'Drag the lever. Or hold Shift and use the arrows.';
       else if (hand.engage.waits) text = 'Now hold the ring at the tip, or Shift: it engages then.';
+      else if (state === 'fault' || facts.status.ledger?.way_out_order?.some((order) => order.reset)) text = 'Reset (R), then engage (E).';
       else if (state === 'off') text = 'Engage (E), then drag the ring at the tip.';
-      else if (state === 'fault') text = 'Reset (R), then engage (E).';
       else text = 'Drag the ring at the tip; wheel: nearer, further; Ctrl: turn. Or hold Shift and use the arrows.';
     }
     setText(box('hint'), text);

@@ -13,6 +13,7 @@ export class Cursor {
   constructor(gateway, deadMan) {
     this.gateway = gateway;
     this.held = false;
+    this.takenAt = 0;
     // Rises from page to page: a page sends fewer than a thousand a second.
     this.sequence = Date.now();
     /** Device frame M [mm]. @type {Vec} */
@@ -36,6 +37,7 @@ export class Cursor {
     this.position = [...this.deviceAt()];
     this.rotation = [...this.deviceTurn()];
     this.held = true;
+    this.takenAt = performance.now();
     window.clearInterval(this.timer);
     this.send();
     this.timer = window.setInterval(() => this.send(), PERIOD_MS);
@@ -53,6 +55,11 @@ export class Cursor {
       this.send();
       if (--left === 0) window.clearInterval(this.timer);
     }, PERIOD_MS);
+  }
+
+  /** For how long it has been held [ms]. */
+  heldFor() {
+    return this.held ? performance.now() - this.takenAt : 0;
   }
 
   /** Whether it cannot go further some way. */

@@ -1,12 +1,13 @@
-// Engaging with the hand on the dead-man. A master whose dead-man is the page's refuses an engage while
-// nobody holds it; a person with one pointer cannot hold and press at once. So a refused engage is kept
-// for a while, and given again the moment the hand is held.
+// Engaging with the hand on the dead-man. A master whose device is the page's refuses an engage while
+// nobody holds it, after it has waited for that; and a person with one pointer cannot hold and press at
+// once. So an engage waits here for the hand, and is given the moment the master has seen it held.
 
 /** @typedef {import('../link/wire.d.ts').Order} Order */
 /** @typedef {import('../link/wire.d.ts').Outcome} Outcome */
 
 const KEPT_MS = 20000; // time to reach for the tip; later a person has forgotten it
 const RESET_SEEN_MS = 1000; // a status from before a reset is older than that
+const HOLD_ON = 'now hold the ring at the tip, or Shift: it engages then';
 
 export class Engage {
   /**
@@ -24,26 +25,31 @@ export class Engage {
     this.resetAt = -Infinity;
   }
 
-  /** Whether a stop or a fault is latched: then holding the hand does not help. */
-  get latched() {
-    return this.facts.status.state === 'fault' && performance.now() - this.resetAt > RESET_SEEN_MS;
-  }
-
   /** Whether an engage waits for the hand. */
   get waits() {
     return performance.now() < this.keptUntil;
   }
 
+  /** Whether a stop or a fault is latched: then the master says why not. */
+  get latched() {
+    return this.facts.status.state === 'fault' && performance.now() - this.resetAt > RESET_SEEN_MS;
+  }
+
+  /** Whether the master has seen that the hand is held. */
+  get seen() {
+    return this.deadMan.held && !!this.facts.status.haptic?.cursor?.held;
+  }
+
   /** Gives any order. @param {Order} order @returns {Promise<Outcome>} */
   async give(order) {
-    if (order.engage || order.stop || order.disengage) this.drop();
+    if (order.engage && this.facts.status.haptic?.cursor && !this.seen && !this.latched) {
+      this.keptUntil = performance.now() + KEPT_MS;
+      if (!this.deadMan.held) this.say(HOLD_ON);
+      return { done: false, reason: HOLD_ON };
+    }
+    if (order.engage || order.disengage) this.drop();
     const outcome = await this.lead.give(order);
     if (order.reset && outcome.done) this.resetAt = performance.now();
-    const unheld = !this.deadMan.held && !!this.facts.status.haptic?.cursor;
-    if (order.engage && !outcome.done && unheld && this.facts.leads && !this.latched) {
-      this.keptUntil = performance.now() + KEPT_MS;
-      this.say('now hold the ring at the tip, or Shift: it engages then');
-    }
     return outcome;
   }
 
@@ -51,11 +57,10 @@ export class Engage {
     this.keptUntil = 0;
   }
 
-  /** With each status: the master has seen that the hand is held. */
+  /** With each status. */
   look() {
-    const { facts, deadMan } = this;
-    if (!this.waits || !deadMan.held || !facts.status.haptic?.cursor?.held) return;
+    if (!this.waits || !this.seen) return;
     this.drop();
-    if (facts.status.state === 'off') void this.give({ engage: true });
+    if (this.facts.status.state !== 'engaged') void this.give({ engage: true });
   }
 }

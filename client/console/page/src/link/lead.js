@@ -16,9 +16,13 @@ export class Lead {
     this.asking = null;
   }
 
-  /** @returns {Promise<Outcome>} */
+  /**
+   * Takes the lead unless this page has it, and the master's lease with it: a master that was started
+   * anew has forgotten the lease, and one that nobody orders ends by itself.
+   * @returns {Promise<Outcome>}
+   */
   ensure() {
-    if (this.facts.leads) return Promise.resolve({ done: true, reason: '' });
+    if (this.facts.leads && this.facts.status.lease?.holder) return Promise.resolve({ done: true, reason: '' });
     this.asking ??= this.orders.lead('TAKE').finally(() => (this.asking = null));
     return this.asking;
   }

@@ -1,5 +1,5 @@
 // Who leads: this page, another, another operator; taking, granting and giving back.
-import { block, box, button, setText, show } from './dom.js';
+import { block, button, setText, show } from './dom.js';
 
 /** @typedef {import('../link/facts.js').Facts} Facts */
 /** @typedef {import('../link/orders.js').Orders} Orders */
@@ -30,7 +30,5 @@ export class LeadPanel {
     block(button('lead-release'), off || (facts.leads ? '' : 'this page does not lead'));
     show(button('lease-grant'), !!facts.status.lease?.asked_by && facts.leads);
     if (facts.status.lease?.asked_by) setText(button('lease-grant'), `Grant ${facts.status.lease.asked_by}`);
-    setText(box('hold'), facts.cursorRefused ? 'hand not taken' : box('hold').dataset.held === 'true' ? 'hand held' : 'hand free');
-    box('hold').title = facts.cursorRefused;
   }
 }
