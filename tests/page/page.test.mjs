@@ -153,7 +153,7 @@ test('StopsWhileAnotherOrderWaitsForItsAnswer', async () => {
   await page.keyboard.press('d');
   await ordered((o) => o.disengage);
   const before = Date.now();
-  await page.locator('#stop').click();
+  await page.keyboard.press('Escape');
   await ordered((o) => o.stop);
   assert.ok(Date.now() - before < 1000);
 });
