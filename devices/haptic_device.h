@@ -29,8 +29,9 @@ struct HapticCapabilities {
   Vec3 workspace_half =
       Vec3::Zero();  // half extents of the nominal work space about M's origin [m]
   int buttons = 0;
-  double velocity_lag = 0.0;  // mean delay of the velocity it reports, >= 0 [s]
-  double least_mass = 0.05;   // that moves, of device and a light hand together [kg]
+  double velocity_lag = 0.0;   // mean delay of the velocity it reports, >= 0 [s]
+  bool led_by_cursor = false;  // lead() moves its hand
+  double least_mass = 0.05;    // that moves, of device and a light hand together [kg]
 };
 
 // One reading. Frame M.
@@ -49,6 +50,17 @@ struct HandIntent {
   Vec3 rotation_M = Vec3::Zero();      // rotation vector, frame M [rad]
   double duration = 1.0;               // > 0 [s]
   std::uint32_t buttons = 0;           // buttons held during the move
+};
+
+// A cursor counts as long as this after it came; then who led it is taken to have gone.
+inline constexpr Nanos kCursorPatience = 200 * kMillisecond;
+
+// Where a page's cursor sends the hand. Frame M.
+struct CursorSample {
+  std::uint64_t sequence = 0;
+  Pose X_MC;                  // finite
+  std::uint32_t buttons = 0;  // as in HapticSample; the third is the dead-man
+  Nanos at = -kForever;       // when it came, by the clock of read()
 };
 
 // The hand behind a simulated device, for those who have no hardware.
@@ -83,6 +95,8 @@ class HapticDevice {
   // [m]: before the first reading it is there, after it goes there within a second. Others have
   // what they have. Real-time safe.
   virtual void simulate(const DeviceEffects&, const Vec3& home_M) noexcept { (void)home_M; }
+  // Only of a device that is led by a cursor: its hand goes there. Real-time safe.
+  virtual void lead(const CursorSample&) noexcept {}
   // The simulated hand that holds the device, or null on real hardware and on recordings.
   virtual SteerableHand* hand() noexcept { return nullptr; }
 };

@@ -7,6 +7,8 @@
 #include "devices/joystick/sim_joystick.h"
 #include "devices/omni/recorded_device.h"
 #include "devices/omni/sim_omni.h"
+#include "devices/page/page_data.h"
+#include "devices/page/page_device.h"
 
 namespace handrail {
 namespace {
@@ -61,6 +63,11 @@ Made sim_joystick(const HapticDeviceOptions& o) {
   return Made(std::make_unique<SimJoystick>(o.hand, o.effects, std::move(*motion)));
 }
 
+Made page(const HapticDeviceOptions& o) {
+  if (Status status = check(o.hand); !status) return status;
+  return Made(std::make_unique<PageDevice>(o.hand));
+}
+
 struct Entry {
   HapticDeviceKind kind;
   Made (*make)(const HapticDeviceOptions&);
@@ -71,6 +78,7 @@ constexpr Entry kDevices[] = {
     {HapticDeviceKind::kSimOmniTorque, [](const auto& o) { return sim_omni(o.hand, true); }},
     {HapticDeviceKind::kRecorded, recorded},
     {HapticDeviceKind::kSimJoystick, sim_joystick},
+    {HapticDeviceKind::kPage, page},
 };
 
 }  // namespace
@@ -78,6 +86,7 @@ constexpr Entry kDevices[] = {
 HandOptions usual_hand(HapticDeviceKind kind, std::uint64_t seed) {
   if (kind == HapticDeviceKind::kSimJoystick) return joystick_grip(0.5, seed);
   HandOptions hand;
+  if (kind == HapticDeviceKind::kPage) hand = page_hand();
   hand.seed = seed;
   return hand;
 }

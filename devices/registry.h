@@ -16,6 +16,7 @@ enum class HapticDeviceKind : std::uint8_t {
   kSimOmniTorque,
   kRecorded,
   kSimJoystick,
+  kPage,
   kCount
 };
 
@@ -28,7 +29,7 @@ struct HapticDeviceOptions {
   DeviceEffects effects;  // kSimJoystick
 };
 
-// The hand that usually holds such a device: around a handle, or a stylus.
+// The hand that usually holds such a device: around a handle, a stylus, or led by a cursor.
 HandOptions usual_hand(HapticDeviceKind kind, std::uint64_t seed);
 
 // The device `options` ask for, not yet open. The error names the option or the file's line, the

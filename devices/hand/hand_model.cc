@@ -9,6 +9,12 @@ namespace {
 constexpr double kInnerStep = 0.25e-3;  // [s]
 constexpr double kSlow = 1e-3;          // below this the expected friction fades out [m/s]
 
+// How fast a limp hand gives way, and its muscles' lag, as in pursuit [s]. Our choice: with every
+// hand of joystick_grip, and 0.5 to 1.5 kg of it, hand and joystick then give back no energy at any
+// frequency.
+constexpr double kGiveWay = 0.2;
+constexpr double kMuscleLag = 0.08;
+
 }  // namespace
 
 HandModel::HandModel(const HandOptions& options, const HeldBody& held) noexcept
@@ -53,6 +59,16 @@ void HandModel::step(double dt, const Wrench& f_H_M) noexcept {
   push_ = (effort_ + mass_ * (meant_rate - meant_rate_) - hand_mass_ * (v_ - v_before)) / dt;
   meant_rate_ = meant_rate;
   wander_.step(dt);
+}
+
+// r' goes to e / kGiveWay within the muscles' lag, e being the deviation from what is meant.
+VectorMotion HandModel::given_way(double dt) const noexcept {
+  VectorMotion intent = motion_.position();
+  const Vec3 before = intent.v, wanted = deviation_ / kGiveWay;
+  intent.v = wanted + std::exp(-dt / kMuscleLag) * (before - wanted);
+  intent.p += dt * intent.v;
+  intent.a = (intent.v - before) / dt;
+  return intent;
 }
 
 VectorMotion HandModel::meant() const noexcept {

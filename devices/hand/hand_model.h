@@ -70,6 +70,10 @@ class HandModel final : public SteerableHand {
   // The intent is given from outside, until the next order; see HandMotion::lead.
   void lead(const VectorMotion& intent) noexcept { motion_.lead(intent); }
 
+  // The intent after dt of a hand that is limp: it gives way to where the hand is taken, so that it
+  // only drags. To lead it by.
+  VectorMotion given_way(double dt) const noexcept;
+
   // At rest at `p`, meaning to be there; finite [m].
   void place(const Vec3& p) noexcept;
   void set_home(const Vec3& p) noexcept { motion_.set_home(p); }

@@ -13,11 +13,6 @@ constexpr double kStopStiffness = 20e3;  // [N/m]
 constexpr double kStopDamping = 50.0;    // [N s/m]
 constexpr double kAcross = 1e3;          // the plane has no stops across it [m]
 constexpr Nanos kLongestAdvance = kSecond;
-// How fast a limp hand gives way, and its muscles' lag, as in pursuit [s]. Our choice: with every
-// hand of joystick_grip, and 0.5 to 1.5 kg of it, hand and stick then give back no energy at any
-// frequency.
-constexpr double kGiveWay = 0.2;
-constexpr double kMuscle = 0.08;
 
 HeldBody joystick_body(const DeviceEffects& effects) noexcept {
   HeldBody body;
@@ -88,16 +83,6 @@ void SimJoystick::follow(const Vec2& p, const Vec2& v) noexcept {
 
 void SimJoystick::let_go() noexcept { mode_ = Mode::kLimp; }
 
-// r' goes to e / kGiveWay within the muscles' lag, e being the deviation from what is meant.
-VectorMotion SimJoystick::given_way(double dt) const noexcept {
-  VectorMotion intent = hand_.motion().position();
-  const Vec3 before = intent.v, wanted = hand_.deviation() / kGiveWay;
-  intent.v = wanted + std::exp(-dt / kMuscle) * (before - wanted);
-  intent.p += dt * intent.v;
-  intent.a = (intent.v - before) / dt;
-  return flat(intent);
-}
-
 HapticSample SimJoystick::read(Nanos now) noexcept {
   if (!open_) return {};
   if (!started_) {
@@ -128,7 +113,7 @@ void SimJoystick::advance(double dt) noexcept {
     played_ += dt;
     hand_.lead(flat(recording_->motion_at(played_)));
   } else if (mode_ == Mode::kLimp) {
-    hand_.lead(given_way(dt));
+    hand_.lead(flat(hand_.given_way(dt)));
   } else if (mode_ == Mode::kFollowing) {
     target_.p += dt * target_.v;  // until the next call
     VectorMotion now;

@@ -56,7 +56,6 @@ class SimJoystick final : public HapticDevice, public SteerableHand {
   enum class Mode { kSteered, kFollowing, kLimp };
 
   void advance(double dt) noexcept;
-  VectorMotion given_way(double dt) const noexcept;
   void observe(double dt) noexcept;
   Vec3 reading() const noexcept;
 

@@ -39,6 +39,7 @@ void HapticLoop::tick(Nanos now) noexcept {
   last_tick_ = now;
   take_scene();
   take_slave(now);
+  if (boxes_.cursor.take(cursor_)) device_.lead(cursor_);
   input_.hand = hand_reading(device_.read(now));
   OrderTicket ticket = next_order();
   input_.order = ticket.order;
@@ -108,7 +109,11 @@ void HapticLoop::take_slave(Nanos now) noexcept {
 void HapticLoop::feel_walls(double dt) noexcept {
   WallRun& run = *scene_.walls;
   wall_in_.hand = input_.hand;
-  wall_in_.release = state_.lead.stop_latched() || stop_requested_.load(std::memory_order_relaxed);
+  // Whoever leads by a cursor feels walls while the dead-man is held; a hand on a device lets go of
+  // it.
+  const bool gone = device_.capabilities().led_by_cursor && !state_.lead.present;
+  wall_in_.release =
+      gone || state_.lead.stop_latched() || stop_requested_.load(std::memory_order_relaxed);
   wall_step(run.settings, wall_in_, dt, run.state, wall_out_);
   HapticOutput& out = report_.out;
   out.f_H_M = wall_out_.f_H_M;
@@ -119,6 +124,8 @@ void HapticLoop::feel_walls(double dt) noexcept {
   report_.walls.present = true;
   report_.walls.stage = wall_out_.stage;
   report_.walls.contact = wall_out_.contact;
+  report_.walls.hand = wall_out_.hand;
+  report_.walls.force = run.state.turn.transpose() * wall_out_.f_H_M.force.head<2>();
   report_.walls.penetration = (wall_out_.contact.proxy - wall_out_.hand).norm();
   report_.walls.locked = wall_out_.effects.locked;
   report_.walls.place = wall_out_.effects.place;

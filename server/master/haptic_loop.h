@@ -50,6 +50,7 @@ class HapticLoop {
   WallOutput wall_out_;
   SlaveNews news_;
   LoopScene next_scene_;
+  CursorSample cursor_;
   Nanos last_tick_;
   Nanos stop_since_ = -1;
   std::atomic<bool> stop_requested_{false};

@@ -40,9 +40,11 @@ struct WallReport {
   bool present = false;  // the scene has walls
   int stage = 0;
   WallContact contact;
-  double penetration = 0.0;  // of the hand beyond the proxy [m]
-  bool locked = false;       // a detent holds the hand
-  int place = -1;            // which of its places does; -1: none
+  Vec2 hand = Vec2::Zero();   // [m]
+  Vec2 force = Vec2::Zero();  // on the hand, as the device was told [N]
+  double penetration = 0.0;   // of the hand beyond the proxy [m]
+  bool locked = false;        // a detent holds the hand
+  int place = -1;             // which of its places does; -1: none
 };
 
 // What the haptic loop tells about itself after every tick.
@@ -68,6 +70,7 @@ struct MasterMailboxes {
   Mailbox<SlaveNews> slave;                  // IO to haptic
   Mailbox<LoopScene> scene;                  // IO to haptic: another one
   Ring<OrderTicket, 64> orders;              // IO to haptic
+  Mailbox<CursorSample> cursor;              // IO to haptic: of a device that one leads
   Ring<OrderAnswer, 64> answers;             // haptic to IO
   std::atomic<Nanos> hold_heard{-kForever};  // IO to haptic: newest sign of `engage --hold`
   Mailbox<HapticReport> report;              // haptic to IO

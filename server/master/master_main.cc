@@ -66,18 +66,21 @@ HapticDeviceOptions device_options(const pb::DeviceConfig& config) {
     case pb::DeviceConfig::SIM_OMNI_TORQUE: out.kind = HapticDeviceKind::kSimOmniTorque; break;
     case pb::DeviceConfig::RECORDED: out.kind = HapticDeviceKind::kRecorded; break;
     case pb::DeviceConfig::SIM_JOYSTICK: out.kind = HapticDeviceKind::kSimJoystick; break;
+    case pb::DeviceConfig::PAGE: out.kind = HapticDeviceKind::kPage; break;
   }
   const pb::HandModel& hand = config.hand();
   out.recording_path = config.recording();
-  if (out.kind == HapticDeviceKind::kSimJoystick) {
-    // The defaults of a hand are those of a stylus; around a handle it is another.
+  const bool cursor = out.kind == HapticDeviceKind::kPage;
+  if (cursor || out.kind == HapticDeviceKind::kSimJoystick) {
+    // The defaults of a hand are those of a stylus; around a handle it is another, and one that is
+    // led by a person does not wander by itself.
     out.hand = usual_hand(out.kind, hand.seed());
     if (hand.has_mass_kg()) out.hand.mass = hand.mass_kg();
     if (hand.has_stiffness_n_mm()) out.hand.stiffness = hand.stiffness_n_mm() * kNewtonPerMm;
     if (hand.has_damping_ratio()) out.hand.damping_ratio = hand.damping_ratio();
-    out.hand.tremor_rms = hand.tremor_rms_mm() * kMm;
-    out.hand.drift_rms = hand.drift_rms_mm() * kMm;
-    out.hand.reaction = hand.reaction_ms() * 1e-3;
+    if (!cursor || hand.has_tremor_rms_mm()) out.hand.tremor_rms = hand.tremor_rms_mm() * kMm;
+    if (!cursor || hand.has_drift_rms_mm()) out.hand.drift_rms = hand.drift_rms_mm() * kMm;
+    if (!cursor || hand.has_reaction_ms()) out.hand.reaction = hand.reaction_ms() * 1e-3;
     return out;
   }
   out.hand.seed = hand.seed();
@@ -93,7 +96,7 @@ HapticDeviceOptions device_options(const pb::DeviceConfig& config) {
 
 Presence presence_of(const pb::MasterConfig& config, const HapticCapabilities& device) {
   if (!config.has_presence()) {
-    if (device.simulated) return Presence::kNone;
+    if (device.simulated && !device.led_by_cursor) return Presence::kNone;
     return device.buttons >= 3 ? Presence::kButton : Presence::kHold;
   }
   switch (config.presence()) {
@@ -147,6 +150,10 @@ OrderDeskOptions desk_of(const pb::MasterConfig& config, const HapticCapabilitie
   OrderDeskOptions out;
   out.identity.device = capabilities.name;
   out.identity.device_simulated = capabilities.simulated;
+  out.identity.workspace_half = capabilities.workspace_half;
+  out.identity.max_force = capabilities.max_force;
+  out.identity.device_turns = capabilities.senses_rotation;
+  out.identity.led_by_cursor = capabilities.led_by_cursor;
   out.identity.loop_warn = LadderSettings().warn_loop;
   out.identity.loop_limit = milliseconds(config.loop_limit_ms());
   out.presence = presence_of(config, capabilities);

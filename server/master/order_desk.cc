@@ -10,6 +10,7 @@
 #include "server/base/hand_move.h"
 #include "server/base/units.h"
 #include "server/master/replies.h"
+#include "server/master/set_vector.h"
 #include "server/master/why_report.h"
 #include "server/scene/tool_io.h"
 
@@ -22,6 +23,9 @@ bool read_vector(const google::protobuf::RepeatedField<double>& from, double uni
   for (int i = 0; i < from.size(); ++i) to[i] = from[i] * unit;
   return is_finite(to);
 }
+
+// What is 180 deg in degrees may be more in radians.
+bool is_within(const Vec3& v, double most) { return v.norm() <= most * (1.0 + 1e-12); }
 
 }  // namespace
 
@@ -61,7 +65,8 @@ void OrderDesk::obey(const pb::Request& request, const std::string& who, ReplyTo
       if (!report_) return reply(refused("the haptic loop has not started yet"));
       pb::Reply answer = done();
       *answer.mutable_status() = status_report(options_.identity, *report_, slave_, link_, now_);
-      name_stage(*answer.mutable_status());
+      show_scene(*answer.mutable_status());
+      show_cursor(*answer.mutable_status());
       leases_.show(now_, *answer.mutable_status()->mutable_lease());
       return reply(std::move(answer));
     }
@@ -88,6 +93,7 @@ void OrderDesk::obey(const pb::Request& request, const std::string& who, ReplyTo
     case pb::Request::kSceneLoad: return load(request.scene_load(), who, std::move(reply));
     case pb::Request::kStage: return stage(request.stage(), std::move(reply));
     case pb::Request::kHand: return hand(request.hand(), std::move(reply));
+    case pb::Request::kCursor: return cursor(request.cursor(), reply);
     case pb::Request::kLease:
     case pb::Request::ORDER_NOT_SET: break;
   }
@@ -135,15 +141,12 @@ void OrderDesk::hand(const pb::HandMove& move, ReplyTo reply) {
   ticket.is_hand = true;
   ticket.hand.duration = move.duration_s();
   ticket.hand.home = move.home();
-  // What is 180 deg in degrees may be more in radians.
-  constexpr double kRounding = 1.0 + 1e-12;
-  const auto within = [](const Vec3& v, double most) { return v.norm() <= most * kRounding; };
   const bool whole =
       move.home() || (read_vector(move.displacement_mm(), kMm, ticket.hand.displacement_M) &&
                       read_vector(move.rotation_deg(), kDeg, ticket.hand.rotation_M));
   const double time = move.duration_s();
-  if (!whole || !within(ticket.hand.displacement_M, kFarthestHandMove) ||
-      !within(ticket.hand.rotation_M, kWidestHandTurn) ||
+  if (!whole || !is_within(ticket.hand.displacement_M, kFarthestHandMove) ||
+      !is_within(ticket.hand.rotation_M, kWidestHandTurn) ||
       !(time >= kShortestHandMove && time <= kLongestHandMove)) {
     return reply(refused(fmt::format(
         "hand: {:g} mm and {:g} deg in {:g} s, expected three numbers each, at most {:g} mm and "
@@ -152,6 +155,49 @@ void OrderDesk::hand(const pb::HandMove& move, ReplyTo reply) {
         kFarthestHandMove / kMm, kWidestHandTurn / kDeg, kShortestHandMove, kLongestHandMove)));
   }
   push(ticket, {std::move(reply), Until::kTaken, now_});
+}
+
+// No status, no place in a queue: the newest one counts.
+void OrderDesk::cursor(const pb::CursorOrder& wanted, const ReplyTo& reply) {
+  if (!options_.identity.led_by_cursor) {
+    return reply(refused("cursor: the device is '" + options_.identity.device +
+                         "', expected the kind PAGE in the master's configuration"));
+  }
+  if (leases_.free()) {
+    return reply(refused("cursor: nobody has the lease: take it first, 'handrail lease take'"));
+  }
+  Vec3 place = Vec3::Zero(), turn = Vec3::Zero();
+  if (!read_vector(wanted.position_mm(), kMm, place) || wanted.position_mm().empty() ||
+      !read_vector(wanted.rotation_deg(), kDeg, turn) || !is_within(place, kFarthestHandMove) ||
+      !is_within(turn, kWidestHandTurn)) {
+    return reply(refused(fmt::format(
+        "cursor: at {:g} mm, turned {:g} deg, expected three numbers each, at most {:g} mm and "
+        "{:g} "
+        "deg long",
+        place.norm() / kMm, turn.norm() / kDeg, kFarthestHandMove / kMm, kWidestHandTurn / kDeg)));
+  }
+  // What comes after a while begins anew: another page, or the same one loaded again.
+  if (wanted.sequence() <= cursor_.sequence && now_ - cursor_.at <= kCursorPatience) {
+    return reply(refused(fmt::format("cursor: number {} is not above {}, which has come already",
+                                     wanted.sequence(), cursor_.sequence)));
+  }
+  cursor_.sequence = wanted.sequence();
+  cursor_.X_MC = {place, rotation_exp(turn)};
+  cursor_.buttons =
+      (wanted.clutch() ? 1u : 0u) | (wanted.drop_tool() ? 2u : 0u) | (wanted.held() ? 4u : 0u);
+  cursor_.at = now_;
+  boxes_.cursor.publish(cursor_);
+  reply(done());
+}
+
+void OrderDesk::show_cursor(pb::Status& status) const {
+  if (!options_.identity.led_by_cursor) return;
+  pb::CursorStatus& out = *status.mutable_haptic()->mutable_cursor();
+  if (cursor_.at == -kForever) return;
+  out.set_sequence(cursor_.sequence);
+  out.set_age_ms(to_seconds(now_ - cursor_.at) * 1e3);
+  out.set_held((cursor_.buttons & 4u) != 0 && now_ - cursor_.at <= kCursorPatience);
+  set_vector(out.mutable_position_mm(), cursor_.X_MC.p, kMm);
 }
 
 void OrderDesk::push(OrderTicket ticket, Pending order) {

@@ -94,6 +94,10 @@ class OrderDesk : public OperatorHandler {
   void end_engagement(Reason why);
   void order(HapticOrder order, ReplyTo reply, Until until = Until::kTaken);
   void hand(const pb::HandMove& move, ReplyTo reply);
+  void cursor(const pb::CursorOrder& wanted, const ReplyTo& reply);
+  // What the scene knows of what the status shows.
+  void show_scene(pb::Status& status) const;
+  void show_cursor(pb::Status& status) const;
   void tool(const pb::Tool& wanted, bool approach, ReplyTo reply);
   // How far the tool called is, where that matters; else empty.
   std::string distance_text(const OrderAnswer& answer, const ToolCall& call) const;
@@ -154,6 +158,8 @@ class OrderDesk : public OperatorHandler {
   std::vector<Pending> pending_;   // in the order in which they came to their place
   std::deque<OrderTicket> queue_;  // that the loop has yet to get
   int in_loop_ = 0;                // that it has got and not answered
+
+  CursorSample cursor_;  // the newest
 
   Nanos retry_at_ = 0;  // an engage refused for the link
   bool hold_ = false;   // the engagement the loop took ends with a running `engage --hold`

@@ -32,6 +32,9 @@ bool is_order(const pb::Request& r) {
 
 std::string claim_request(const Trusted* speaker, pb::Request& request) {
   if (speaker == nullptr) {
+    if (request.observer() && (request.has_stop() || is_order(request))) {
+      return "the request says that who makes it only looks: leave `observer` out to give orders";
+    }
     return request.has_as() ? operator_name_problem(request.as()) : std::string();
   }
   const std::string who = proven_name(speaker->name, key_id(speaker->key));

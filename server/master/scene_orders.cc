@@ -81,9 +81,12 @@ void OrderDesk::stage(const std::string& name, ReplyTo reply) {
                               : scene + "stage '" + shown(name) + "', expected one of " + known));
 }
 
-// The loop counts stages; their names are the scene's.
-void OrderDesk::name_stage(pb::Status& status) const {
-  if (!status.has_walls() || !scene_.walls || status.scene() != scene_.name) return;
+void OrderDesk::show_scene(pb::Status& status) const {
+  if (status.scene() != scene_.name) return;
+  status.set_scene_file(scene_.file);
+  if (!status.has_walls()) return show_joints(scene_.tip_length, slave_, status);
+  if (!scene_.walls) return;
+  // The loop counts stages; their names are the scene's.
   const std::vector<WallStage>& stages = scene_.walls->stages;
   const std::uint32_t i = status.walls().stage();
   if (i < stages.size() && !stages[i].name.empty()) {

@@ -7,6 +7,7 @@
 #include "server/base/clock.h"
 #include "server/base/units.h"
 #include "server/base/version.h"
+#include "server/kinematics/rv2a.h"
 #include "server/link/codec.h"
 #include "server/master/set_vector.h"
 #include "server/master/why_report.h"
@@ -24,12 +25,30 @@ void set_share(pb::ForceShare* out, const Vec3& force) {
   set_vector(out->mutable_force_n(), force, 1.0);
 }
 
+void set_geometry(const ToolDefinition& tool, pb::ToolGeometry& out) {
+  if (is_position_tool(tool.kind)) set_vector(out.mutable_anchor_mm(), tool.p_SA, kMm);
+  const bool leads = !tool.direction_S.isZero();
+  if (leads) set_vector(out.mutable_direction(), tool.direction_S, 1.0);
+  if (leads && tool.one_way) out.set_one_way(true);
+  if (tool.has_end) set_vector(out.mutable_end_mm(), tool.p_SA + tool.end * tool.direction_S, kMm);
+  if (tool.kind == ToolKind::kPlane) set_vector(out.mutable_normal(), tool.normal_S, 1.0);
+  if (tool.kind == ToolKind::kFRotation) {
+    set_vector(out.mutable_axis(), tool.normal_S, 1.0);
+    set_vector(out.mutable_axis_tip(), tool.axis_T, 1.0);
+  }
+  if (tool.kind == ToolKind::kNRotation) {
+    const Quat& q = tool.q_ref;
+    for (const double c : {q.w(), q.x(), q.y(), q.z()}) out.add_quaternion(c);
+  }
+}
+
 void set_tool(pb::ToolStatus* out, const ToolDefinition& tool, const HapticOutput& step) {
   out->set_kind(name_of(tool.kind));
   out->set_id(tool.id);
   out->set_epoch(tool.epoch);
   out->set_hash(hash_of(tool));
   out->set_blending(step.blending);
+  if (tool.kind != ToolKind::kNone) set_geometry(tool, *out->mutable_geometry());
   if (is_position_tool(tool.kind)) out->set_deviation_mm(step.deviation / kMm);
   if (is_orientation_tool(tool.kind)) out->set_deviation_deg(step.deviation_angle / kDeg);
 }
@@ -87,12 +106,18 @@ void set_slave(const SlaveState& slave, bool known, pb::Status& s) {
   }
 }
 
+void set_plane(google::protobuf::RepeatedField<double>* out, const Vec2& v, double unit) {
+  out->Add(v.x() / unit);
+  out->Add(v.y() / unit);
+}
+
 void set_walls(const WallReport& walls, pb::WallStatus& s) {
   s.set_stage(static_cast<std::uint32_t>(walls.stage));
   s.set_touching(walls.contact.touching);
   s.set_penetration_mm(walls.penetration / kMm);
-  s.add_proxy_mm(walls.contact.proxy.x() / kMm);
-  s.add_proxy_mm(walls.contact.proxy.y() / kMm);
+  set_plane(s.mutable_proxy_mm(), walls.contact.proxy, kMm);
+  set_plane(s.mutable_hand_mm(), walls.hand, kMm);
+  set_plane(s.mutable_force_n(), walls.force, 1.0);
   s.set_region(walls.contact.region);
   s.set_locked(walls.locked);
 }
@@ -210,7 +235,34 @@ void set_gate(const MasterIdentity& identity, const HapticOutput& out, pb::LinkG
   gate.set_loop_limit_ms(milliseconds(identity.loop_limit));
 }
 
+// Where the hand wants the tip, before tools. Only while it leads.
+void set_desired(const MotionLedger& motion, const SlaveState& slave, pb::Status& s) {
+  if (!motion.known) return;
+  set_pose(s.mutable_desired_tip(),
+           {slave.X_ST_command.p - motion.off_S.rowwise().sum(), motion.q_SH});
+}
+
+void set_haptic(const MasterIdentity& identity, pb::DeviceStatus& out) {
+  set_vector(out.mutable_workspace_half_mm(), identity.workspace_half, kMm);
+  out.set_max_force_n(identity.max_force);
+  out.set_has_rotation(identity.device_turns);
+}
+
+void set_joints(google::protobuf::RepeatedField<double>* out, const JointVector& q) {
+  for (const double angle : q) out->Add(angle / kDeg);
+}
+
 }  // namespace
+
+void show_joints(double tip_length, const SlaveState& slave, pb::Status& status) {
+  if (!status.has_tip()) return;
+  set_joints(status.mutable_joints_deg(), slave.q_measured);
+  ArmGeometry arm;
+  arm.d6 = tip_length;
+  JointVector q;
+  if (inverse_near(arm, slave.X_ST_command, slave.q_measured, q) != InverseStatus::kOk) return;
+  set_joints(status.mutable_joints_commanded_deg(), q);
+}
 
 pb::Status status_report(const MasterIdentity& identity, const HapticReport& report,
                          const SlaveState& slave, const LinkSnapshot& link, Nanos now) {
@@ -242,6 +294,9 @@ pb::Status status_report(const MasterIdentity& identity, const HapticReport& rep
   set_share(s.mutable_device_force(), out.shares.device);
   if (out.link.has_command) set_pose(s.mutable_command(), out.link.X_SU);
   set_pose(s.mutable_hand(), report.X_MH);
+  set_desired(out.motion, slave, s);
+  set_haptic(identity, *s.mutable_haptic());
+  s.set_scene_epoch(report.scene_epoch);
   s.set_hand_moving(report.hand_moving);
   if (known) {
     for (const std::string& text : hash_mismatches(out.link, slave)) s.add_hash_mismatch(text);

@@ -24,11 +24,21 @@ struct MasterIdentity {
   std::function<std::uint64_t()> log_lost = {};
   // Who is at the other end of the link; empty: nobody knows.
   std::function<LinkIdentity(Nanos now)> link = {};
+  // Of the device.
+  Vec3 workspace_half = Vec3::Zero();  // [m]
+  double max_force = 0.0;              // [N]
+  bool device_turns = false;           // it says how the hand is turned
+  bool led_by_cursor = false;
 };
 
 // Everything `handrail status` shows, at `now`. Without news from the slave its fields are "none".
 pb::Status status_report(const MasterIdentity& identity, const HapticReport& report,
                          const SlaveState& slave, const LinkSnapshot& link, Nanos now);
+
+// The joints that go with the slave's poses, for an arm whose tip is `tip_length` from the wrist's
+// centre [m]. Of a slave that is not heard, or whose command has no joints on the branch that the
+// arm is on: not those.
+void show_joints(double tip_length, const SlaveState& slave, pb::Status& status);
 
 // `reason` in words; of a slave in fault also why it is: HapticOutput::peer_fault.
 std::string reason_text(Reason reason, Reason peer_fault);

@@ -122,4 +122,21 @@ std::string way_out_of(Reason reason, int joint, const JointVector& q, Stand sta
   return order.empty() ? way_of_the_hand(reason, joint, q) : order;
 }
 
+std::vector<WayOutOrder> orders_out_of(Reason reason, Stand stand) {
+  using enum WayOutOrder;
+  switch (reason) {
+    case Reason::kNone:
+    case Reason::kNoArmInScene:
+    case Reason::kThreadStalled: return {};
+    case Reason::kClutched: return {kClutchOff};
+    default: break;
+  }
+  if (stand == Stand::kLed) return {};
+  std::vector<WayOutOrder> out;
+  if (reason == Reason::kLeaseLost) out.push_back(kTakeLease);
+  if (stand == Stand::kLatched) out.push_back(kReset);
+  out.push_back(kEngage);
+  return out;
+}
+
 }  // namespace handrail

@@ -154,6 +154,16 @@ std::string stage_text(const Share& share, int joint, const LinkSnapshot& link, 
   return out;
 }
 
+void add_order(WayOutOrder order, pb::Ledger& out) {
+  pb::Request& request = *out.add_way_out_order();
+  switch (order) {
+    case WayOutOrder::kTakeLease: request.mutable_lease()->set_act(pb::LeaseOrder::TAKE); break;
+    case WayOutOrder::kReset: request.set_reset(true); break;
+    case WayOutOrder::kEngage: request.set_engage(true); break;
+    case WayOutOrder::kClutchOff: request.set_clutch(false); break;
+  }
+}
+
 void set_sentence(pb::Ledger* out, const HapticReport& report, const SlaveState& slave,
                   const LinkSnapshot& link, Shares shares, Nanos now) {
   const MotionLedger& ledger = report.out.motion;
@@ -165,12 +175,13 @@ void set_sentence(pb::Ledger* out, const HapticReport& report, const SlaveState&
                                                                      : Stand::kLed;
   const auto set_way_out = [&](Reason why) {
     out->set_way_out(way_out_of(why, ledger.joint, slave.q_measured, stand));
+    for (const WayOutOrder order : orders_out_of(why, stand)) add_order(order, *out);
   };
   // In a scene of walls there is no arm to hold, nor to engage. Only a stop takes the walls away.
   if (report.walls.present && report.out.link.stop_epoch != report.out.link.released_epoch) {
     out->set_sentence("the walls are not felt: a stop was requested");
     out->set_way_out("reset");
-    return;
+    return add_order(WayOutOrder::kReset, *out);
   }
   if (const Reason why = holding(report, slave, link, now); why != Reason::kNone) {
     const auto said = [&](Reason reason) -> std::string {

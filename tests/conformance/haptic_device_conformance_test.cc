@@ -220,6 +220,7 @@ std::string name_of(const ::testing::TestParamInfo<HapticDeviceKind>& info) {
     case HapticDeviceKind::kSimOmniTorque: return "SimOmniTorque";
     case HapticDeviceKind::kRecorded: return "Recorded";
     case HapticDeviceKind::kSimJoystick: return "SimJoystick";
+    case HapticDeviceKind::kPage: return "Page";
     case HapticDeviceKind::kCount: break;
   }
   return "Unnamed";

@@ -19,7 +19,7 @@ Folders operator+(Folders a, const Folders& b) {
 
 const Folders kBase = {"server/base"};
 const Folders kModel = kBase + Folders{"server/model"};
-const Folders kHands = {"devices/hand", "devices/omni", "devices/joystick"};
+const Folders kHands = {"devices/hand", "devices/omni", "devices/joystick", "devices/page"};
 const Folders kRigs = {"devices/rig", "devices/rig/world", "devices/melfa", "devices/net_ft"};
 
 using Table = std::map<std::string, Folders>;
@@ -66,7 +66,11 @@ Table program_rows() {
           {"client/cli", kModel + Folders{"proto", "server/keys", "server/keys/pairing",
                                           "server/link", "server/link/secure", "server/task",
                                           "server/scene", "client/api", "client/doctor"}},
-          {"client/console", kBase + Folders{"proto", "client/api"}}};
+          {"client/console/gateway", kBase + Folders{"proto"}},
+          {"client/console/scene", kModel + Folders{"proto", "server/kinematics", "server/scene"}},
+          {"client/console",
+           kModel + Folders{"proto", "server/daemon", "server/keys", "server/scene", "client/api",
+                            "client/console/gateway", "client/console/scene"}}};
 }
 
 Table lab_rows() {
@@ -127,6 +131,7 @@ Table device_rows() {
           {"devices/hand", sim},
           {"devices/omni", sim},
           {"devices/joystick", sim},
+          {"devices/page", sim + Folders{"devices/joystick"}},
           {"devices/rig/world", kModel + Folders{"server/kinematics"}},
           {"devices/rig", kModel + kRigs +
                               Folders{"proto", "server/daemon", "server/kinematics", "server/scene",

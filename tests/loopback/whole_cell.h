@@ -52,9 +52,8 @@ class WholeCell : public ::testing::Test {
   // A hand without tremor and drift, so that what moves is what was told to.
   std::string master_config() const {
     return "link_socket: '" + link_socket + "' operator_socket: '" + socket() + "' scene_path: '" +
-           folder.path() +
-           "' device { hand { tremor_rms_mm: 0 drift_rms_mm: 0 drift_rms_deg: 0 } } " +
-           master_extra;
+           folder.path() + "' device { " + device_kind +
+           " hand { tremor_rms_mm: 0 drift_rms_mm: 0 drift_rms_deg: 0 } } " + master_extra;
   }
   std::unique_ptr<Program> launch(const std::string& name, const std::string& config) const {
     return std::make_unique<Program>(
@@ -150,7 +149,7 @@ class WholeCell : public ::testing::Test {
   TempFolder folder;
   int robot_port = 0, sensor_port = 0;
   std::string link_socket = folder.path() + "/link.sock";  // where slave and master meet
-  std::string rig_extra, slave_extra, master_extra;
+  std::string rig_extra, slave_extra, master_extra, device_kind;
   Streams streams;  // of what is launched next
   std::unique_ptr<Program> rig, slave, master;
   OperatorClient client{socket()};

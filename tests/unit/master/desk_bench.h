@@ -19,10 +19,12 @@ class DeskBench : public ::testing::Test {
  protected:
   using Answer = std::shared_ptr<std::optional<pb::Reply>>;
 
-  DeskBench() {
+  explicit DeskBench(bool led_by_cursor = false) {
     for (const char* name : {"first", "second"}) scenes[name].name = name;
     OrderDeskOptions options;
     options.identity.slave_at = "/run/link.sock";
+    options.identity.device = "its device";
+    options.identity.led_by_cursor = led_by_cursor;
     options.load_scene = [this](const std::string& name) -> std::optional<Result<Scene>> {
       if (disk_waits) return std::nullopt;
       if (!scenes.contains(name)) return Status::error("no scene '" + name + "'");

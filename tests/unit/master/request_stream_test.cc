@@ -36,6 +36,20 @@ TEST(RequestStream, WaitsForTheLastByte) {
   EXPECT_EQ(stream.size(), 0u);
 }
 
+TEST(ClaimRequest, WhoSaysToOnlyLookGivesNoOrderAndNoStop) {
+  const auto said = [](const std::string& text) {
+    pb::Request request;
+    EXPECT_TRUE(google::protobuf::TextFormat::ParseFromString(text, &request)) << text;
+    return claim_request(nullptr, request);
+  };
+  EXPECT_EQ(said("observer: true status: true"), "");
+  EXPECT_EQ(said("observer: true lease { act: SHOW }"), "");
+  for (const char* order : {"engage: true", "stop: true", "lease { act: TAKE }", "cursor {}"}) {
+    EXPECT_NE(said(std::string("observer: true ") + order), "") << order;
+    EXPECT_EQ(said(order), "") << order;
+  }
+}
+
 TEST(RequestStream, TakesOneAtATimeAndKeepsTheRest) {
   RequestStream stream;
   stream.append(stop_frame() + stop_frame() + "\x01");

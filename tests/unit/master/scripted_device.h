@@ -39,6 +39,7 @@ class ScriptedDevice : public HapticDevice {
     ++reads;
     return sample;
   }
+  void lead(const CursorSample& cursor) noexcept override { led_to = cursor; }
   void write(const Wrench& f_H_M) noexcept override {
     written = f_H_M;
     ++writes;
@@ -51,6 +52,7 @@ class ScriptedDevice : public HapticDevice {
   SteerableHand* hand() noexcept override { return has_hand ? &its_hand : nullptr; }
 
   HapticSample sample;
+  CursorSample led_to;
   Hand its_hand;
   bool has_hand = true;
   Nanos read_at = -1;
@@ -59,6 +61,8 @@ class ScriptedDevice : public HapticDevice {
   Wrench written;
   int simulations = 0;
   Vec3 simulated_from = Vec3::Zero();
+
+  void set_led_by_cursor() { capabilities_.led_by_cursor = true; }
 
  private:
   HapticCapabilities capabilities_;

@@ -97,6 +97,24 @@ TEST_F(WallLoop, TheWallIsFeltWithTheSessionOff) {
   EXPECT_FALSE(report.walls.contact.touching);
 }
 
+TEST_F(WallLoop, WhoeverLeadsByACursorFeelsItWhileTheDeadManIsHeld) {
+  device.set_led_by_cursor();
+  LoopScene led = with_walls();
+  led.haptic.presence = Presence::kButton;
+  boxes.scene.publish(led);
+  device.sample.buttons = 4;
+  go_to(0.022);
+  EXPECT_NEAR(device.written.force.x(), -10.0, 0.01);
+  EXPECT_NEAR(report.walls.hand.x(), 0.022, 1e-9);
+  EXPECT_NEAR(report.walls.force.x(), -10.0, 0.01);
+  device.sample.buttons = 0;
+  ticks(500);
+  EXPECT_EQ(device.written.force.norm(), 0.0);
+  device.sample.buttons = 4;
+  ticks(500);
+  EXPECT_NEAR(device.written.force.x(), -10.0, 0.01);
+}
+
 TEST_F(WallLoop, TheSimulatedHandBeginsAtTheScenesStart) {
   EXPECT_EQ(device.simulations, 2) << "at the start, and once for the scene";
   EXPECT_EQ(device.simulated_from, Vec3(0.012, -0.007, 0.0));

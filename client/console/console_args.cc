@@ -1,0 +1,150 @@
+#include "client/console/console_args.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+// Boost 1.74 uses std::exchange without including it.
+#include <boost/asio/ip/address.hpp>
+#include <utility>
+
+#include "server/base/operator_name.h"
+#include "server/base/own_places.h"
+#include "server/base/plain_text.h"
+#include "server/keys/host_port.h"
+
+namespace handrail {
+namespace {
+
+constexpr char kUsualName[] = "console";
+
+Status set_listen(const std::string& text, ConsoleArgs& out) {
+  const auto where = parse_host(text, 0, 0);
+  if (!where) return Status::error("--listen " + where.message());
+  boost::system::error_code error;
+  const auto address = boost::asio::ip::make_address(where->host, error);
+  if (error || !address.is_v4() || !address.is_loopback()) {
+    return Status::error(
+        "--listen " + shown(text) +
+        ": expected an address that only this computer reaches, such as 127.0.0.1:0 (others reach "
+        "it through a tunnel: ssh -L 8080:127.0.0.1:PORT, or run handrail-console on theirs with "
+        "--master)");
+  }
+  out.address = where->host;
+  out.port = where->port;
+  return Status::ok();
+}
+
+Status set_name(const std::string& text, ConsoleArgs& out) {
+  const std::string problem = operator_name_problem(text);
+  if (!problem.empty()) return Status::error("--as: " + problem);
+  out.as = text;
+  return Status::ok();
+}
+
+Status set_master(const std::string& text, ConsoleArgs& out) {
+  const auto host = parse_host(text, kOperatorPort);
+  if (!host) return Status::error("--master " + host.message());
+  out.master.host = text;
+  return Status::ok();
+}
+
+struct ConsoleOption {
+  const char* name;
+  const char* value;
+  const char* help;
+  Status (*set)(const std::string& text, ConsoleArgs& out);
+};
+
+constexpr ConsoleOption kOptions[] = {
+    {"--listen", "127.A.B.C:PORT", "where a browser finds it; port 0: any (127.0.0.1:0)",
+     set_listen},
+    {"--socket", "PATH", "the master's socket (or HANDRAIL_SOCKET)",
+     [](const std::string& text, ConsoleArgs& out) {
+       out.master.socket = text;
+       return Status::ok();
+     }},
+    {"--master", "HOST[:PORT]", "a master on another computer, with your key (or HANDRAIL_MASTER)",
+     set_master},
+    {"--as", "NAME", "who drives, as others see it (console)", set_name},
+    {"--page", "FOLDER", "the page's files, instead of those shipped",
+     [](const std::string& text, ConsoleArgs& out) {
+       out.page = text;
+       return Status::ok();
+     }},
+    {"--scenes", "FOLDER", "searched before the scenes shipped; may be given again",
+     [](const std::string& text, ConsoleArgs& out) {
+       out.scenes.push_back(text);
+       return Status::ok();
+     }},
+};
+
+std::string variable(const char* name) {
+  const char* value = std::getenv(name);
+  return value == nullptr ? "" : value;
+}
+
+Status set_defaults(bool socket_given, ConsoleArgs& out) {
+  if (out.master.host.empty() && !socket_given) {
+    const std::string host = variable("HANDRAIL_MASTER");
+    if (!host.empty()) {
+      if (Status set = set_master(host, out); !set) return set;
+    }
+  }
+  if (out.master.socket.empty()) out.master.socket = variable("HANDRAIL_SOCKET");
+  if (out.master.socket.empty()) out.master.socket = default_operator_socket();
+  const bool remote = !out.master.host.empty();
+  if (remote && socket_given) return Status::error("--socket and --master: expected one of them");
+  if (remote && !out.as.empty()) return Status::error("--as: over the network your key says it");
+  if (!remote && out.as.empty()) out.as = kUsualName;
+  return Status::ok();
+}
+
+}  // namespace
+
+Result<ConsoleArgs> parse_console_args(int argc, const char* const* argv) {
+  ConsoleArgs out;
+  std::vector<std::string> seen;
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    if (word == "--help" || word == "-h") out.help = true;
+    if (word == "--version") out.version = true;
+    if (word == "--observe") out.observe = true;
+    if (word == "--help" || word == "-h" || word == "--version" || word == "--observe") continue;
+    const std::string name = word.substr(0, word.find('='));
+    const auto option = std::find_if(std::begin(kOptions), std::end(kOptions),
+                                     [&](const ConsoleOption& o) { return name == o.name; });
+    if (option == std::end(kOptions)) {
+      return Status::error("unknown argument '" + shown(word) + "' (see --help)");
+    }
+    if (name != "--scenes" && std::find(seen.begin(), seen.end(), name) != seen.end()) {
+      return Status::error(name + " is given twice");
+    }
+    seen.push_back(name);
+    const bool inside = word.size() > name.size();
+    if (!inside && i + 1 >= argc) return Status::error(name + ": expected " + option->value);
+    const std::string value = inside ? word.substr(name.size() + 1) : argv[++i];
+    if (value.empty()) return Status::error(name + ": expected " + option->value);
+    if (Status set = option->set(value, out); !set) return set;
+  }
+  if (out.help || out.version) return out;
+  const bool socket_given = std::find(seen.begin(), seen.end(), "--socket") != seen.end();
+  if (Status set = set_defaults(socket_given, out); !set) return set;
+  return out;
+}
+
+std::string console_help() {
+  std::string out =
+      "handrail-console: the master's picture, and its orders, for a browser on this computer.\n"
+      "Prints one address; whoever opens it is in, and nobody else. SIGTERM ends it.\n\n";
+  for (const ConsoleOption& option : kOptions) {
+    std::string row = std::string("  ") + option.name + " " + option.value;
+    row.resize(std::max<std::size_t>(row.size() + 2, 28), ' ');
+    out += row + option.help + "\n";
+  }
+  out +=
+      "  --observe                 only look: no order passes\n"
+      "  --help, --version\n";
+  return out;
+}
+
+}  // namespace handrail

@@ -1,0 +1,159 @@
+// handrail-console: a gateway between browsers on this computer and a master.
+#include <spdlog/spdlog.h>
+
+#include <cstdio>
+#include <memory>
+#include <string>
+
+// Boost 1.74 uses std::exchange without including it.
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <utility>
+
+#include "client/console/console_app.h"
+#include "client/console/console_args.h"
+#include "client/console/master_link.h"
+#include "client/console/web_server.h"
+#include "server/base/clock.h"
+#include "server/base/output.h"
+#include "server/base/signals.h"
+#include "server/base/version.h"
+#include "server/daemon/daemon_log.h"
+#include "server/daemon/errand.h"
+#include "server/daemon/run_daemon.h"
+#include "server/scene/scene_io.h"
+#include "server/scene/scene_library.h"
+#include "server/scene/shipped.h"
+
+namespace handrail {
+namespace {
+
+constexpr char kProgram[] = "handrail-console";
+
+Site page_of(const ConsoleArgs& args) {
+  std::vector<std::string> folders = {args.page};
+  if (args.page.empty()) folders = shipped_folders(HANDRAIL_CONSOLE_PAGE, "console");
+  std::string why = "`client/install --console` builds it.";
+  for (const std::string& folder : folders) {
+    auto site = Site::read(folder);
+    if (site) return std::move(*site);
+    why = site.message();
+    if (folder == folders.front()) spdlog::warn("{}", why);
+  }
+  return Site::without_page(why);
+}
+
+// The master's scene, from its own file where that is on this computer, else by its name.
+Result<ReadScene> read_scene(const std::string& name, const std::string& file,
+                             const SceneLibrary& library) {
+  auto scene = file.empty() ? library.load(name) : load_scene_file(file);
+  if (!scene) return scene.status();
+  ReadScene out{std::move(*scene), {}};
+  if (out.scene.walls) {
+    auto picture = map_picture(*out.scene.walls);
+    if (!picture) return picture.status();
+    out.picture = std::move(*picture);
+  }
+  return out;
+}
+
+// Keeps what is drawn that of the master's scene.
+class SceneWatch {
+ public:
+  SceneWatch(const ConsoleArgs& args, ConsoleApp& app)
+      : library_(std::make_shared<const SceneLibrary>(args.scenes)),
+        local_(args.master.host.empty()),
+        app_(app) {}
+
+  void see(const pb::Status& status) {
+    const std::string key =
+        status.scene() + "\n" + status.scene_file() + "\n" + std::to_string(status.scene_epoch());
+    if (reading_.empty() && key == shown_) return;
+    if (reading_.empty()) {
+      reading_ = key;
+      name_ = status.scene();
+    }
+    const std::string file = local_ ? status.scene_file() : "";
+    const auto read = errand_.poll(
+        [name = name_, file, library = library_] { return read_scene(name, file, *library); });
+    if (!read) return;
+    shown_ = std::exchange(reading_, "");
+    app_.show(name_, *read);
+  }
+
+ private:
+  const std::shared_ptr<const SceneLibrary> library_;
+  const bool local_;
+  ConsoleApp& app_;
+  Errand<Result<ReadScene>> errand_;
+  std::string shown_, reading_, name_;
+};
+
+// Says in the log when the master comes and goes.
+void say_master(const Result<pb::Reply>& reply, std::string& last) {
+  const std::string now = reply ? "" : reply.message();
+  if (now == last) return;
+  last = now;
+  if (reply) return spdlog::info("the master answers");
+  spdlog::warn("{}", now);
+}
+
+int serve(const ConsoleArgs& args) {
+  const auto key = new_secret(), cookie = new_secret();
+  if (!key || !cookie) return fail_start(kProgram, key ? cookie.message() : key.message());
+  boost::asio::io_context io;
+  WebServer server(io);
+  // What these two have in hand comes while the context runs: the desk is there by then.
+  std::unique_ptr<PageDesk> desk;
+  std::unique_ptr<SceneWatch> scenes;
+  std::string said = "?";
+  const MasterLink::Told told{[&](const Result<pb::Reply>& reply, Nanos asked) {
+                                say_master(reply, said);
+                                if (reply && reply->has_status()) scenes->see(reply->status());
+                                desk->status(reply, asked, monotonic_now());
+                              },
+                              [&](std::uint64_t ticket, const Result<pb::Reply>& reply) {
+                                desk->answered(ticket, reply, monotonic_now());
+                              },
+                              [&](const Result<pb::Reply>& reply) { desk->pointed(reply); }};
+  MasterLink link(
+      {args.master, args.as, args.observe},
+      [&io](std::function<void()> work) { boost::asio::post(io, std::move(work)); }, told);
+  const std::string master = args.master.host.empty() ? args.master.socket : args.master.host;
+  desk = std::make_unique<PageDesk>(
+      server, link, PageDeskOptions{args.observe, program_version(), args.as, master});
+  ConsoleApp app(page_of(args), *desk);
+  scenes = std::make_unique<SceneWatch>(args, app);
+  const auto address = boost::asio::ip::make_address(args.address);
+  if (const Status opened = server.open(address, args.port, app); !opened) {
+    return fail_start(kProgram, opened.message());
+  }
+  const Access access(*key, *cookie, args.address, server.port());
+  app.let_in(access);
+  boost::asio::signal_set endings(io);
+  for (const int signal : ending_signals()) endings.add(signal);
+  endings.async_wait([&io](const boost::system::error_code&, int) { io.stop(); });
+  Announcement ready;
+  ready.make("READY url=" + access.url());
+  io.run();
+  server.close();
+  return 0;
+}
+
+int run(int argc, char** argv) {
+  const auto args = parse_console_args(argc, argv);
+  if (!args) return fail_start(kProgram, args.message());
+  if (args->help) std::fputs(console_help().c_str(), stdout);
+  if (args->version) std::printf("%s %s\n", kProgram, program_version());
+  if (args->help || args->version) return end_output(kProgram, 0);
+  const DaemonLog log(kProgram, 0);
+  return serve(*args);
+}
+
+}  // namespace
+}  // namespace handrail
+
+int main(int argc, char** argv) {
+  return handrail::run_daemon("handrail-console", [&] { return handrail::run(argc, argv); });
+}

@@ -1,0 +1,114 @@
+#include "client/console/scene/map_picture.h"
+
+#include <png.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "server/base/read_file.h"
+
+namespace handrail {
+namespace {
+
+constexpr std::size_t kMostMapBytes = 16u << 20;
+constexpr double kAround = 0.010;      // of wall that is shown around drawn shapes [m]
+constexpr int kLongestSide = 1000;     // of the picture of drawn shapes [pixels]
+constexpr double kFinestPixel = 1e-4;  // [m]
+
+bool is_in(const WallShape& shape, const Vec2& p) {
+  const Vec2 from = p - shape.centre;
+  switch (shape.kind) {
+    case WallShape::Kind::kRectangle: {
+      const Vec2 local = Pose2::turned(from, -shape.angle);
+      return std::abs(local.x()) <= shape.half.x() && std::abs(local.y()) <= shape.half.y();
+    }
+    case WallShape::Kind::kDisc: return from.norm() <= shape.radius;
+    case WallShape::Kind::kArc: {
+      if (std::abs(from.norm() - shape.radius) > 0.5 * shape.width) return false;
+      const double turn = 2.0 * std::numbers::pi;
+      const double past = std::atan2(from.y(), from.x()) - shape.from;
+      return past - turn * std::floor(past / turn) <= shape.to - shape.from;
+    }
+  }
+  return false;
+}
+
+// How far a shape may reach from its centre [m].
+double reach_of(const WallShape& shape) {
+  switch (shape.kind) {
+    case WallShape::Kind::kRectangle: return shape.half.norm();
+    case WallShape::Kind::kDisc: return shape.radius;
+    case WallShape::Kind::kArc: return shape.radius + 0.5 * shape.width;
+  }
+  return 0.0;
+}
+
+// Half of the square about the origin that holds all shapes [m].
+double half_side(const Walls& walls) {
+  double half = 0.0;
+  for (const WallShape& shape : walls.shapes) {
+    half = std::max(half, shape.centre.cwiseAbs().maxCoeff() + reach_of(shape));
+  }
+  return half + kAround;
+}
+
+Result<std::string> encoded(int side, const std::vector<std::uint8_t>& rgb) {
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = image.height = static_cast<png_uint_32>(side);
+  image.format = PNG_FORMAT_RGB;
+  std::string out(PNG_IMAGE_PNG_SIZE_MAX(image), '\0');
+  png_alloc_size_t size = out.size();
+  if (png_image_write_to_memory(&image, out.data(), &size, 0, rgb.data(), 0, nullptr) == 0) {
+    return Status::error(std::string("the walls' picture: ") + image.message);
+  }
+  out.resize(size);
+  return out;
+}
+
+Result<MapPicture> drawn(const Walls& walls) {
+  const double half = half_side(walls);
+  const int side = std::min(kLongestSide, static_cast<int>(std::ceil(2.0 * half / kFinestPixel)));
+  const double pixel = 2.0 * half / side;
+  std::vector<std::uint8_t> rgb;
+  rgb.reserve(static_cast<std::size_t>(side) * static_cast<std::size_t>(side) * 3);
+  for (int row = 0; row < side; ++row) {
+    for (int column = 0; column < side; ++column) {
+      const Vec2 p((column + 0.5) * pixel - half, half - (row + 0.5) * pixel);
+      const auto shape = std::find_if(walls.shapes.begin(), walls.shapes.end(),
+                                      [&](const WallShape& s) { return is_in(s, p); });
+      const auto colour =
+          map_colour(walls, shape == walls.shapes.end() ? walls.outside : shape->region);
+      rgb.insert(rgb.end(), colour.begin(), colour.end());
+    }
+  }
+  const auto png = encoded(side, rgb);
+  if (!png) return png.status();
+  return MapPicture{*png, Vec2::Constant(2.0 * half)};
+}
+
+}  // namespace
+
+std::array<std::uint8_t, 3> map_colour(const Walls& walls, std::size_t region) {
+  if (region >= walls.regions.size()) return {255, 255, 255};
+  const WallRegion& of = walls.regions[region];
+  if (!walls.image.empty() || of.rgb != decltype(of.rgb){}) return of.rgb;
+  switch (of.kind) {
+    case RegionKind::kFree: return {250, 250, 250};
+    case RegionKind::kAisle: return {214, 230, 250};
+    case RegionKind::kWall: break;
+  }
+  return {70, 76, 86};
+}
+
+Result<MapPicture> map_picture(const Walls& walls) {
+  if (walls.image.empty()) return drawn(walls);
+  const auto png = read_file(walls.image, kMostMapBytes);
+  if (!png) return png.status();
+  const CoverageMap& map = *walls.map;
+  return MapPicture{*png, map.pixel * Vec2(map.width, map.height)};
+}
+
+}  // namespace handrail

@@ -1,0 +1,373 @@
+#include "client/console/web_server.h"
+
+#include <algorithm>
+#include <chrono>
+#include <deque>
+#include <list>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+
+#include "client/console/gateway/outbox.h"
+
+namespace handrail {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+using asio::ip::tcp;
+using Error = beast::error_code;
+
+namespace {
+
+// What of a slow page's frames the system keeps beside ours: a tenth of a second [bytes].
+constexpr int kSendBuffer = 32 << 10;
+constexpr auto kAcceptPause = std::chrono::milliseconds(100);
+constexpr auto kLastRead = std::chrono::seconds(1);
+
+std::chrono::nanoseconds ns(Nanos time) { return std::chrono::nanoseconds(time); }
+
+std::string text_of(beast::string_view view) { return {view.data(), view.size()}; }
+
+std::vector<std::string> split(beast::string_view list) {
+  std::vector<std::string> out;
+  for (const auto& token : http::token_list(list)) out.push_back(text_of(token));
+  return out;
+}
+
+}  // namespace
+
+struct WebServer::Parts {
+  explicit Parts(asio::io_context& context) : io(context), acceptor(context), pause(context) {}
+
+  void accept();
+  void admit(tcp::socket socket);
+  // Of those that have not said what they want, the one that has taken longest.
+  void make_room();
+  void forget(const Connection* connection);
+  void drop(const std::shared_ptr<Connection>& connection);
+
+  asio::io_context& io;
+  WebApplication* application = nullptr;
+  tcp::acceptor acceptor;
+  asio::steady_timer pause;
+  std::list<std::shared_ptr<Connection>> connections;  // the oldest first
+  std::map<PageId, std::shared_ptr<Connection>> pages;
+  PageId next_page = 1;
+};
+
+class WebServer::Connection : public std::enable_shared_from_this<Connection> {
+ public:
+  Connection(tcp::socket socket, Parts& parts)
+      : stream_(std::move(socket)), parts_(parts), slow_(parts.io) {}
+
+  void begin() {
+    Error error;
+    const auto peer = beast::get_lowest_layer(stream_).socket().remote_endpoint(error);
+    if (!error) from_ = peer.address().to_string() + ":" + std::to_string(peer.port());
+    parser_.header_limit(kMostHeader);
+    parser_.body_limit(0);
+    stream_.expires_after(ns(kHeaderPatience));
+    http::async_read_header(stream_, buffer_, parser_,
+                            [self = shared_from_this()](Error e, std::size_t) { self->asked(e); });
+  }
+  bool has_asked() const { return has_asked_; }
+  PageId page() const { return page_; }
+  void close() {
+    Error ignored;
+    slow_.cancel();
+    auto& layer = socket_ ? beast::get_lowest_layer(*socket_) : stream_;
+    layer.socket().close(ignored);
+    if (const PageId page = std::exchange(page_, 0); page != 0) {
+      parts_.pages.erase(page);
+      parts_.application->closed(page);
+    }
+    parts_.forget(this);
+  }
+  void put(Outbox::Item item) {
+    if (ending_) return;
+    if (!outbox_.put(std::move(item))) return end(1008, "too many frames wait to be read");
+    if (!writing_) write();
+  }
+  void end(std::uint16_t code, const std::string& why) {
+    if (std::exchange(ending_, true)) return;
+    // A reason has at most 123 bytes there.
+    reason_.code = code;
+    reason_.reason.assign(why.data(), std::min<std::size_t>(why.size(), 120));
+    if (!writing_) say_end();
+  }
+
+ private:
+  using Socket = websocket::stream<beast::tcp_stream>;
+
+  void asked(Error error);
+  WebRequest request_of() const;
+  void answer(WebAnswer answer, const std::string& host);
+  void become_page(const std::string& protocol);
+  void read();
+  void write();
+  void say_end();
+  void limit_time();
+  void count_control();
+
+  beast::tcp_stream stream_;
+  Parts& parts_;
+  asio::steady_timer slow_;  // for what is on its way to a page
+  beast::flat_buffer buffer_{kMostHeader + kMostFrame};
+  http::request_parser<http::empty_body> parser_;
+  http::response<http::string_body> response_;
+  std::optional<Socket> socket_;
+  std::string from_;
+  bool has_asked_ = false;
+  PageId page_ = 0;
+  Outbox outbox_;
+  SharedText on_its_way_;
+  bool writing_ = false, ending_ = false;
+  websocket::close_reason reason_;
+  int controls_ = 0;
+  std::chrono::steady_clock::time_point second_{};
+};
+
+void WebServer::Connection::asked(Error error) {
+  has_asked_ = true;
+  if (error == http::error::header_limit || error == http::error::buffer_overflow) {
+    return answer(plain_answer(431, "the head of a request has at most 8 KiB\n"), "");
+  }
+  if (error == http::error::body_limit) {
+    return answer(plain_answer(413, "a request has no body here\n"), "");
+  }
+  if (error) return close();
+  if (parser_.content_length().value_or(0) != 0 || parser_.chunked()) {
+    return answer(plain_answer(413, "a request has no body here\n"), "");
+  }
+  const WebRequest request = request_of();
+  if (!request.wants_socket) {
+    return answer(parts_.application->answer(request), request.host);
+  }
+  const WebApplication::Admission admission = parts_.application->admit(request);
+  if (admission.protocol.empty()) return answer(admission.refusal, request.host);
+  become_page(admission.protocol);
+}
+
+WebRequest WebServer::Connection::request_of() const {
+  const auto& head = parser_.get();
+  WebRequest out;
+  out.method = text_of(head.method_string());
+  out.target = text_of(head.target());
+  // Twice said is once too often.
+  const auto one = [&](http::field name) {
+    return head.count(name) == 1 ? text_of(head[name]) : std::string();
+  };
+  out.host = one(http::field::host);
+  out.origin = text_of(head[http::field::origin]);
+  out.cookie = text_of(head[http::field::cookie]);
+  out.protocols = split(head[http::field::sec_websocket_protocol]);
+  out.wants_socket = websocket::is_upgrade(head);
+  out.from = from_;
+  return out;
+}
+
+void WebServer::Connection::answer(WebAnswer answer, const std::string& host) {
+  response_.result(answer.status);
+  response_.version(11);
+  for (const auto& [name, value] : safety_headers(answer.status < 400 ? host : "")) {
+    response_.set(name, value);
+  }
+  for (const auto& [name, value] : answer.more) response_.set(name, value);
+  response_.set(http::field::content_type, answer.type);
+  response_.keep_alive(false);
+  if (answer.body) response_.body() = *answer.body;
+  response_.prepare_payload();
+  const bool head_only = parser_.is_header_done() && parser_.get().method() == http::verb::head;
+  if (head_only) response_.body().clear();
+  stream_.expires_after(ns(kAnswerPatience));
+  http::async_write(stream_, response_, [self = shared_from_this()](Error error, std::size_t) {
+    if (error) return self->close();
+    // What is unread would take the answer back on its way: let the other side close.
+    Error ignored;
+    self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+    self->buffer_.clear();
+    self->stream_.expires_after(kLastRead);
+    self->stream_.async_read_some(self->buffer_.prepare(4096),
+                                  [self](Error, std::size_t) { self->close(); });
+  });
+}
+
+void WebServer::Connection::become_page(const std::string& protocol) {
+  Error ignored;
+  stream_.expires_never();
+  stream_.socket().set_option(tcp::no_delay(true), ignored);
+  stream_.socket().set_option(asio::socket_base::send_buffer_size(kSendBuffer), ignored);
+  socket_.emplace(std::move(stream_));
+  websocket::stream_base::timeout times{};
+  times.handshake_timeout = ns(kAnswerPatience);
+  times.idle_timeout = ns(kIdle);
+  times.keep_alive_pings = true;
+  socket_->set_option(times);
+  socket_->set_option(websocket::stream_base::decorator([protocol](websocket::response_type& r) {
+    r.set(http::field::sec_websocket_protocol, protocol);
+  }));
+  socket_->read_message_max(kMostFrame);
+  socket_->auto_fragment(false);
+  socket_->control_callback([this](websocket::frame_type, beast::string_view) { count_control(); });
+  socket_->async_accept(parser_.get(), [self = shared_from_this(), protocol](Error error) {
+    if (error) return self->close();
+    self->page_ = self->parts_.next_page++;
+    self->parts_.pages[self->page_] = self;
+    self->parts_.application->opened(self->page_, protocol, self->from_);
+    self->read();
+  });
+}
+
+// A flood of pings is answered one by one otherwise.
+void WebServer::Connection::count_control() {
+  const auto now = std::chrono::steady_clock::now();
+  if (now - second_ > std::chrono::seconds(1)) {
+    second_ = now;
+    controls_ = 0;
+  }
+  if (++controls_ > kMostControls) end(1008, "too many pings");
+}
+
+void WebServer::Connection::read() {
+  buffer_.clear();
+  socket_->async_read(buffer_, [self = shared_from_this()](Error error, std::size_t) {
+    if (error) return self->close();
+    if (self->page_ == 0) return;
+    const auto data = self->buffer_.cdata();
+    self->parts_.application->received(self->page_,
+                                       {static_cast<const char*>(data.data()), data.size()},
+                                       self->socket_->got_binary());
+    self->read();
+  });
+}
+
+void WebServer::Connection::write() {
+  auto item = outbox_.next();
+  if (!item || page_ == 0) return;
+  writing_ = true;
+  on_its_way_ = std::move(item->frame);
+  socket_->binary(item->binary);
+  limit_time();
+  socket_->async_write(asio::buffer(*on_its_way_),
+                       [self = shared_from_this()](Error error, std::size_t) {
+                         self->writing_ = false;
+                         self->slow_.cancel();
+                         if (error) return self->close();
+                         if (self->ending_) return self->say_end();
+                         self->write();
+                       });
+}
+
+void WebServer::Connection::limit_time() {
+  slow_.expires_after(ns(kSlow));
+  slow_.async_wait([self = shared_from_this()](Error ended) {
+    if (!ended) self->close();
+  });
+}
+
+void WebServer::Connection::say_end() {
+  limit_time();
+  socket_->async_close(reason_, [self = shared_from_this()](Error) { self->close(); });
+}
+
+void WebServer::Parts::accept() {
+  acceptor.async_accept([this](Error error, tcp::socket socket) {
+    if (error == asio::error::operation_aborted || !acceptor.is_open()) return;
+    if (!error) {
+      admit(std::move(socket));
+      return accept();
+    }
+    // No descriptors are left, for one: later.
+    pause.expires_after(kAcceptPause);
+    pause.async_wait([this](Error ended) {
+      if (!ended) accept();
+    });
+  });
+}
+
+void WebServer::Parts::admit(tcp::socket socket) {
+  if (connections.size() >= kMostConnections) make_room();
+  connections.push_back(std::make_shared<Connection>(std::move(socket), *this));
+  connections.back()->begin();
+}
+
+void WebServer::Parts::make_room() {
+  for (const auto& connection : connections) {
+    if (!connection->has_asked()) return drop(connection);
+  }
+  for (const auto& connection : connections) {
+    if (connection->page() == 0) return drop(connection);
+  }
+}
+
+void WebServer::Parts::drop(const std::shared_ptr<Connection>& connection) {
+  const auto kept = connection;
+  kept->close();
+}
+
+void WebServer::Parts::forget(const Connection* connection) {
+  connections.remove_if([&](const auto& each) { return each.get() == connection; });
+}
+
+WebServer::WebServer(asio::io_context& io) : parts_(std::make_unique<Parts>(io)) {}
+WebServer::~WebServer() { close(); }
+
+Status WebServer::open(const asio::ip::address& address, std::uint16_t port,
+                       WebApplication& application) {
+  parts_->application = &application;
+  const tcp::endpoint at(address, port);
+  Error error;
+  tcp::acceptor& acceptor = parts_->acceptor;
+  acceptor.open(at.protocol(), error);
+  if (!error) acceptor.set_option(asio::socket_base::reuse_address(true), error);
+  if (!error) acceptor.bind(at, error);
+  if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
+  if (error) {
+    const std::string place = address.to_string() + ":" + std::to_string(port);
+    const bool taken = error == asio::error::address_in_use;
+    return Status::error("--listen " + place + ": " + error.message() +
+                         (taken ? ": another program listens there, perhaps a handrail-console; "
+                                  "expected a port that is free, or 0 for any"
+                                : "; expected an address of this computer"));
+  }
+  parts_->accept();
+  return Status::ok();
+}
+
+std::uint16_t WebServer::port() const {
+  Error ignored;
+  return parts_->acceptor.local_endpoint(ignored).port();
+}
+
+void WebServer::close() {
+  Error ignored;
+  parts_->acceptor.close(ignored);
+  parts_->pause.cancel();
+  while (!parts_->connections.empty()) parts_->drop(parts_->connections.front());
+}
+
+void WebServer::send(PageId page, SharedText frame, bool binary, FrameWorth worth) {
+  const auto found = parts_->pages.find(page);
+  if (found == parts_->pages.end()) return;
+  const auto kept = found->second;
+  kept->put({std::move(frame), binary, worth.slot});
+}
+
+void WebServer::end(PageId page, std::uint16_t code, const std::string& why) {
+  const auto found = parts_->pages.find(page);
+  if (found == parts_->pages.end()) return;
+  const auto kept = found->second;
+  kept->end(code, why);
+}
+
+std::size_t WebServer::connections() const { return parts_->connections.size(); }
+
+}  // namespace handrail

@@ -1,0 +1,57 @@
+// HTTP and WebSockets for a few people: every connection, its bytes and its times are bounded.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+// Boost 1.74 uses std::exchange without including it.
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/address.hpp>
+#include <utility>
+
+#include "client/console/gateway/web.h"
+#include "server/base/status.h"
+#include "server/base/time.h"
+
+namespace handrail {
+
+// One request a connection, or a WebSocket (RFC 6455). Where there is no room for one more, the
+// connection goes that has taken longest to say what it wants: so whoever says it at once is
+// served, whatever others do. A page that reads slowly misses frames (Outbox); one that does not
+// take any for kSlow, or does not answer a ping, is let go. All methods in the thread that runs the
+// io_context.
+class WebServer final : public PageSink {
+ public:
+  static constexpr std::size_t kMostConnections = 512;
+  static constexpr std::uint32_t kMostHeader = 8u << 10;  // [bytes]
+  static constexpr std::uint32_t kMostFrame = 64u << 10;  // [bytes]
+  static constexpr int kMostControls = 20;                // pings and pongs of a page in a second
+  static constexpr Nanos kHeaderPatience = 5 * kSecond;   // from the connection to its whole head
+  static constexpr Nanos kAnswerPatience = 5 * kSecond;   // for an answer to be taken
+  static constexpr Nanos kIdle = 30 * kSecond;            // of a page; pinged after half of it
+  static constexpr Nanos kSlow = 5 * kSecond;             // for one frame to be taken
+
+  // Must outlive the server.
+  explicit WebServer(boost::asio::io_context& io);
+  ~WebServer() override;
+
+  // Listens, for `application`, which must be there until close(). The error names the place and
+  // says what was expected.
+  Status open(const boost::asio::ip::address& address, std::uint16_t port,
+              WebApplication& application);
+  std::uint16_t port() const;
+  // Ends everything. Safe to call twice.
+  void close();
+
+  void send(PageId page, SharedText frame, bool binary, FrameWorth worth) override;
+  void end(PageId page, std::uint16_t code, const std::string& why) override;
+  std::size_t connections() const;
+
+ private:
+  class Connection;
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace handrail

@@ -1,0 +1,52 @@
+// A cell with a console, and pages that a test plays.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+
+#include "tests/loopback/web_client.h"
+#include "tests/loopback/whole_cell.h"
+
+namespace handrail {
+
+class ConsoleCell : public WholeCell {
+ protected:
+  void start_console(std::vector<std::string> more = {}) {
+    folder.write("page/index.html", "<p>page</p>");
+    more.insert(more.begin(), {"--socket", socket(), "--page", folder.path() + "/page"});
+    console = std::make_unique<Program>(folder, "handrail-console", more, streams);
+    url = console->after("READY url=");
+    port = std::atoi(url.substr(url.find(':', 5) + 1).c_str());
+    const std::string key = url.substr(url.find("/?"));
+    cookie = web_get(port, key, host_header()).cookie;
+    ASSERT_FALSE(cookie.empty()) << url;
+  }
+  std::string host() const { return "127.0.0.1:" + std::to_string(port); }
+  std::string host_header() const { return "Host: " + host() + "\r\n"; }
+  std::string own_headers() const { return host_header() + "Cookie: " + cookie + "\r\n"; }
+  WebPage::Asks own_asks() const { return {host(), "http://" + host(), cookie}; }
+  std::unique_ptr<WebPage> open_page() {
+    auto out = std::make_unique<WebPage>();
+    EXPECT_EQ(out->open(port, own_asks()), "");
+    return out;
+  }
+  static std::string lead(const std::string& act) {
+    return R"({"lead": {"id": 1, "act": ")" + act + "\"}}";
+  }
+  static std::string request(std::uint32_t id, const std::string& order) {
+    return R"({"request": {"id": )" + std::to_string(id) + ", \"order\": " + order + "}}";
+  }
+  static std::string hand(std::uint64_t sequence, double x, double y, bool held) {
+    return R"({"hand": {"sequence": ")" + std::to_string(sequence) + R"(", "position_mm": [)" +
+           std::to_string(x) + ", " + std::to_string(y) + R"(, 0], "held": )" +
+           (held ? "true" : "false") + "}}";
+  }
+
+  std::unique_ptr<Program> console;
+  std::string url, cookie;
+  int port = 0;
+};
+
+}  // namespace handrail

@@ -1,0 +1,32 @@
+// A headless Chromium with software rendering, and the page in it.
+import { chromium } from 'playwright-core';
+
+const PATH = process.env.HANDRAIL_CHROMIUM ?? '/usr/bin/chromium';
+const SOFTWARE_GL = ['--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
+const NO_GL = ['--disable-gpu', '--disable-3d-apis'];
+
+export const launch = ({ webgl = true } = {}) =>
+  chromium.launch({ executablePath: PATH, args: ['--no-sandbox', ...(webgl ? SOFTWARE_GL : NO_GL)] });
+
+/** A page that keeps what went wrong in `page.faults`. */
+export async function open(browser, url, { width = 1280, height = 720, theme = 'dark', tour = false, init } = {}) {
+  const context = await browser.newContext({ viewport: { width, height }, colorScheme: theme });
+  if (!tour) await context.addInitScript(() => localStorage.setItem('handrail.tour', 'seen'));
+  if (init) await context.addInitScript(init);
+  const page = await context.newPage();
+  page.faults = [];
+  page.on('console', (message) => {
+    if (['error', 'warning'].includes(message.type())) page.faults.push(message.text());
+  });
+  page.on('pageerror', (error) => page.faults.push(String(error)));
+  await page.addInitScript(() => {
+    document.addEventListener('securitypolicyviolation', (event) => console.error(`CSP: ${event.violatedDirective} ${event.blockedURI}`));
+  });
+  await page.goto(url);
+  return page;
+}
+
+/** Waits until `check` is true of the page: 20 s, as a build beside it may leave a browser little. */
+export const until = (page, check, argument) => page.waitForFunction(check, argument, { timeout: 20000, polling: 50 });
+
+export const text = (page, id) => page.locator(`#${id}`).textContent();

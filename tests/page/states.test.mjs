@@ -1,0 +1,228 @@
+// What the page says when something is missing, old, another's, or cannot be drawn.
+import assert from 'node:assert/strict';
+import { after, afterEach, before, beforeEach, test } from 'node:test';
+import { launch, open, text, until } from './browser.mjs';
+import { FakeGateway } from './fake/gateway.mjs';
+
+const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+const notice = (page, pattern) => until(page, (source) => {
+  const node = document.querySelector('#notice');
+  return node && !node.hidden && new RegExp(source).test(node.textContent);
+}, pattern.source);
+
+let browser, gateway, pages;
+before(async () => (browser = await launch()));
+after(() => browser.close());
+beforeEach(() => (pages = []));
+afterEach(async () => {
+  for (const page of pages) await page.context().close();
+  await gateway.close();
+});
+
+const start = async (made = {}, options = {}) => {
+  gateway = await new FakeGateway(made).listen();
+  return another(options);
+};
+const another = async (options = {}) => {
+  const page = await open(browser, gateway.url, options);
+  pages.push(page);
+  await until(page, () => document.querySelector('#state')?.textContent !== '–');
+  return page;
+};
+
+// News.
+
+test('OldDataTurnRedAndSaySinceWhen', async () => {
+  const page = await start();
+  assert.equal(await page.locator('#age-fact').getAttribute('data-mood'), 'good');
+  gateway.silent = true;
+  await notice(page, /[Nn]o news since \d\d:\d\d:\d\d/);
+  assert.equal(await page.locator('#age-fact').getAttribute('data-mood'), 'bad');
+  const colour = await page.locator('#age').evaluate((node) => getComputedStyle(node).color);
+  const [red, green] = colour.match(/\d+/g).map(Number);
+  assert.ok(red > 200 && green < 120, colour);
+  gateway.silent = false;
+  await until(page, () => document.querySelector('#age-fact')?.getAttribute('data-mood') === 'good');
+});
+
+test('SaysThatTheGatewayIsAwayAndComesBackWithoutAReload', async () => {
+  const page = await start();
+  const { port } = gateway;
+  await gateway.close();
+  await notice(page, /gateway does not answer.*Trying again/);
+  assert.equal(await page.locator('#stop').isDisabled(), true);
+  assert.match(await page.locator('#stop').getAttribute('title'), /emergency stop/);
+  gateway = await new FakeGateway().listen(port);
+  await until(page, () => document.querySelector('#notice')?.hidden && !document.querySelector('.old'));
+  assert.equal(await page.locator('#stop').isDisabled(), false);
+});
+
+for (const [status, says] of [[403, /started anew.*open the address/], [503, /no further page/]]) {
+  test(`SaysWhyItIsNotLetIn ${status}`, async () => {
+    const page = await start();
+    gateway.refuses = status;
+    for (const socket of gateway.pages.keys()) socket.terminate();
+    await notice(page, says);
+  });
+}
+
+test('SaysThatTheMasterIsAway', async () => {
+  const page = await start();
+  gateway.problem = 'the master does not answer: start handrail-master';
+  await notice(page, /start handrail-master/);
+  assert.equal(await page.locator('[data-order="engage"]').isDisabled(), true);
+  gateway.problem = '';
+  await until(page, () => document.querySelector('#notice')?.hidden);
+});
+
+// Who leads.
+
+test('TwoTabsSayWhoLeadsAndTakeOver', async () => {
+  const first = await start();
+  await first.keyboard.press('l');
+  await until(first, () => document.querySelector('#leader')?.textContent === 'this page');
+  const second = await another();
+  await notice(second, /Another page leads: page 1/);
+  assert.equal(await second.locator('[data-order="engage"]').isDisabled(), true);
+  assert.match(await second.locator('[data-order="engage"]').getAttribute('title'), /page 1 leads/);
+  assert.equal(await second.locator('#stop').isDisabled(), false);
+  await second.locator('#notice-button').click();
+  await until(second, () => document.querySelector('#leader')?.textContent === 'this page');
+  await notice(first, /Another page leads: page 2/);
+});
+
+test('AHandThatIsHeldIsLetGoWhenAnotherPageTakesOver', async () => {
+  const first = await start();
+  await first.keyboard.press('e');
+  await first.keyboard.down('Shift');
+  await until(first, () => document.querySelector('#hold')?.textContent === 'hand held');
+  const second = await another();
+  await second.locator('#notice-button').click();
+  await until(first, () => document.querySelector('#hold')?.textContent === 'hand free');
+  assert.match(await text(first, 'said'), /another page leads/);
+});
+
+test('ALeaseThatTheMasterForgotIsTakenAgainWithTheNextOrder', async () => {
+  const page = await start();
+  await page.keyboard.press('d');
+  await until(page, () => /\(here\)/.test(document.querySelector('#lease')?.textContent ?? ''));
+  gateway.master.status.lease = {};
+  await until(page, () => document.querySelector('#lease')?.textContent === 'free');
+  await page.keyboard.press('l');
+  await until(page, () => /\(here\)/.test(document.querySelector('#lease')?.textContent ?? ''));
+});
+
+test('AHandIsLetGoWhenTheMasterIsAway', async () => {
+  const page = await start();
+  await page.keyboard.down('Shift');
+  await until(page, () => document.querySelector('#hold')?.textContent === 'hand held');
+  gateway.problem = 'the master does not answer';
+  await until(page, () => document.querySelector('#hold')?.textContent === 'hand free');
+});
+
+test('AnObserverSeesAllAndOrdersNothing', async () => {
+  const page = await start({ role: 'OBSERVER' });
+  await notice(page, /You are an observer/);
+  for (const selector of ['[data-order="engage"]', '[data-tool="LINE"]', '#stop', '#scene-load', '#lead-take']) {
+    assert.equal(await page.locator(selector).isDisabled(), true, selector);
+    assert.match(await page.locator(selector).getAttribute('title'), /observer/, selector);
+  }
+  for (const key of ['e', 'l', 'Escape', 'Shift']) await page.keyboard.press(key);
+  await pause(200);
+  assert.deepEqual(gateway.orders.filter((order) => !order.stop), []);
+  assert.deepEqual(gateway.hands, []);
+});
+
+// Pictures.
+
+test('ASceneThatCannotBeDrawnSaysSo', async () => {
+  const page = await start({ scene: 'mystery' });
+  await until(page, () => !document.querySelector('#no-picture')?.hidden);
+  assert.match(await text(page, 'no-picture-text'), /cannot be drawn: no drawing of 'mystery' is known/);
+  assert.equal(await page.locator('#frame3d').isVisible(), false);
+});
+
+test('AnotherSceneShowsWithoutAReload', async () => {
+  const page = await start();
+  await page.selectOption('#scene', 'gearshift');
+  await page.locator('#scene-load').click();
+  await until(page, () => !document.querySelector('#frame2d')?.hidden);
+  assert.equal(await page.locator('#frame3d').isVisible(), false);
+  assert.equal(await page.locator('#tools-card').isVisible(), false);
+});
+
+test('TheLeverAndTheCursorComeApartAtAWall', async () => {
+  const page = await start({ scene: 'gearshift' });
+  gateway.master.status.hand.position_mm = [0, 0, 0];
+  await page.waitForTimeout(200);
+  const box = await page.locator('#canvas2d').boundingBox();
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(box.x + box.width / 2 + 60, box.y + box.height / 2 - 60, { steps: 6 });
+  await page.waitForTimeout(300);
+  const hand = gateway.hands.at(-1), { walls } = gateway.master.status;
+  assert.ok(hand.held && hand.position_mm[1] > 10);
+  assert.ok(walls.touching && walls.proxy_mm[1] <= 7.01, JSON.stringify(walls));
+  assert.equal(await text(page, 'place'), 'wall');
+  await page.mouse.up();
+});
+
+test('AFingerDragsTheLever', async () => {
+  const page = await start({ scene: 'gearshift' });
+  gateway.master.status.hand.position_mm = [0, 0, 0];
+  await page.waitForTimeout(200);
+  const box = await page.locator('#canvas2d').boundingBox();
+  const x = box.x + box.width / 2, y = box.y + box.height / 2;
+  const touch = await page.context().newCDPSession(page);
+  await touch.send('Emulation.setTouchEmulationEnabled', { enabled: true });
+  const finger = (type, ...touchPoints) => touch.send('Input.dispatchTouchEvent', { type, touchPoints });
+  await finger('touchStart', { x, y });
+  for (let way = 10; way <= 60; way += 10) await finger('touchMove', { x: x + way, y });
+  await page.waitForTimeout(300);
+  assert.ok(gateway.hands.at(-1).held && gateway.hands.at(-1).position_mm[0] > 10);
+  await finger('touchEnd');
+  await until(page, () => document.querySelector('#hold')?.textContent === 'hand free');
+});
+
+test('GraphicsThatAreTakenAwayAreSaidAndComeBack', async () => {
+  const page = await start();
+  await page.waitForTimeout(300);
+  await page.evaluate(() => {
+    window.lose = document.querySelector('#canvas3d').getContext('webgl2').getExtension('WEBGL_lose_context');
+    window.lose.loseContext();
+  });
+  await until(page, () => /WebGL context lost/.test(document.querySelector('#no-picture-text')?.textContent ?? ''));
+  await page.evaluate(() => window.lose.restoreContext());
+  await until(page, () => !document.querySelector('#frame3d')?.hidden);
+});
+
+test('WithoutWebGlTheWallsWorkAndTheArmSaysSo', async () => {
+  const plain = await launch({ webgl: false });
+  try {
+    gateway = await new FakeGateway().listen();
+    const page = await open(plain, gateway.url);
+    await until(page, () => !document.querySelector('#no-picture')?.hidden);
+    assert.match(await text(page, 'no-picture-text'), /no WebGL/);
+    await page.selectOption('#scene', 'gearshift');
+    await page.locator('#scene-load').click();
+    await until(page, () => !document.querySelector('#frame2d')?.hidden);
+    await page.keyboard.press('Escape');
+    await page.waitForTimeout(200);
+    assert.ok(gateway.orders.some((order) => order.stop));
+  } finally {
+    await plain.close();
+  }
+});
+
+test('TheTourLeavesTheStopButtonFreeAndIsShownOnce', async () => {
+  const page = await start({}, { tour: true });
+  assert.equal(await page.locator('#tour').isVisible(), true);
+  await page.locator('#stop').click();
+  await page.waitForTimeout(200);
+  assert.ok(gateway.orders.some((order) => order.stop));
+  for (let step = 0; step < 5; ++step) await page.locator('#tour-next').click();
+  assert.equal(await page.locator('#tour').isVisible(), false);
+  await page.reload();
+  await page.waitForTimeout(300);
+  assert.equal(await page.locator('#tour').isVisible(), false);
+});
