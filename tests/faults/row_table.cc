@@ -13,7 +13,7 @@ constexpr FaultRow kRows[] = {
     {"N5", "datagrams that overtake others", "N5", rows::n5},
     {"N6", "datagrams that come twice", "N6", rows::n6},
     {"N7", "damaged datagrams with right checksums", "", rows::n7},
-    {"N8", "replays", "N6 X8", rows::n8},
+    {"N8", "replays", "N6 X11", rows::n8},
     {"N9", "everything dark for a while", "N9", rows::n9},
     {"N10", "one way dark", "N10a N10b", rows::n10},
     {"N11", "a narrow way with a long queue", "N11", rows::n11},

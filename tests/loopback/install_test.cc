@@ -129,7 +129,14 @@ TEST_F(InstallTest, AClangWithoutItsFuzzerIsNotEnough) {
 TEST_F(InstallTest, AnUnknownWordIsNamed) {
   EXPECT_EQ(run({"--test"}), 2);
   EXPECT_THAT(said, HasSubstr("unknown argument '--test'; expected --tests, --checks, "
-                              "--fuzz, --bench or nothing"));
+                              "--fuzz, --bench, --console or nothing"));
+}
+
+TEST_F(InstallTest, TheConsolesPageNamesWhatItLacksAndInstallsNoPackage) {
+  debian();
+  EXPECT_EQ(run({"--console"}), 2);
+  EXPECT_THAT(said, HasSubstr("page"));
+  EXPECT_THAT(said, Not(HasSubstr("apt-get install")));
 }
 
 }  // namespace

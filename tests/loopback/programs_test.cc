@@ -12,8 +12,8 @@ namespace {
 using ::testing::IsSupersetOf;
 using ::testing::StartsWith;
 
-const std::string kPrograms[] = {"handrail", "handrail-master", "handrail-slave", "handrail-rig",
-                                 "handrail-lab"};
+const std::string kPrograms[] = {"handrail",     "handrail-master", "handrail-slave",
+                                 "handrail-rig", "handrail-lab",    "handrail-console"};
 
 TEST(Programs, EachSaysItsVersion) {
   TempFolder folder;

@@ -34,7 +34,7 @@ constexpr std::array kProofs = {
     FaultProof{Check::kWatchdog, "watchdog", "N10a", 10, "stopped late"},
     FaultProof{Check::kLatch, "latch", "N9", 10, "moved without being led"},
     FaultProof{Check::kSequence, "sequence", "N5", 3, "not the newest applied"},
-    FaultProof{Check::kConfirmed, "confirmed", "X8", 2, "moved without being led"},
+    FaultProof{Check::kConfirmed, "confirmed", "X11", 2, "moved without being led"},
     FaultProof{Check::kStopEpoch, "stop-epoch", "X4", 4, "the stop was not latched"},
     FaultProof{Check::kPresence, "presence", "S6", 2, "led by nobody"},
     FaultProof{Check::kLoopAge, "loop-age", "N3", 5, "ms of a wrong warning"},

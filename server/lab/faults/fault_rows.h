@@ -56,7 +56,7 @@ Row s1e, s1f, s2d, s2e, r1c;
 // guard_rows.cc
 Row x2a;
 // session_rows.cc
-Row n1d, s6, d3, x4, x8, p8, x9b;
+Row n1d, s6, d3, x4, x11, p8, x9b;
 // tool_rows.cc
 Row x2c;
 }  // namespace rows

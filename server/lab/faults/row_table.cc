@@ -70,7 +70,7 @@ constexpr FaultRow kRows[] = {
     {"X9a", "a second master at the same slave", "datagrams applied", 4, 1, rows::x9a},
     {"X4", "a stop at 30 % loss, a stop in a mad master's datagrams", "ms to stop", 20, 2,
      rows::x4},
-    {"X8", "a recorded session to a slave that has just started", "cycles moved", 4, 1, rows::x8},
+    {"X11", "a recorded session to a slave that has just started", "cycles moved", 4, 1, rows::x11},
     {"X9b", "two operators at a time", "orders of another", 4, 1, rows::x9b},
 };
 

@@ -107,7 +107,7 @@ FaultOutcome x4(const RowRun& row) {
 
 // All datagrams of an engagement and a drive, recorded and played to a slave that has just started,
 // its arm where the recording began.
-FaultOutcome x8(const RowRun& row) {
+FaultOutcome x11(const RowRun& row) {
   std::vector<std::vector<std::uint8_t>> recording;
   FaultRun live(row.seed);
   for (int i = 0; i < 6000; ++i) {
