@@ -38,11 +38,17 @@ Governed reduced(const Vec3& force, const Vec3& way, double push, double less) {
 
 }  // namespace
 
-double DeviceLosses::take(const GovernorSettings& settings, double way, double dt) noexcept {
+double HandWay::add(const GovernorSettings& settings, const Vec3& moved, double dt) noexcept {
   // A clock that has leapt does not make the hand faster than it was.
   still_ += std::max(dt, settings.period);
-  if (way == 0.0) return 0.0;
-  return way * (settings.friction + settings.damping * way / std::exchange(still_, 0.0));
+  if (moved.isZero(0.0)) return 0.0;
+  const double way = along_.isZero(0.0) ? moved.norm() : std::abs(along_.dot(moved));
+  const double time = std::exchange(still_, 0.0);
+  way_ = kKept * way_ + moved;
+  if (const double size = way_.norm(); size > 0.0) along_ = way_ / size;
+  last_ = std::abs(along_.dot(moved));
+  taken_ = last_ * (settings.friction + settings.damping * last_ / time);
+  return way * (settings.friction + settings.damping * way / time);
 }
 
 void ToldForces::add(const Vec3& force) noexcept {
@@ -75,7 +81,7 @@ Governed EnergyGovernor::govern(const GovernorSettings& settings, const Rendered
   if (force.stiffness > 0.0) stiffness_ = force.stiffness;
   const double law =
       0.5 * pushed_part(before, springs, stiffness_, way) * (before + springs).dot(moved);
-  const double taken = losses_.take(settings, way, dt);
+  const double taken = hand_.add(settings, moved, dt);
   made_ = std::max(made_ + told_.acting(settings.delay).dot(moved) - law - taken, 0.0);
   // The next way is taken to be as this one was, and those after it until what is told now acts.
   const double push = way > 0.0 ? force.wanted.dot(moved) / way : 0.0;
@@ -98,15 +104,15 @@ Governed EnergyTank::govern(const GovernorSettings& settings, const Vec3& wanted
     return out;
   }
   const double size = wanted.norm();
-  const double taken = losses_.take(settings, moved.norm(), dt);
-  if (!moved.isZero(0.0)) way_ = moved, taken_ = taken;
-  energy_ += taken - told_.acting(settings.delay).dot(moved);
+  energy_ += hand_.add(settings, moved, dt) - told_.acting(settings.delay).dot(moved);
   energy_ = std::min(energy_, 0.5 * size * size / stiffness);
-  const double way = way_.norm();
-  const double push = way > 0.0 ? wanted.dot(way_) / way : 0.0;
-  if (push > 0.0) {
-    const double most = std::max(energy_ + taken_, 0.0) / way;
-    out = reduced(wanted, way_ / way, push, push - most);
+  const double push = wanted.dot(hand_.along()), way = hand_.last();
+  if (push > 0.0 && way > 0.0) {
+    // No more than is there on this way, and beside what the device takes no more than a spring
+    // pushes that holds it: so the force sinks as the energy does, not all at once at its end.
+    const double there = std::max(energy_ + hand_.taken(), 0.0) / way;
+    const double spring = std::sqrt(2.0 * stiffness * std::max(energy_, 0.0)) + hand_.taken() / way;
+    out = reduced(wanted, hand_.along(), push, push - std::min(there, spring));
   }
   out.made = std::max(-energy_, 0.0);
   return out;

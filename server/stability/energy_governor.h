@@ -57,14 +57,26 @@ class ToldForces {
   }
 };
 
-// The device's own losses on ways that an encoder tells in counts: a count that comes after ticks
-// without one was gone in all of their time.
-class DeviceLosses {
+// Where the hand goes, and what the device takes of it by itself, of a way that an encoder tells in
+// counts: now of one axis and now of another, and in most ticks of a slow hand none.
+class HandWay {
  public:
-  // In this tick, on `way` >= 0 [m], `dt` > 0 [s]: [J]. The least that they can have been.
-  double take(const GovernorSettings& settings, double way, double dt) noexcept;
+  // One tick, `dt` > 0 [s]. What the device took [J], the least that it can have been: the way
+  // counts along where the hand went before, and a count as gone in all of the time since the last.
+  double add(const GovernorSettings& settings, const Vec3& moved, double dt) noexcept;
+  // Unit, the last counts together; none: it has not moved yet.
+  const Vec3& along() const noexcept { return along_; }
+  // The last [m], along that, > 0 where there is one, and what the device took of it [J].
+  double last() const noexcept { return last_; }
+  double taken() const noexcept { return taken_; }
 
  private:
+  // Of a way when the next is added: both axes of a slanted way stay, and a hand that turns back
+  // is seen to after two counts. Chosen.
+  static constexpr double kKept = 0.5;
+
+  Vec3 way_ = Vec3::Zero(), along_ = Vec3::Zero();
+  double last_ = 0.0, taken_ = 0.0;
   double still_ = 0.0;  // since the last way [s]
 };
 
@@ -103,7 +115,7 @@ class EnergyGovernor {
   double asked_ = 0.0;           // size of the governed force of the tick before [N]
   double limit_ = kNoLimit;      // what the device's limits let pass then [N]
   double stiffness_ = 0.0;       // of the springs that pushed last [N/m]
-  DeviceLosses losses_;
+  HandWay hand_;
   double made_ = 0.0;  // [J]
 };
 
@@ -122,10 +134,8 @@ class EnergyTank {
 
  private:
   ToldForces told_;
-  DeviceLosses losses_;
-  Vec3 way_ = Vec3::Zero();  // the hand's last [m]
-  double taken_ = 0.0;       // of it by the device [J]
-  double energy_ = 0.0;      // that it may give back [J]
+  HandWay hand_;
+  double energy_ = 0.0;  // that it may give back [J]
 };
 
 }  // namespace handrail

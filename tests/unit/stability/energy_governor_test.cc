@@ -325,22 +325,42 @@ TEST(EnergyTank, AHandThatMovesByACountNowAndThenIsGivenNoMoreThanItGave) {
     seen = read;
   }
   EXPECT_GT(most, 0.0);
-  EXPECT_LT(given, 5e-3 * kStiffness * kCount);  // a count that is not seen through
+  // At each end of a swing it takes two counts to see that the hand turns.
+  EXPECT_LT(given, 4.0 * 5e-3 * kStiffness * kCount);
 }
 
-TEST(DeviceLosses, AHandThatIsSeenInCountsLosesAsMuchAsOneThatIsSeenAsItGoes) {
+TEST(HandWay, AHandThatIsSeenInCountsLosesAsMuchAsOneThatIsSeenAsItGoes) {
   constexpr double kSpeed = 0.02, kCount = 0.1e-3, kSeconds = 2.0;
   const GovernorSettings settings = governed(0.3, 3.0);
-  DeviceLosses fine, coarse;
+  HandWay fine, coarse;
   double by_way = 0.0, by_counts = 0.0, seen = 0.0;
   for (int i = 1; i * kTick <= kSeconds; ++i) {
     const double read = std::floor(kSpeed * kTick * i / kCount + 1e-9) * kCount;
-    by_way += fine.take(settings, kSpeed * kTick, kTick);
-    by_counts += coarse.take(settings, read - seen, kTick);
+    by_way += fine.add(settings, {kSpeed * kTick, 0.0, 0.0}, kTick);
+    by_counts += coarse.add(settings, {read - seen, 0.0, 0.0}, kTick);
     seen = read;
   }
   EXPECT_NEAR(by_way, kSeconds * kSpeed * (0.3 + 3.0 * kSpeed), 1e-9);
   EXPECT_NEAR(by_counts, by_way, 0.01 * by_way);
+}
+
+// Counts of one axis and of another by turns are longer than the slanted way.
+TEST(HandWay, ASlantedWayIsNotLongerThanItIs) {
+  const GovernorSettings settings = governed(1.0);
+  for (const double slope : {0.2, 0.5, 1.0}) {
+    HandWay hand;
+    double lost = 0.0;
+    Vec3 seen = Vec3::Zero();
+    const Vec3 end = 0.01 * Vec3(1.0, slope, 0.0).normalized();
+    for (int i = 1; i <= 1000; ++i) {
+      const Vec3 read = (end * (i * 1e-3) / 5e-5).array().floor().matrix() * 5e-5;
+      lost += hand.add(settings, read - seen, kTick);
+      seen = read;
+    }
+    EXPECT_LE(lost, 1.01 * 0.01) << slope;
+    EXPECT_GE(lost, 0.5 * 0.01) << slope;
+    EXPECT_GT(hand.along().dot(end.normalized()), 0.85) << slope;
+  }
 }
 
 }  // namespace
