@@ -5,13 +5,16 @@ import { launch, open, text, until } from './browser.mjs';
 import { Programs } from './programs.mjs';
 
 const is = (page, id, wanted) => until(page, ([node, value]) => new RegExp(value).test(document.getElementById(node).textContent), [id, wanted]);
-/** Engages as a person does: the order, then the hand. */
+/** Engages as a person does: the order, then the hand; again, where a busy machine lets the cursor come too late. */
 const engage = async (page) => {
-  await page.keyboard.up('Shift');
-  await page.keyboard.press('e');
-  await until(page, () => document.querySelector('.waits'));
-  await page.keyboard.down('Shift');
-  await is(page, 'state', '^engaged$');
+  for (let i = 0; i < 6; ++i) {
+    await page.keyboard.up('Shift');
+    await page.keyboard.press('e');
+    await page.keyboard.down('Shift');
+    const engaged = () => document.querySelector('#state').textContent === 'engaged' && !document.querySelector('.waits');
+    if (await page.waitForFunction(engaged, null, { timeout: 4000 }).catch(() => null)) return;
+  }
+  assert.fail(`not engaged: ${await text(page, 'why')} ${await text(page, 'said')}`);
 };
 const tip = (page) => page.evaluate(() => {
   const { tipX, tipY } = document.querySelector('#stats').dataset;
@@ -61,8 +64,7 @@ test('LettingGoHoldsTheArm', async () => {
 });
 
 test('AStopStopsAndItsWayOutEngagesAgain', async () => {
-  await page.keyboard.down('Shift');
-  await is(page, 'state', '^engaged$');
+  await engage(page);
   await page.keyboard.press('Escape');
   await is(page, 'state', '^fault$');
   await is(page, 'why', 'stop');
@@ -93,7 +95,7 @@ for (const name of ['slave', 'rig', 'master']) {
     await programs.start(name);
     await until(page, () => !document.querySelector('.old'));
     for (let i = 0; i < 8 && (await text(page, 'state')) !== 'engaged'; ++i) {
-      await page.locator('#way-out:not([hidden]):not([disabled])').click({ timeout: 20000 });
+      await page.locator('#way-out:not([hidden]):not([disabled])').click({ timeout: 3000 }).catch(() => undefined); // it comes with the link
       await page.waitForTimeout(700);
       await page.keyboard.up('Shift');
       await page.keyboard.down('Shift');
