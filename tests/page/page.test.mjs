@@ -123,6 +123,15 @@ test('TheClutchGoesOnAndOff', async () => {
   await ordered((o) => o.clutch === false);
 });
 
+test('LettersAreOrdersAgainOnceADirectionIsChosen', async () => {
+  await start();
+  await page.locator('#along').focus();
+  await page.keyboard.press('ArrowUp');
+  await page.locator('#one-way').focus();
+  await page.keyboard.press('p');
+  await ordered((o) => o.tool?.kind === 'PLANE');
+});
+
 test('ALineToAGoalEndsThere', async () => {
   await start();
   await page.selectOption('#along', 'goal 1');

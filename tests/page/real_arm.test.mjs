@@ -5,13 +5,18 @@ import { launch, open, text, until } from './browser.mjs';
 import { Programs } from './programs.mjs';
 
 const is = (page, id, wanted) => until(page, ([node, value]) => new RegExp(value).test(document.getElementById(node).textContent), [id, wanted]);
-/** Engages as a person does: the order, then the hand. */
+/** Engages as a person does: the order, then the hand; again, where a busy machine lets the cursor come too late. */
 const engage = async (page) => {
-  await page.keyboard.up('Shift');
-  await page.keyboard.press('e');
-  await until(page, () => document.querySelector('.waits'));
-  await page.keyboard.down('Shift');
-  await is(page, 'state', '^engaged$');
+  for (let i = 0; i < 6; ++i) {
+    await page.keyboard.up('Shift');
+    await page.keyboard.press('r'); // refused where nothing is latched
+    await page.waitForTimeout(300);
+    await page.keyboard.press('e');
+    await page.keyboard.down('Shift');
+    const engaged = () => document.querySelector('#state').textContent === 'engaged' && !document.querySelector('.waits');
+    if (await page.waitForFunction(engaged, null, { timeout: 4000 }).catch(() => null)) return;
+  }
+  assert.fail(`not engaged: ${await text(page, 'why')} ${await text(page, 'said')}`);
 };
 const tip = (page) => page.evaluate(() => {
   const { tipX, tipY } = document.querySelector('#stats').dataset;
@@ -34,6 +39,7 @@ after(async () => {
 });
 
 test('ItFollowsTheHandOnALineWithItsOrientationKept', async () => {
+  await page.selectOption('#along', '-y');
   await engage(page);
   await page.keyboard.press('l');
   await is(page, 'tool-now', 'line');
@@ -41,12 +47,11 @@ test('ItFollowsTheHandOnALineWithItsOrientationKept', async () => {
   await is(page, 'tool-now', 'n-rotation');
   const before = await tip(page);
   await page.keyboard.down('ArrowRight');
-  await page.waitForTimeout(800);
-  await page.keyboard.up('ArrowRight');
   await until(page, (from) => {
     const { tipX, tipY } = document.querySelector('#stats').dataset;
     return Math.hypot(tipX - from[0], tipY - from[1]) > 8;
   }, before);
+  await page.keyboard.up('ArrowRight');
   const { calls, triangles } = await page.evaluate(() => ({ ...document.querySelector('#stats').dataset }));
   assert.ok(Number(calls) <= 200 && Number(triangles) <= 200000);
 });
@@ -61,13 +66,12 @@ test('LettingGoHoldsTheArm', async () => {
 });
 
 test('AStopStopsAndItsWayOutEngagesAgain', async () => {
-  await page.keyboard.down('Shift');
-  await is(page, 'state', '^engaged$');
+  await engage(page);
   await page.keyboard.press('Escape');
   await is(page, 'state', '^fault$');
   await is(page, 'why', 'stop');
   await page.locator('#way-out').click();
-  await is(page, 'said', 'engage: done'); // let go earlier, the engage would be taken back
+  await is(page, 'said', 'engage: done');
   await is(page, 'state', '^engaged$');
   await page.keyboard.up('Shift');
   await is(page, 'state', '^clutched$');
@@ -92,15 +96,7 @@ for (const name of ['slave', 'rig', 'master']) {
     await page.keyboard.up('Shift');
     await programs.start(name);
     await until(page, () => !document.querySelector('.old'));
-    for (let i = 0; i < 8 && (await text(page, 'state')) !== 'engaged'; ++i) {
-      await page.locator('#way-out:not([hidden]):not([disabled])').click({ timeout: 20000 });
-      await page.waitForTimeout(700);
-      await page.keyboard.up('Shift');
-      await page.keyboard.down('Shift');
-      await page.waitForTimeout(2000);
-    }
-    await is(page, 'state', '^engaged$');
-    await is(page, 'said', 'engage: done');
+    await engage(page);
     await page.keyboard.up('Shift');
     await is(page, 'state', '^(clutched|off)$');
   });

@@ -15,7 +15,7 @@ const WAYS = {
 
 /** Whether letters belong to what has the focus. @param {EventTarget | null} target */
 function typesText(target) {
-  return target instanceof HTMLElement && (target.isContentEditable || /^(INPUT|TEXTAREA|SELECT)$/.test(target.tagName));
+  return (target instanceof HTMLInputElement && target.type === 'text') || target instanceof HTMLSelectElement;
 }
 
 /**
@@ -40,6 +40,9 @@ export function stopKeys(stop) {
  * @param {Map<string, () => void>} orders
  */
 export function orderKeys(orders) {
+  document.addEventListener('change', ({ target }) => {
+    if (target instanceof HTMLSelectElement) target.blur(); // chosen: letters are orders again
+  });
   window.addEventListener('keydown', (event) => {
     if (event.repeat || event.ctrlKey || event.altKey || event.metaKey || typesText(event.target)) return;
     const order = orders.get(event.code);
