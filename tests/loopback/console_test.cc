@@ -181,14 +181,14 @@ TEST_F(ConsoleTest, OneThatReadsNothingIsLetGoAndDelaysNobody) {
   ASSERT_TRUE(sees_pages(*page, 2));
   Nanos longest = 0, last = monotonic_now();
   const Nanos begin = last;
-  while (monotonic_now() - begin < 60 * kSecond) {
+  while (monotonic_now() - begin < 20 * kSecond) {
     const auto frame = page->next_frame(kSecond);
     ASSERT_TRUE(frame);
     longest = std::max(longest, monotonic_now() - last);
     last = monotonic_now();
     if (frame->status().pages() == 1) break;
   }
-  EXPECT_LT(last - begin, 60 * kSecond) << "it was not let go";
+  EXPECT_LT(last - begin, 20 * kSecond) << "let go, and before its silence alone would have";
   EXPECT_LT(longest, 500 * kMillisecond);
 }
 
@@ -234,7 +234,7 @@ TEST_F(ConsoleTest, WhatIsTooLongOrNotUnderstoodEndsItsPageAlone) {
   bad->say(std::string(70'000, ' '));
   while (bad->next(kSecond)) {
   }
-  EXPECT_TRUE(bad->has_ended());
+  EXPECT_EQ(bad->close_code(), 1009) << "too long, whatever it says";
   const auto garbled = open_page();
   garbled->say("{\"nonsense\": 1}");
   while (garbled->next(kSecond)) {
