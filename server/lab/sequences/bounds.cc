@@ -111,21 +111,24 @@ void Watch::see(const HapticInput& in, double dt, const HapticState& state,
   }
   judge(Bound::kFinite, not_finite(out), 0.0);
   judge(Bound::kUnit, std::abs(out.link.X_SU.q.norm() - 1.0), kUnitTolerance);
-  see_force(in, dt, hand_ok, moved, out);
+  see_force(in, dt, hand_ok, moved, state.force.surface.known(), out);
   see_command(dt, moved, state, out);
 }
 
-void Watch::see_force(const HapticInput& in, double dt, bool hand_ok, double moved,
+void Watch::see_force(const HapticInput& in, double dt, bool hand_ok, double moved, bool surface,
                       const HapticOutput& out) {
   const ForceLimits& limits = settings_.force;
   const Vec3& force = out.f_H_M.force;
   judge(Bound::kForcePeak, force.norm(), limits.peak);
   const bool cue = !out.force.cue.isZero(0.0);
   if (hand_ok) {
-    double allowed =
-        trusted(in, out.link.state)
-            ? limits.step * dt * 1e3 + stiffness_of(settings_, out.link.position_tool) * moved
-            : limits.peak * dt / limits.fade_out;
+    const ToolDefinition& tool = out.link.position_tool;
+    const bool trust = trusted(in, out.link.state);
+    double allowed = trust ? limits.step * dt * 1e3 + stiffness_of(settings_, tool) * moved
+                           : limits.peak * dt / limits.fade_out;
+    const bool beside =
+        trust ? tool.kind != ToolKind::kNone : out.link.state == SessionState::kHold;
+    if (surface && beside) allowed += stiffness_of(settings_, ToolDefinition()) * moved;
     const double most = std::max(force.norm(), wrench_.force.norm());
     if (cue || cue_) {
       // The arbiter's own force is the device's without the cue.

@@ -38,10 +38,11 @@ constexpr bool breaks(double ratio) noexcept { return !(ratio <= 1.0 + 1e-9); }
 //
 // Force step. The arbiter's: limits.step a millisecond, plus K |m| for a hand that moved by m since
 // its last reading, K of the position tool, or without one the settings', as far as the device
-// holds it; where the reading, the link or the slave is not trusted, peak dt / fade_out instead.
-// While a cue plays, its own slope too, 0.05 N a millisecond; and where less than the largest cue
-// is left of the peak, so much again as the arbiter's, because the cue gives way to it. A tick
-// without a reading has no force at all, however much there was.
+// holds it; where the reading, the link or the slave is not trusted, peak dt / fade_out instead. A
+// surface that the tip touches, no stiffer than the settings' tools, adds its own K |m| beside a
+// tool and while the arm holds. While a cue plays, its own slope too, 0.05 N a millisecond; and
+// where less than the largest cue is left of the peak, so much again as the arbiter's, because the
+// cue gives way to it. A tick without a reading has no force at all, however much there was.
 //
 // Torque step: max_torque dt / fade_out.
 //
@@ -79,7 +80,7 @@ class Watch {
   };
 
   void judge(Bound bound, double measured, double allowed);
-  void see_force(const HapticInput& in, double dt, bool hand_ok, double moved,
+  void see_force(const HapticInput& in, double dt, bool hand_ok, double moved, bool surface,
                  const HapticOutput& out);
   void see_command(double dt, double moved, const HapticState& state, const HapticOutput& out);
 

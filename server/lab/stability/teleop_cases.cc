@@ -35,8 +35,8 @@ struct Weather {
   std::string name;
   LinkFaults faults;
   bool later = false;
-  // False: the arm holds again and again, and each time the force is taken from the hand. So by
-  // rule a hand in contact is not still.
+  // False: the arm holds again and again, and each time the spring's force is taken from the hand.
+  // So by rule a hand that it pushes is not still.
   bool calm = true;
 };
 
