@@ -67,7 +67,8 @@ Table program_rows() {
                                           "server/link", "server/link/secure", "server/task",
                                           "server/scene", "client/api", "client/doctor"}},
           {"client/console/gateway", kBase + Folders{"proto"}},
-          {"client/console/scene", kModel + Folders{"proto", "server/kinematics", "server/scene"}},
+          {"client/console/scene", kModel + Folders{"proto", "server/kinematics", "server/scene",
+                                                    "server/constraint/drawn"}},
           {"client/console",
            kModel + Folders{"proto", "server/daemon", "server/keys", "server/scene", "client/api",
                             "client/console/gateway", "client/console/scene"}}};

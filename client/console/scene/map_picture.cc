@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "server/base/read_file.h"
+#include "server/constraint/drawn/outline.h"
 
 namespace handrail {
 namespace {
@@ -68,8 +70,36 @@ Result<std::string> encoded(int side, const std::vector<std::uint8_t>& rgb) {
   return out;
 }
 
+// The region of the shape nearest to p, within `far` [m]; else what is outside all.
+std::size_t region_near(const Walls& walls, const Vec2& p, double far) {
+  constexpr int kRings = 4, kWays = 16;
+  for (int ring = 1; ring <= kRings; ++ring) {
+    for (int way = 0; way < kWays; ++way) {
+      const Vec2 to =
+          Pose2::turned(Vec2(far * ring / kRings, 0.0), 2.0 * std::numbers::pi * way / kWays);
+      for (const WallShape& shape : walls.shapes) {
+        if (is_in(shape, p + to)) return shape.region;
+      }
+    }
+  }
+  return walls.outside;
+}
+
+// Where a shape is, and in its rounded corners.
+std::size_t region_at(const Walls& walls, const std::optional<Outline>& outline, const Vec2& p) {
+  for (const WallShape& shape : walls.shapes) {
+    if (is_in(shape, p)) return shape.region;
+  }
+  if (!outline) return walls.outside;
+  const Outline::Place border = outline->nearest(p);
+  const bool rounded = (border.p - p).norm() <= walls.fillet && outline->is_free(p, border);
+  return rounded ? region_near(walls, p, 2.0 * walls.fillet) : walls.outside;
+}
+
 Result<MapPicture> drawn(const Walls& walls) {
   const double half = half_side(walls);
+  std::optional<Outline> outline;
+  if (walls.fillet > 0.0) outline.emplace(walls.shapes, walls.fillet);
   const int side = std::min(kLongestSide, static_cast<int>(std::ceil(2.0 * half / kFinestPixel)));
   const double pixel = 2.0 * half / side;
   std::vector<std::uint8_t> rgb;
@@ -77,10 +107,7 @@ Result<MapPicture> drawn(const Walls& walls) {
   for (int row = 0; row < side; ++row) {
     for (int column = 0; column < side; ++column) {
       const Vec2 p((column + 0.5) * pixel - half, half - (row + 0.5) * pixel);
-      const auto shape = std::find_if(walls.shapes.begin(), walls.shapes.end(),
-                                      [&](const WallShape& s) { return is_in(s, p); });
-      const auto colour =
-          map_colour(walls, shape == walls.shapes.end() ? walls.outside : shape->region);
+      const auto colour = map_colour(walls, region_at(walls, outline, p));
       rgb.insert(rgb.end(), colour.begin(), colour.end());
     }
   }

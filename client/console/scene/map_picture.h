@@ -15,8 +15,8 @@ struct MapPicture {
   Vec2 size = Vec2::Zero();  // that it shows, about the map's origin [m]
 };
 
-// A painted map's own file, or drawn shapes in the colours of map_colour, without their fillets. A
-// file that is gone or too long is an error that names it. Blocks.
+// A painted map's own file, or drawn shapes in the colours of map_colour, with their rounded
+// corners. A file that is gone or too long is an error that names it. Blocks.
 Result<MapPicture> map_picture(const Walls& walls);
 
 // What a region's colour in the picture is: the scene's, or where it names none, by its kind.

@@ -103,6 +103,33 @@ TEST(MapPicture, ShowsDrawnShapesWhereTheyAre) {
   EXPECT_EQ(colours.size(), 3u);
 }
 
+// Where two bars cross, a corner of wall is cut off by an arc that touches both; the wall behind it
+// stays.
+TEST(MapPicture, ShowsTheRoundedCorners) {
+  Walls walls;
+  WallRegion aisle, brick;
+  aisle.kind = RegionKind::kAisle;
+  brick.kind = RegionKind::kWall;
+  walls.regions = {aisle, brick};
+  walls.outside = 1;
+  WallShape across, along;
+  across.half = Vec2(0.02, 0.003);
+  along.half = Vec2(0.003, 0.02);
+  walls.shapes = {across, along};
+  // The arc's middle is 2 mm from both bars; its nearest point to the corner lies (1 - 1 / sqrt 2)
+  // of that from both.
+  const Vec2 in_the_cut = Vec2::Constant(0.003 + 0.3e-3), behind = Vec2::Constant(0.003 + 0.9e-3);
+  for (const double fillet : {0.0, 2e-3}) {
+    walls.fillet = fillet;
+    const auto picture = map_picture(walls);
+    ASSERT_TRUE(picture) << picture.message();
+    EXPECT_EQ(colour_at(*picture, in_the_cut), map_colour(walls, fillet > 0.0 ? 0 : 1));
+    EXPECT_EQ(colour_at(*picture, -in_the_cut), map_colour(walls, fillet > 0.0 ? 0 : 1));
+    EXPECT_EQ(colour_at(*picture, behind), map_colour(walls, 1));
+    EXPECT_EQ(colour_at(*picture, Vec2(0.01, 0.0)), map_colour(walls, 0));
+  }
+}
+
 TEST(MapPicture, NamesAPaintedMapThatIsGone) {
   Walls walls;
   walls.image = "/nowhere/walls.png";
