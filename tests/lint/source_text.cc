@@ -13,7 +13,8 @@ namespace {
 namespace fs = std::filesystem;
 
 bool is_left_out(const std::string& folder) {
-  return folder.empty() || folder[0] == '.' || starts_with(folder, "build");
+  return folder.empty() || folder[0] == '.' || starts_with(folder, "build") ||
+         folder == "node_modules" || folder == "dist" || folder == "shots";
 }
 
 // Index just past the literal that starts at `i` with a quote; an unfinished one ends with the

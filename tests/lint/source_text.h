@@ -12,8 +12,8 @@ struct File {
   std::string text;
 };
 
-// Every file below `root` whose name ends in one of `endings`, sorted by path. Hidden folders and
-// build trees are left out.
+// Every file below `root` whose name ends in one of `endings`, sorted by path. Hidden folders,
+// build trees, and what npm and the page's tests put into the tree are left out.
 std::vector<File> files_below(const std::string& root, const std::vector<std::string>& endings);
 
 // Paths of #include directives, with brackets or quotes taken off, in order.

@@ -264,7 +264,10 @@ TEST_F(WrongInput, States) {
 TEST_F(WrongInput, Scripts) {
   const std::string root = HANDRAIL_SOURCE_DIR;
   expect_all({
-      {root + "/client/demo", {"--fast"}, 2, {"client/demo", "'--fast'", "expected none"}},
+      {root + "/client/demo",
+       {"--fast"},
+       2,
+       {"client/demo", "'--fast'", "expected --stay or none"}},
       {root + "/client/install", {"--test"}, 2, {"client/install", "'--test'", "--tests"}},
       {root + "/tests/fuzz/run", {}, 2, {"tests/fuzz/run", "SECONDS", "--runs"}},
       {root + "/tests/fuzz/run", {"--runs", "0"}, 2, {"tests/fuzz/run", "--runs '0'", "inputs"}},

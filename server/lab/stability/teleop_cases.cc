@@ -121,7 +121,7 @@ std::vector<StabilityCase> teleop_cases() {
             out.put(cell,
                     fmt::format("{}/{:g}ms/{}/{}/{}", local ? "model" : "spring", trip,
                                 weather.name, hand.name, ground.name),
-                    weather.calm, size);
+                    weather.calm || local, size);
           }
         }
       }
