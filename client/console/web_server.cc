@@ -309,8 +309,10 @@ void WebServer::Parts::make_room() {
 }
 
 void WebServer::Parts::drop(const std::shared_ptr<Connection>& connection) {
-  const auto kept = connection;
+  // It is in the list that closing takes it from.
+  auto kept = connection;
   kept->close();
+  kept.reset();
 }
 
 void WebServer::Parts::forget(const Connection* connection) {

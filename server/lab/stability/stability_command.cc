@@ -76,7 +76,7 @@ Result<bool> draw_maps(const StabilityCommand& command, const std::atomic<bool>&
   map.progress = [&](std::size_t n, std::size_t of) {
     progress.show(fmt::format("figure: {} of {} runs", n, of));
   };
-  const Result<bool> drawn = draw_stability_maps(command.figures, map);
+  Result<bool> drawn = draw_stability_maps(command.figures, map);
   if (!drawn || !*drawn) return drawn;
   return draw_teleop_map(command.figures, map, table);
 }
