@@ -130,7 +130,7 @@ class WebPage {
   template <typename F>
   std::optional<pb::ToPage> wait_for(Nanos patience, F f) {
     for (const Nanos give_up = monotonic_now() + patience; monotonic_now() < give_up;) {
-      const auto frame = next_frame(give_up - monotonic_now());
+      std::optional<pb::ToPage> frame = next_frame(give_up - monotonic_now());
       if (!frame) return std::nullopt;
       if (f(*frame)) return frame;
     }
