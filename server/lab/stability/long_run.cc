@@ -22,7 +22,7 @@ constexpr double kBelow = 10.0 * kMm;       // of the surface, from where the ti
 constexpr double kMove = 1.5, kHome = 6.0;  // a move; going home and resting there [s]
 constexpr double kNoDrift = 1e-6;           // ten times what 32 bits on the wire round [m]
 constexpr double kNoLater = 5.0;            // a run of lost datagrams more or less [ms]
-constexpr double kTurnRadius = 20.0 * kMm;
+constexpr double kTurnRadius = 20.0 * kMm;  // chosen: within every device's reach [m]
 
 Scene long_scene(bool surface) {
   Scene scene;

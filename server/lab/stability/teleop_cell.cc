@@ -13,21 +13,23 @@
 namespace handrail {
 namespace {
 
-constexpr double kGap = 10.0 * kMm;   // from the tip to the surface, as the run starts [m]
-constexpr double kDeep = 8.0 * kMm;   // that the hand means to go past it, at the hand [m]
-constexpr double kPressTime = 1.5;    // [s]
-constexpr double kSettle = 1.0;       // before a kick, and the round trip [s]
-constexpr double kRest = 3.0;         // after it, and two round trips; its last second is judged
-constexpr double kTouchKick = 0.5;    // as of the bare devices [m/s]
-constexpr double kTouchAngle = 0.35;  // of a kick from straight [rad]
-constexpr double kPatience = 6.0;     // to engage, and six round trips [s]
+constexpr double kGap = 10.0 * kMm;  // from the tip to the surface, as the run starts [m]
+constexpr double kDeep = 8.0 * kMm;  // that the hand means to go past it, at the hand [m]
+constexpr double kPressTime = 1.5;   // [s]
+constexpr double kSettle = 1.0;      // before a kick, and the round trip [s]
+// After a kick, and two round trips; chosen: a hand's own swing is gone in one, the last is judged
+// [s].
+constexpr double kRest = 3.0;
+constexpr double kTouchKick = 0.5;          // as of the bare devices [m/s]
+constexpr double kTouchAngle = 0.35;        // of a kick from straight [rad]
+constexpr double kPatience = 6.0;           // to engage, and six round trips [s]
 constexpr double kServoLag = 0.045 * 1.03;  // of the rig's slowest joint [s]
 constexpr int kCyclesToStop = 5;            // joints of limited jerk, at most
 constexpr double kArm = 60e3;               // in series with the surface [N/m]
 
 constexpr double kMostSwing = 2.0 * kOmniResolution;  // as of the bare devices, two counts [m]
 constexpr double kTouchGives = 1e-3;                  // as of the bare devices [J]
-constexpr double kMostDrift = 0.5 * kMm;
+constexpr double kMostDrift = 0.5 * kMm;              // as contact-delay asks [m]
 
 Scene scene_of(const TeleopCell& of) {
   Scene scene;

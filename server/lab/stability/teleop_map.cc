@@ -25,7 +25,7 @@ constexpr std::array kMapTrips = {0.0, 10.0, 50.0, 100.0, 200.0, 500.0, 1000.0};
 constexpr std::array kMapLosses = {0.0, 0.1, 0.3, 0.5};
 constexpr std::array kMapHands = {kLightest, 250.0, kFirmest};  // [N/m]
 constexpr std::array kMapGrounds = {1e3, 10e3, 50e3};           // [N/m]
-constexpr double kFeltAt = kMapGrounds.back();
+constexpr double kFeltAt = kMapGrounds.back();                  // where stiffness is told [N/m]
 
 // What a place came to; not a number where nothing engaged.
 struct PlaceFigures {

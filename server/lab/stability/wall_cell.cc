@@ -23,7 +23,7 @@ constexpr double kStart = 0.2e-3;                // from the wall [m]
 constexpr double kMostGiven = 1e-3;              // in a contact, with ticks in time [J]
 // Chosen: what a swing may be more than a second before, and the counts that it may be anyway.
 constexpr double kMoreSwing = 1.05, kCounts = 2.0;
-constexpr double kDriven = 2.0;      // the same, where late ticks drive it
+constexpr double kDriven = 2.0;      // chosen: the same, where late ticks drive it
 constexpr double kSmall = 0.02e-3;   // where there are none [m]
 constexpr double kLateShare = 0.02;  // of the ticks that are late at random
 constexpr int kLateEvery = 50;       // ticks, where they are late periodically

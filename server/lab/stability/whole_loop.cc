@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kTick = 1e-3;        // [s]
 constexpr double kSensorRange = 1e3;  // [N]
-constexpr int kOrderEvery = 100;      // ticks, while it does not engage
+constexpr int kOrderEvery = 100;      // while it does not engage, chosen [ticks]
 constexpr double kShakeRate = 5.0;    // of a wrist, chosen [Hz]
 constexpr double kShakeGone = 0.1;    // time constant [s]
 constexpr double kShakeEnds = 0.5;    // [s]
