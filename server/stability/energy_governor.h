@@ -24,6 +24,8 @@ struct GovernorSettings {
 // them: their springs are bounded).
 inline constexpr int kMostForceDelay = 31;
 
+inline constexpr double kNoForceLimit = std::numeric_limits<double>::infinity();  // [N]
+
 // The force that is asked for, by what makes it. Frame M.
 struct RenderedForce {
   Vec3 wanted = Vec3::Zero();   // in all [N]
@@ -108,13 +110,11 @@ class EnergyGovernor {
   double made() const noexcept { return made_; }  // as in Governed [J]
 
  private:
-  static constexpr double kNoLimit = std::numeric_limits<double>::infinity();
-
   ToldForces told_;
-  Vec3 springs_ = Vec3::Zero();  // of the tick before, as far as the limits let them [N]
-  double asked_ = 0.0;           // size of the governed force of the tick before [N]
-  double limit_ = kNoLimit;      // what the device's limits let pass then [N]
-  double stiffness_ = 0.0;       // of the springs that pushed last [N/m]
+  Vec3 springs_ = Vec3::Zero();   // of the tick before, as far as the limits let them [N]
+  double asked_ = 0.0;            // size of the governed force of the tick before [N]
+  double limit_ = kNoForceLimit;  // what the device's limits let pass then [N]
+  double stiffness_ = 0.0;        // of the springs that pushed last [N/m]
   HandWay hand_;
   double made_ = 0.0;  // [J]
 };
@@ -123,7 +123,9 @@ class EnergyGovernor {
 // it: the energy in it is counted from zero, and is never more than the spring would hold at this
 // force. What its other end does to it gives nothing. The hand is taken to go on as it went last:
 // a slow one moves by a count of its encoder now and then, and what it is told in between acts on
-// the next. `stiffness` > 0 [N/m].
+// the next. A bound holds whichever way the hand goes, until it has pressed in again: a force that
+// were whole one way and bounded the other would let a hand that stands hunt for ever. The force
+// keeps its direction, so that none is made beside it. `stiffness` > 0 [N/m].
 class EnergyTank {
  public:
   // One tick, as EnergyGovernor's.
@@ -135,7 +137,8 @@ class EnergyTank {
  private:
   ToldForces told_;
   HandWay hand_;
-  double energy_ = 0.0;  // that it may give back [J]
+  double energy_ = 0.0;           // that it may give back [J]
+  double limit_ = kNoForceLimit;  // of the force, once it was bounded [N]
 };
 
 }  // namespace handrail
