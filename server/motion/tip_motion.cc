@@ -66,6 +66,27 @@ double size_of(const Twist& way) {
   return way.linear.norm() + kMotion.turn_length * way.angular.norm();
 }
 
+// Where the arm goes for `target`, which was asked for at `asked`. It is looked for from where the
+// arm comes to rest. One out of reach that stands is looked for from where it was found last, as
+// long as that brings it nearer: beside a singular pose places far apart are as near to it, and an
+// arm that went after another one in each cycle would not come to rest.
+Reached gone_to(const ArmMotion& motion, const TipSpace& space, const Pose& target,
+                const Pose& asked, const MotionState& state) {
+  const ArmGeometry& arm = motion->arm;
+  const bool stands =
+      state.asked && state.asked->beyond && size_of(between(state.asked->X, asked)) < kTiny.found;
+  const JointVector& from = stands ? state.asked->q : rest_joints(state);
+  Reached found =
+      nearest_reachable(arm, motion->limits, space, target, from, motion.limits().from_end);
+  if (!stands || found.joint < 0) return found;
+  const Pose before = forward(arm, from);
+  if (size_of(between(before, target)) - size_of(between(found.X, target)) < kTiny.waver) {
+    found.q = from;
+    found.X = before;
+  }
+  return found;
+}
+
 // What a step and its stop toward `p_goal` have to keep, for a target asked for at `asked` that is
 // looked for at `p_target`.
 Ends ends_of(const MotionSettings& settings, const TipSpace& space, const Pose& asked,
@@ -118,14 +139,12 @@ Moved move_toward(const ArmMotion& motion, const TipSpace& space, const Pose& as
   const ArmGeometry& arm = settings.arm;
   const Pose target{inside(settings.workspace, asked.p, state.X_ST.p), asked.q};
   const TipSpace within = space_now(space, target.p, state);
-  // The place gone to for a target out of reach is looked for from where the arm comes to rest.
   const Reached reached =
-      nearest_reachable(arm, settings.limits, within, {within.nearest(target.p), target.q},
-                        rest_joints(state), limits.from_end);
+      gone_to(motion, within, {within.nearest(target.p), target.q}, asked, state);
   const bool in_reach = reached.joint < 0;
   const Pose goal{within.nearest(reached.X.p), reached.X.q};
   const Ends ends = ends_of(settings, within, asked, target.p, goal.p, in_reach, state);
-  state.asked = TipTarget{asked, !in_reach, ends.least};
+  state.asked = TipTarget{asked, !in_reach, ends.least, reached.q};
   Moved moved{state, goal.p, beyond_reach(arm, target.p, reached), {}};
   if (in_reach && target.p != asked.p) moved.reach = {Reason::kWorkspace, -1};
 

@@ -45,8 +45,9 @@ class ArmMotion {
 // The newest target.
 struct TipTarget {
   Pose X;
-  bool beyond = false;  // it is out of reach
-  double least = 0.0;   // the nearest that the tip was to it while it stands [m]
+  bool beyond = false;                  // it is out of reach
+  double least = 0.0;                   // the nearest that the tip was to it while it stands [m]
+  JointVector q = JointVector::Zero();  // that bring the tip to it, or to the nearest place [rad]
 };
 
 struct MotionState : TipMotion {

@@ -24,8 +24,10 @@ constexpr double kTouchKick = 0.5;          // as of the bare devices [m/s]
 constexpr double kTouchAngle = 0.35;        // of a kick from straight [rad]
 constexpr double kPatience = 6.0;           // to engage, and six round trips [s]
 constexpr double kServoLag = 0.045 * 1.03;  // of the rig's slowest joint [s]
-constexpr int kCyclesToStop = 5;            // joints of limited jerk, at most
-constexpr double kArm = 60e3;               // in series with the surface [N/m]
+// Of the arm, beside v/a: 2.5 a/j of 20 ms, which is what the plan of a stop keeps to, are 7.04
+// cycles (server/motion/MOTION.md).
+constexpr int kCyclesToStop = 8;
+constexpr double kArm = 60e3;  // in series with the surface [N/m]
 
 constexpr double kMostSwing = 2.0 * kOmniResolution;  // as of the bare devices, two counts [m]
 constexpr double kTouchGives = 1e-3;                  // as of the bare devices [J]

@@ -1,6 +1,7 @@
 // Targets at the end of reach and beside what is in the way.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
 
 #include "server/motion/tip_motion.h"
@@ -79,6 +80,34 @@ TEST(TipReach, OutOfReachItGoesNoFurtherAwayWhileTheTargetStands) {
     EXPECT_LT(stood.away, 5e-3) << "seed " << seed;  // the room that the fault matrix gives
   }
   EXPECT_EQ(beyond, 14);
+}
+
+// The wrist over the base axis, at the end of J2's range: places far apart are as near to the
+// target. It went round among them for ever, by up to half a radian a second and 2.7 mm.
+TEST(TipReach, OverTheBaseAxisAtTheEndOfARangeItComesToRest) {
+  const Vec3 back(-0.06, 0.0, 0.0);  // from where the wrist stands to the axis
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    Random random(seed);
+    MotionRig rig(joints_deg(0, -40, 92.9, 0, 90, 0));
+    const Pose start = rig.state.X_ST;
+    const Vec3 beside(between(random, -1e-3, 1e-3), between(random, -1e-3, 1e-3), 0.0);
+    const Vec3 kick(between(random, -3e-3, 3e-3), between(random, -10e-3, 10e-3), 0.0);
+    JointVector low = JointVector::Constant(1e9), high = -low;
+    Vec3 nearest = Vec3::Constant(1e9), furthest = -nearest;
+    constexpr int kGoes = 85, kRings = 280, kStands = 700, kLast = 140;  // cycles
+    for (int k = 0; k < kGoes + kRings + kStands; ++k) {
+      const double done = std::min(1.0, k / static_cast<double>(kGoes));
+      const int rings = k - kGoes;
+      const double swing =
+          rings > 0 && rings < kRings ? std::exp(-0.047 * rings) * std::sin(0.142 * rings) : 0.0;
+      rig.follow({start.p + done * (back + beside) + swing * kick, start.q});
+      if (k < kGoes + kRings + kStands - kLast) continue;
+      low = low.cwiseMin(rig.state.joints.q), high = high.cwiseMax(rig.state.joints.q);
+      nearest = nearest.cwiseMin(rig.state.X_ST.p), furthest = furthest.cwiseMax(rig.state.X_ST.p);
+    }
+    EXPECT_LT((furthest - nearest).norm(), 1e-5) << "seed " << seed;
+    EXPECT_LT((high - low).maxCoeff(), 1e-3) << "seed " << seed;
+  }
 }
 
 // A target out of reach that moves on may be left as far as it moves itself, and as its turn takes
