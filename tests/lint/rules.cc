@@ -19,6 +19,8 @@ Folders operator+(Folders a, const Folders& b) {
 
 const Folders kBase = {"server/base"};
 const Folders kModel = kBase + Folders{"server/model"};
+const Folders kConsole =
+    kModel + Folders{"proto", "client/console/gateway", "client/console/scene"};
 const Folders kHands = {"devices/hand", "devices/omni", "devices/joystick", "devices/page"};
 const Folders kRigs = {"devices/rig", "devices/rig/world", "devices/melfa", "devices/net_ft"};
 
@@ -58,23 +60,20 @@ Table program_rows() {
   const Folders daemons = kModel + Folders{"server/daemon",      "server/keys",   "server/link",
                                            "server/link/secure", "server/record", "server/scene",
                                            "server/session",     "proto",         "devices"};
-  return {
-      {"server/master", daemons + Folders{"server/haptic", "server/stability", "server/constraint",
-                                          "server/kinematics"}},
-      {"server/slave", daemons + Folders{"server/follow", "devices/melfa", "devices/net_ft"}},
-      {"client/api", kBase + Folders{"proto", "server/keys", "server/link/secure"}},
-      {"client/doctor", kModel + Folders{"proto", "server/keys", "server/link", "client/api"}},
-      {"client/cli", kModel + Folders{"proto", "server/keys", "server/keys/pairing", "server/link",
-                                      "server/link/secure", "server/task", "server/scene",
-                                      "client/api", "client/doctor"}},
-      {"client/console/gateway", kBase + Folders{"proto"}},
-      {"client/console/scene",
-       kModel + Folders{"proto", "server/kinematics", "server/scene", "server/constraint/drawn"}},
-      {"client/console/viewer",
-       kModel + Folders{"proto", "client/console/gateway", "client/console/scene"}},
-      {"client/console", kModel + Folders{"proto", "server/daemon", "server/keys", "server/scene",
-                                          "client/api", "client/console/gateway",
-                                          "client/console/scene", "client/console/viewer"}}};
+  return {{"server/master", daemons + Folders{"server/haptic", "server/stability",
+                                              "server/constraint", "server/kinematics"}},
+          {"server/slave", daemons + Folders{"server/follow", "devices/melfa", "devices/net_ft"}},
+          {"client/api", kBase + Folders{"proto", "server/keys", "server/link/secure"}},
+          {"client/doctor", kModel + Folders{"proto", "server/keys", "server/link", "client/api"}},
+          {"client/cli", kModel + Folders{"proto", "server/keys", "server/keys/pairing",
+                                          "server/link", "server/link/secure", "server/task",
+                                          "server/scene", "client/api", "client/doctor"}},
+          {"client/console/gateway", kBase + Folders{"proto"}},
+          {"client/console/scene", kModel + Folders{"proto", "server/kinematics", "server/scene",
+                                                    "server/constraint/drawn"}},
+          {"client/console/viewer", kConsole},
+          {"client/console", kConsole + Folders{"server/daemon", "server/keys", "server/scene",
+                                                "client/api", "client/console/viewer"}}};
 }
 
 Table lab_rows() {
