@@ -15,6 +15,11 @@ namespace {
 constexpr char kMapPath[] = "/scene/map.png";
 constexpr Nanos kBetweenLines = 10 * kSecond;
 
+bool offers(const WebRequest& request, const char* protocol) {
+  return std::find(request.protocols.begin(), request.protocols.end(), protocol) !=
+         request.protocols.end();
+}
+
 }  // namespace
 
 ConsoleApp::ConsoleApp(Site site, PageDesk& desk, ViewerDesk& viewers)
@@ -48,15 +53,6 @@ WebAnswer ConsoleApp::answer(const WebRequest& request) {
   const auto file = site_.find(request.target);
   return file ? *file : plain_answer(404, "there is no such file\n");
 }
-
-namespace {
-
-bool offers(const WebRequest& request, const char* protocol) {
-  return std::find(request.protocols.begin(), request.protocols.end(), protocol) !=
-         request.protocols.end();
-}
-
-}  // namespace
 
 WebApplication::Admission ConsoleApp::admit(const WebRequest& request) {
   if (Access::is_for_viewers(request)) return admit_viewer(request);

@@ -10,6 +10,9 @@
 namespace handrail {
 namespace {
 
+constexpr std::string_view kViewerPath = "/foxglove";
+constexpr std::string_view kViewerShows = "/foxglove?key=";
+
 bool same(std::string_view a, std::string_view b) {
   if (a.size() != b.size()) return false;
   unsigned char difference = 0;
@@ -93,9 +96,6 @@ WebAnswer Access::refusal() {
 }
 
 std::string Access::url() const { return "http://" + hosts_.front() + "/?key=" + key_; }
-
-constexpr std::string_view kViewerPath = "/foxglove";
-constexpr std::string_view kViewerShows = "/foxglove?key=";
 
 void Access::open_to_viewers(std::string key, std::vector<std::string> origins) {
   viewer_key_ = std::move(key);

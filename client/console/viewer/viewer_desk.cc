@@ -22,7 +22,7 @@ using Channel = ViewerDesk::Channel;
 const std::vector<ChannelRow>& channel_rows() {
   static const std::vector<ChannelRow> rows = {
       {Channel::kFrames, "/tf", foxglove::FrameTransforms::descriptor()},
-      {Channel::kJoints, "/joints", foxglove::JointStates::descriptor()},
+      {Channel::kJointStates, "/joints", foxglove::JointStates::descriptor()},
       {Channel::kTip, "/tip", foxglove::PoseInFrame::descriptor()},
       {Channel::kDesired, "/tip/desired", foxglove::PoseInFrame::descriptor()},
       {Channel::kCell, "/cell", foxglove::SceneUpdate::descriptor()},
@@ -180,7 +180,8 @@ void ViewerDesk::status(const Result<pb::Reply>& reply, Nanos calendar) {
 void ViewerDesk::publish_status(const pb::Status& status, Nanos calendar) {
   publish(Channel::kFrames, calendar, Whom::kAll,
           [&] { return frame_transforms(status, scene_, calendar); });
-  publish(Channel::kJoints, calendar, Whom::kAll, [&] { return joint_states(status, calendar); });
+  publish(Channel::kJointStates, calendar, Whom::kAll,
+          [&] { return joint_states(status, calendar); });
   if (status.has_tip()) {
     publish(Channel::kTip, calendar, Whom::kAll,
             [&] { return pose_in_frame(status.tip(), calendar); });

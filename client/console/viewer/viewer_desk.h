@@ -34,7 +34,7 @@ class ViewerDesk {
 
   enum class Channel : std::uint8_t {
     kFrames,
-    kJoints,
+    kJointStates,
     kTip,
     kDesired,
     kCell,

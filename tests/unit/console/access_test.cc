@@ -155,8 +155,9 @@ TEST_F(ViewerAccessTest, TheViewersSecretOpensNothingElseAndThePagesNoViewer) {
   EXPECT_FALSE(Access::is_for_viewers(own_socket()));
   EXPECT_TRUE(Access::is_for_viewers(page));
   const Access closed("thekey", "thecookie", "127.0.0.1", 8080);
-  page.target = "/foxglove?key=";
-  EXPECT_FALSE(closed.lets_view(page, shows_key)) << "without a secret there is none to show";
+  request.wants_socket = true;
+  request.target = "/foxglove?key=";
+  EXPECT_FALSE(closed.lets_view(request, shows_key)) << "without a secret there is none to show";
   EXPECT_EQ(access.viewer_url(), "ws://127.0.0.1:8080/foxglove?key=look");
 }
 

@@ -68,8 +68,12 @@ std::string read_back(const google::protobuf::Message& message) {
   google::protobuf::DescriptorPool pool;
   for (const auto& file : files.file()) pool.BuildFile(file);
   google::protobuf::DynamicMessageFactory factory(&pool);
-  const std::unique_ptr<google::protobuf::Message> read(
-      factory.GetPrototype(pool.FindMessageTypeByName(channel.schema_name()))->New());
+  const auto* type = pool.FindMessageTypeByName(channel.schema_name());
+  if (type == nullptr) {
+    ADD_FAILURE() << channel.schema_name() << " cannot be built";
+    return "";
+  }
+  const std::unique_ptr<google::protobuf::Message> read(factory.GetPrototype(type)->New());
   EXPECT_TRUE(read->ParseFromString(message.SerializeAsString()));
   return read->ShortDebugString();
 }
