@@ -11,6 +11,7 @@
 #include "client/console/gateway/site.h"
 #include "client/console/gateway/web.h"
 #include "client/console/scene/map_picture.h"
+#include "client/console/viewer/viewer_desk.h"
 #include "server/base/status.h"
 #include "server/model/scene.h"
 
@@ -26,8 +27,8 @@ struct ReadScene {
 
 class ConsoleApp final : public WebApplication {
  public:
-  // `desk` must outlive it.
-  ConsoleApp(Site site, PageDesk& desk);
+  // `desk` and `viewers` must outlive it.
+  ConsoleApp(Site site, PageDesk& desk, ViewerDesk& viewers);
 
   // Nobody is let in before.
   void let_in(Access access) { access_ = std::move(access); }
@@ -46,10 +47,14 @@ class ConsoleApp final : public WebApplication {
     return access_ ? access_->judge(request) : Access::Verdict::kRefused;
   }
   WebAnswer refuse(const WebRequest& request);
+  Admission admit_viewer(const WebRequest& request);
+  // True once in a while: what strangers do is not logged more often.
+  bool is_time_to_say();
 
   std::optional<Access> access_;
   Site site_;
   PageDesk& desk_;
+  ViewerDesk& viewers_;
   std::uint64_t scenes_ = 0;
   Nanos said_ = -kForever;  // when a refusal was logged last
 };

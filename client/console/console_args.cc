@@ -48,6 +48,19 @@ Status set_master(const std::string& text, ConsoleArgs& out) {
   return Status::ok();
 }
 
+Status set_viewer_origin(const std::string& text, ConsoleArgs& out) {
+  const std::size_t scheme = text.find("://");
+  if (scheme == std::string::npos || scheme == 0 ||
+      text.find('/', scheme + 3) != std::string::npos ||
+      text.find_first_of("?#* ") != std::string::npos) {
+    return Status::error("--viewer-origin " + shown(text) +
+                         ": expected the origin of a viewer's page, without a path, such as "
+                         "https://app.foxglove.dev");
+  }
+  out.viewer_origins.push_back(text);
+  return Status::ok();
+}
+
 struct ConsoleOption {
   const char* name;
   const char* value;
@@ -76,6 +89,9 @@ constexpr ConsoleOption kOptions[] = {
        out.scenes.push_back(text);
        return Status::ok();
      }},
+    {"--viewer-origin", "ORIGIN",
+     "of a viewer that is a page, such as https://app.foxglove.dev; may be given again",
+     set_viewer_origin},
 };
 
 std::string variable(const char* name) {
@@ -116,7 +132,8 @@ Result<ConsoleArgs> parse_console_args(int argc, const char* const* argv) {
     if (option == std::end(kOptions)) {
       return Status::error("unknown argument '" + shown(word) + "' (see --help)");
     }
-    if (name != "--scenes" && std::find(seen.begin(), seen.end(), name) != seen.end()) {
+    const bool again = name == "--scenes" || name == "--viewer-origin";
+    if (!again && std::find(seen.begin(), seen.end(), name) != seen.end()) {
       return Status::error(name + " is given twice");
     }
     seen.push_back(name);
@@ -135,7 +152,8 @@ Result<ConsoleArgs> parse_console_args(int argc, const char* const* argv) {
 std::string console_help() {
   std::string out =
       "handrail-console: the master's picture, and its orders, for a browser on this computer.\n"
-      "Prints one address; whoever opens it is in, and nobody else. SIGTERM ends it.\n\n";
+      "Prints one address; whoever opens it is in, and nobody else. SIGTERM ends it.\n"
+      "Prints another one for viewers, Foxglove or Lichtblick: whoever opens that may look.\n\n";
   for (const ConsoleOption& option : kOptions) {
     std::string row = std::string("  ") + option.name + " " + option.value;
     row.resize(std::max<std::size_t>(row.size() + 2, 28), ' ');

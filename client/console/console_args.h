@@ -17,8 +17,9 @@ struct ConsoleArgs {
   MasterPlace master;
   std::string as;  // who speaks to the master; over the network empty: its key says
   bool observe = false;
-  std::string page;                 // folder of the page; empty: the shipped one
-  std::vector<std::string> scenes;  // folders searched before the shipped ones
+  std::string page;                         // folder of the page; empty: the shipped one
+  std::vector<std::string> scenes;          // folders searched before the shipped ones
+  std::vector<std::string> viewer_origins;  // of pages that may look as viewers
   bool help = false, version = false;
 };
 

@@ -100,18 +100,22 @@ void say_master(const Result<pb::Reply>& reply, std::string& last) {
 }
 
 int serve(const ConsoleArgs& args) {
-  const auto key = new_secret(), cookie = new_secret();
-  if (!key || !cookie) return fail_start(kProgram, key ? cookie.message() : key.message());
+  const auto key = new_secret(), cookie = new_secret(), viewer_key = new_secret();
+  for (const auto* secret : {&key, &cookie, &viewer_key}) {
+    if (!*secret) return fail_start(kProgram, secret->message());
+  }
   boost::asio::io_context io;
   WebServer server(io);
   // What these two have in hand comes while the context runs: the desk is there by then.
   std::unique_ptr<PageDesk> desk;
   std::unique_ptr<SceneWatch> scenes;
+  ViewerDesk viewers(server, program_version(), std::to_string(calendar_now()));
   std::string said = "?";
   const MasterLink::Told told{[&](const Result<pb::Reply>& reply, Nanos asked) {
                                 say_master(reply, said);
                                 if (reply && reply->has_status()) scenes->see(reply->status());
                                 desk->status(reply, asked, monotonic_now());
+                                viewers.status(reply, calendar_now());
                               },
                               [&](std::uint64_t ticket, const Result<pb::Reply>& reply) {
                                 desk->answered(ticket, reply, monotonic_now());
@@ -123,19 +127,20 @@ int serve(const ConsoleArgs& args) {
   const std::string master = args.master.host.empty() ? args.master.socket : args.master.host;
   desk = std::make_unique<PageDesk>(
       server, link, PageDeskOptions{args.observe, program_version(), args.as, master});
-  ConsoleApp app(page_of(args), *desk);
+  ConsoleApp app(page_of(args), *desk, viewers);
   scenes = std::make_unique<SceneWatch>(args, app);
   const auto address = boost::asio::ip::make_address(args.address);
   if (const Status opened = server.open(address, args.port, app); !opened) {
     return fail_start(kProgram, opened.message());
   }
-  const Access access(*key, *cookie, args.address, server.port());
+  Access access(*key, *cookie, args.address, server.port());
+  access.open_to_viewers(*viewer_key, args.viewer_origins);
   app.let_in(access);
   boost::asio::signal_set endings(io);
   for (const int signal : ending_signals()) endings.add(signal);
   endings.async_wait([&io](const boost::system::error_code&, int) { io.stop(); });
   Announcement ready;
-  ready.make("READY url=" + access.url());
+  ready.make("VIEWERS " + access.viewer_url() + "\nREADY url=" + access.url());
   io.run();
   server.close();
   return 0;

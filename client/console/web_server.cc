@@ -360,7 +360,7 @@ void WebServer::send(PageId page, SharedText frame, bool binary, FrameWorth wort
   const auto found = parts_->pages.find(page);
   if (found == parts_->pages.end()) return;
   const auto kept = found->second;
-  kept->put({std::move(frame), binary, worth.slot});
+  kept->put({std::move(frame), binary, worth});
 }
 
 void WebServer::end(PageId page, std::uint16_t code, const std::string& why) {

@@ -19,6 +19,8 @@ Folders operator+(Folders a, const Folders& b) {
 
 const Folders kBase = {"server/base"};
 const Folders kModel = kBase + Folders{"server/model"};
+const Folders kConsole =
+    kModel + Folders{"proto", "client/console/gateway", "client/console/scene"};
 const Folders kHands = {"devices/hand", "devices/omni", "devices/joystick", "devices/page"};
 const Folders kRigs = {"devices/rig", "devices/rig/world", "devices/melfa", "devices/net_ft"};
 
@@ -69,9 +71,9 @@ Table program_rows() {
           {"client/console/gateway", kBase + Folders{"proto"}},
           {"client/console/scene", kModel + Folders{"proto", "server/kinematics", "server/scene",
                                                     "server/constraint/drawn"}},
-          {"client/console",
-           kModel + Folders{"proto", "server/daemon", "server/keys", "server/scene", "client/api",
-                            "client/console/gateway", "client/console/scene"}}};
+          {"client/console/viewer", kConsole},
+          {"client/console", kConsole + Folders{"server/daemon", "server/keys", "server/scene",
+                                                "client/api", "client/console/viewer"}}};
 }
 
 Table lab_rows() {

@@ -41,10 +41,11 @@ export class Programs {
     return this.run(name, ['--config', join(this.folder, `${name}.cfg`)]);
   }
 
-  /** The gateway; its address comes back. */
-  async console({ observe = false, name = 'console', port = this.consolePort } = {}) {
+  /** The gateway; its address comes back, and `viewers` has the one for Foxglove. */
+  async console({ observe = false, name = 'console', port = this.consolePort, more = [] } = {}) {
     const argv = ['--listen', `127.0.0.1:${port}`, '--socket', this.socket, '--page', DIST, '--as', name];
-    const ready = await this.run('console', observe ? [...argv, '--observe'] : argv, name);
+    const ready = await this.run('console', [...argv, ...(observe ? ['--observe'] : []), ...more], name);
+    this.viewers = /^VIEWERS (\S+)/m.exec(ready)[1];
     return /url=(\S+)/.exec(ready)[1];
   }
 

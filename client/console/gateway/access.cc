@@ -10,6 +10,9 @@
 namespace handrail {
 namespace {
 
+constexpr std::string_view kViewerPath = "/foxglove";
+constexpr std::string_view kViewerShows = "/foxglove?key=";
+
 bool same(std::string_view a, std::string_view b) {
   if (a.size() != b.size()) return false;
   unsigned char difference = 0;
@@ -93,6 +96,31 @@ WebAnswer Access::refusal() {
 }
 
 std::string Access::url() const { return "http://" + hosts_.front() + "/?key=" + key_; }
+
+void Access::open_to_viewers(std::string key, std::vector<std::string> origins) {
+  viewer_key_ = std::move(key);
+  for (std::string& origin : origins) viewer_origins_.push_back(lower(std::move(origin)));
+}
+
+bool Access::is_for_viewers(const WebRequest& request) {
+  const std::string_view target = request.target;
+  return target.substr(0, target.find('?')) == kViewerPath;
+}
+
+bool Access::lets_view(const WebRequest& request, bool& shows_key) const {
+  const std::string_view target = request.target;
+  shows_key = !viewer_key_.empty() && is_own_host(request.host) &&
+              target.starts_with(kViewerShows) &&
+              same(target.substr(kViewerShows.size()), viewer_key_);
+  const bool known =
+      request.origin.empty() || std::find(viewer_origins_.begin(), viewer_origins_.end(),
+                                          lower(request.origin)) != viewer_origins_.end();
+  return shows_key && known;
+}
+
+std::string Access::viewer_url() const {
+  return "ws://" + hosts_.front() + std::string(kViewerShows) + viewer_key_;
+}
 
 std::string cookie_value(std::string_view header, std::string_view name) {
   while (!header.empty()) {

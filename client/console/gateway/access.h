@@ -31,11 +31,22 @@ class Access {
   // With the key: to be printed once.
   std::string url() const;
 
+  // Viewers (Foxglove, Lichtblick) cannot be given a cookie: their WebSocket shows a secret of its
+  // own in its address, which opens nothing else. `origins`: of pages that are viewers.
+  void open_to_viewers(std::string key, std::vector<std::string> origins);
+  static bool is_for_viewers(const WebRequest& request);
+  // Whether the secret is right and a page it comes from is one of the viewers. A program says no
+  // Origin. The answer to the first alone is in `shows_key`.
+  bool lets_view(const WebRequest& request, bool& shows_key) const;
+  std::string viewer_url() const;
+
  private:
   bool is_own_host(const std::string& host) const;
 
   std::string key_, cookie_, cookie_name_;
   std::vector<std::string> hosts_;  // HOST:PORT
+  std::string viewer_key_;          // empty: no viewer is let in
+  std::vector<std::string> viewer_origins_;
 };
 
 // The value of a cookie in a Cookie header (RFC 6265); empty: it is not there.

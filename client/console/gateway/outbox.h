@@ -1,6 +1,7 @@
 // Frames that wait for one page, bounded.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <deque>
 #include <optional>
@@ -10,7 +11,7 @@
 
 namespace handrail {
 
-// In the order they came; where a newer frame of a slot comes, the older one that still waits is
+// In the order they came; where a newer frame of a slot comes, the oldest one that still waits is
 // left out: a page that reads slowly misses some and is told the newest.
 class Outbox {
  public:
@@ -21,19 +22,21 @@ class Outbox {
   struct Item {
     SharedText frame;
     bool binary = false;
-    int slot = -1;
+    FrameWorth worth = {};
   };
 
   // False: too much waits, and the frame is not taken.
   bool put(Item item) {
-    if (item.slot >= 0) {
-      for (Item& waits : items_) {
-        if (waits.slot != item.slot) continue;
-        bytes_ += item.frame->size() - waits.frame->size();
-        waits = std::move(item);
-        ++missed_;
+    if (const auto old = to_be_left_out(item.worth); old != items_.end()) {
+      ++missed_;
+      bytes_ -= old->frame->size();
+      // The only one of its slot keeps its place in the line.
+      if (item.worth.most <= 1) {
+        bytes_ += item.frame->size();
+        *old = std::move(item);
         return bytes_ <= kMostBytes;
       }
+      items_.erase(old);
     }
     if (items_.size() >= kMostWaiting || bytes_ + item.frame->size() > kMostBytes) return false;
     bytes_ += item.frame->size();
@@ -51,6 +54,15 @@ class Outbox {
   std::size_t missed() const noexcept { return missed_; }  // frames left out so far
 
  private:
+  // The oldest of a slot of which as many wait as may.
+  std::deque<Item>::iterator to_be_left_out(const FrameWorth& worth) {
+    if (worth.slot < 0) return items_.end();
+    const auto same = [&](const Item& waits) { return waits.worth.slot == worth.slot; };
+    const auto count = std::count_if(items_.begin(), items_.end(), same);
+    if (static_cast<std::size_t>(count) < worth.most) return items_.end();
+    return std::find_if(items_.begin(), items_.end(), same);
+  }
+
   std::deque<Item> items_;
   std::size_t bytes_ = 0, missed_ = 0;
 };

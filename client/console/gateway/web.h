@@ -46,8 +46,9 @@ using PageId = std::uint32_t;
 
 // What becomes of a frame that waits while an older one is on its way.
 struct FrameWorth {
-  // One of the same slot that still waits is left out for it; -1: none is ever left out.
+  // -1: none is ever left out. Else at most `most` of the same slot wait: the oldest is left out.
   int slot = -1;
+  std::size_t most = 1;
 };
 
 // Frames to pages. In the gateway's thread.

@@ -96,6 +96,28 @@ std::size_t region_at(const Walls& walls, const std::optional<Outline>& outline,
   return rounded ? region_near(walls, p, 2.0 * walls.fillet) : walls.outside;
 }
 
+// Of a picture of `columns` by `rows` pixels about the origin, the nearest pixel for each cell.
+// `colour` of a column and a row from the top.
+template <typename Colour>
+MapCells cells_of(int columns, int rows, const Vec2& size, const Colour& colour) {
+  MapCells out;
+  const int each = (std::max(columns, rows) + MapCells::kMost - 1) / MapCells::kMost;
+  out.columns = columns / each;
+  out.rows = rows / each;
+  // What is left over at the edges is less than a cell.
+  out.size =
+      size.cwiseProduct(Vec2(1.0 * out.columns * each / columns, 1.0 * out.rows * each / rows));
+  const int left = (columns - out.columns * each + each) / 2,
+            low = (rows - out.rows * each + each) / 2;
+  for (int row = 0; row < out.rows; ++row) {
+    for (int column = 0; column < out.columns; ++column) {
+      const auto rgb = colour(left + column * each, rows - 1 - (low + row * each));
+      out.rgb.append(rgb.begin(), rgb.end());
+    }
+  }
+  return out;
+}
+
 Result<MapPicture> drawn(const Walls& walls) {
   const double half = half_side(walls);
   std::optional<Outline> outline;
@@ -113,7 +135,12 @@ Result<MapPicture> drawn(const Walls& walls) {
   }
   const auto png = encoded(side, rgb);
   if (!png) return png.status();
-  return MapPicture{*png, Vec2::Constant(2.0 * half)};
+  const Vec2 size = Vec2::Constant(2.0 * half);
+  const auto colour = [&](int column, int row) {
+    const auto at = 3 * (static_cast<std::ptrdiff_t>(row) * side + column);
+    return std::array{rgb[at], rgb[at + 1], rgb[at + 2]};
+  };
+  return MapPicture{*png, size, cells_of(side, side, size, colour)};
 }
 
 }  // namespace
@@ -135,7 +162,11 @@ Result<MapPicture> map_picture(const Walls& walls) {
   const auto png = read_file(walls.image, kMostMapBytes);
   if (!png) return png.status();
   const CoverageMap& map = *walls.map;
-  return MapPicture{*png, map.pixel * Vec2(map.width, map.height)};
+  const Vec2 size = map.pixel * Vec2(map.width, map.height);
+  const auto colour = [&](int column, int row) {
+    return map_colour(walls, map.region[static_cast<std::size_t>(row) * map.width + column]);
+  };
+  return MapPicture{*png, size, cells_of(map.width, map.height, size, colour)};
 }
 
 }  // namespace handrail

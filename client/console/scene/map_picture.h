@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 
+#include "client/console/scene/map_cells.h"
 #include "server/base/status.h"
 #include "server/model/walls.h"
 
@@ -13,6 +14,7 @@ namespace handrail {
 struct MapPicture {
   std::string png;
   Vec2 size = Vec2::Zero();  // that it shows, about the map's origin [m]
+  MapCells cells;            // the same, coarser
 };
 
 // A painted map's own file, or drawn shapes in the colours of map_colour, with their rounded

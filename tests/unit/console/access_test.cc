@@ -100,6 +100,67 @@ TEST_F(AccessTest, SaysTheAddressWithTheKeyAndARefusalSaysNothingOfIt) {
   EXPECT_THAT(*refusal.body, Not(HasSubstr("thekey")));
 }
 
+class ViewerAccessTest : public AccessTest {
+ protected:
+  ViewerAccessTest() {
+    access.open_to_viewers("look", {"https://App.Foxglove.dev", "file://"});
+    request.wants_socket = true;
+    request.host = "127.0.0.1:8080";
+    request.target = "/foxglove?key=look";
+  }
+  // "in", "key": the secret alone is right, or "".
+  std::string verdict() const {
+    bool shows_key = false;
+    const bool in = access.lets_view(request, shows_key);
+    return in ? "in" : shows_key ? "key" : "";
+  }
+  WebRequest request;
+};
+
+TEST_F(ViewerAccessTest, LetsInAProgramWithTheSecretAndPagesThatWereNamed) {
+  EXPECT_EQ(verdict(), "in") << "a program says no Origin";
+  for (const char* origin : {"https://app.foxglove.dev", "file://"}) {
+    request.origin = origin;
+    EXPECT_EQ(verdict(), "in") << origin;
+  }
+  for (const char* origin :
+       {"null", "https://evil.example", "https://app.foxglove.dev.evil.example",
+        "http://app.foxglove.dev", "http://127.0.0.1:8080"}) {
+    request.origin = origin;
+    EXPECT_EQ(verdict(), "key") << origin;
+  }
+}
+
+TEST_F(ViewerAccessTest, RefusesAnotherSecretAndAnotherHost) {
+  for (const char* target :
+       {"/foxglove", "/foxglove?key=", "/foxglove?key=loo", "/foxglove?key=look2",
+        "/foxglove?key=thekey", "/foxglove?key=look&a=1", "/foxglove/?key=look"}) {
+    request.target = target;
+    EXPECT_EQ(verdict(), "") << target;
+  }
+  request.target = "/foxglove?key=look";
+  request.host = "evil.example:8080";
+  EXPECT_EQ(verdict(), "");
+}
+
+TEST_F(ViewerAccessTest, TheViewersSecretOpensNothingElseAndThePagesNoViewer) {
+  request.target = "/?key=look";
+  request.wants_socket = false;
+  EXPECT_EQ(access.judge(request), Verdict::kRefused);
+  WebRequest page = own_socket();
+  page.target = "/foxglove";
+  bool shows_key = true;
+  EXPECT_FALSE(access.lets_view(page, shows_key)) << "the page's cookie";
+  EXPECT_FALSE(shows_key);
+  EXPECT_FALSE(Access::is_for_viewers(own_socket()));
+  EXPECT_TRUE(Access::is_for_viewers(page));
+  const Access closed("thekey", "thecookie", "127.0.0.1", 8080);
+  request.wants_socket = true;
+  request.target = "/foxglove?key=";
+  EXPECT_FALSE(closed.lets_view(request, shows_key)) << "without a secret there is none to show";
+  EXPECT_EQ(access.viewer_url(), "ws://127.0.0.1:8080/foxglove?key=look");
+}
+
 TEST(Secrets, AreLongAndNeverTheSame) {
   const auto a = new_secret(), b = new_secret();
   ASSERT_TRUE(a && b);

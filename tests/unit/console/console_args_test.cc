@@ -37,6 +37,20 @@ TEST(ConsoleArgs, RefuseAnAddressThatOthersReach) {
   }
 }
 
+TEST(ConsoleArgs, NameThePagesThatMayLookAsViewers) {
+  const auto args = parsed(
+      {"--viewer-origin", "https://app.foxglove.dev", "--viewer-origin=file://", "--socket", "x"});
+  ASSERT_TRUE(args) << args.message();
+  EXPECT_EQ(args->viewer_origins,
+            (std::vector<std::string>{"https://app.foxglove.dev", "file://"}));
+  for (const char* origin : {"null", "*", "app.foxglove.dev", "https://a/b", "https://a?b", "://a",
+                             "https://*.dev", "https://a b"}) {
+    EXPECT_THAT(parsed({"--viewer-origin", origin}).message(),
+                HasSubstr("expected the origin of a viewer's page"))
+        << origin;
+  }
+}
+
 TEST(ConsoleArgs, SayWhatIsWrong) {
   EXPECT_THAT(parsed({"--port", "1"}).message(), HasSubstr("unknown argument '--port'"));
   EXPECT_THAT(parsed({"--as", "two words"}).message(), HasSubstr("--as"));

@@ -5,8 +5,8 @@
 namespace handrail {
 namespace {
 
-Outbox::Item item(const std::string& text, int slot = -1) {
-  return {shared_text(text), false, slot};
+Outbox::Item item(const std::string& text, int slot = -1, std::size_t most = 1) {
+  return {shared_text(text), false, {slot, most}};
 }
 
 std::string all(Outbox& box) {
@@ -31,6 +31,15 @@ TEST(Outbox, ANewerFrameOfASlotTakesThePlaceOfTheOneThatWaits) {
   EXPECT_EQ(box.bytes(), 16u);
   EXPECT_EQ(box.missed(), 1u);
   EXPECT_EQ(all(box), "newestreplyother");
+}
+
+TEST(Outbox, OfASlotThatMayWaitSeveralTimesTheOldestIsLeftOut) {
+  Outbox box;
+  for (const char* text : {"a", "b", "c", "d"}) EXPECT_TRUE(box.put(item(text, 3, 2)));
+  EXPECT_TRUE(box.put(item("other", 4, 2)));
+  EXPECT_EQ(box.missed(), 2u);
+  EXPECT_EQ(box.bytes(), 7u);
+  EXPECT_EQ(all(box), "cdother");
 }
 
 TEST(Outbox, AMinuteOfStatusesForWhoReadsNothingIsOneFrame) {

@@ -70,6 +70,46 @@ TEST(SceneNews, EveryShippedSceneCanBeDrawn) {
   EXPECT_GT(bodies, 0);
 }
 
+// Cells from the lowest y on are the picture's colours from the top on, within a cell of an edge.
+void expect_cells_like_the_picture(const MapPicture& picture, const std::string& name) {
+  const MapCells& cells = picture.cells;
+  const auto count = static_cast<std::size_t>(cells.columns) * static_cast<std::size_t>(cells.rows);
+  ASSERT_EQ(cells.rgb.size(), 3 * count) << name;
+  ASSERT_GT(count, 100u) << name;
+  EXPECT_LE(std::max(cells.columns, cells.rows), MapCells::kMost) << name;
+  const auto image = decode_png(picture.png);
+  const Vec2 pixel(image->width / picture.size.x(), image->height / picture.size.y());
+  std::size_t like = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec2 at((static_cast<double>(i % cells.columns) + 0.5) / cells.columns - 0.5,
+                  (static_cast<double>(i / cells.columns) + 0.5) / cells.rows - 0.5);
+    const Vec2 p = at.cwiseProduct(cells.size);
+    const int column = static_cast<int>((p.x() + 0.5 * picture.size.x()) * pixel.x());
+    const int row = static_cast<int>((0.5 * picture.size.y() - p.y()) * pixel.y());
+    const std::size_t from = 4 * static_cast<std::size_t>(row * image->width + column);
+    int off = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      off += std::abs(image->rgba[from + c] - static_cast<std::uint8_t>(cells.rgb[3 * i + c]));
+    }
+    if (off < 30) ++like;
+  }
+  EXPECT_GT(like, 0.97 * static_cast<double>(count)) << name;
+}
+
+TEST(MapCells, AreThePictureCoarser) {
+  int painted = 0, drawn = 0;
+  for (const auto& entry : SceneLibrary().list()) {
+    const Scene scene = shipped(entry.name);
+    if (!scene.walls) continue;
+    ++(scene.walls->image.empty() ? drawn : painted);
+    const auto picture = map_picture(*scene.walls);
+    ASSERT_TRUE(picture) << picture.message();
+    expect_cells_like_the_picture(*picture, entry.name);
+  }
+  EXPECT_GT(painted, 0);
+  EXPECT_GT(drawn, 0);
+}
+
 TEST(MapPicture, ShowsDrawnShapesWhereTheyAre) {
   Walls walls;
   WallRegion free, aisle, brick;
