@@ -8,16 +8,45 @@
 #include "client/console/scene/scene_news.h"
 #include "server/base/clock.h"
 #include "server/base/plain_text.h"
+#include "server/keys/secret.h"
 
 namespace handrail {
 namespace {
 
 constexpr char kMapPath[] = "/scene/map.png";
 constexpr Nanos kBetweenLines = 10 * kSecond;
+constexpr std::uint16_t kPolicy = 1008;  // RFC 6455: what is not to be
 
 }  // namespace
 
-ConsoleApp::ConsoleApp(Site site, PageDesk& desk) : site_(std::move(site)), desk_(desk) {}
+ConsoleApp::ConsoleApp(Site site, PageDesk& desk, PageSink& pages)
+    : site_(std::move(site)), desk_(desk), pages_(pages) {}
+
+void ConsoleApp::let_in(Access access, LinkKeeper* links) {
+  access_ = std::move(access);
+  links_ = links;
+  if (links == nullptr) return;
+  links->watch([this](const Result<std::vector<OnceLink>>& now) {
+    if (!now) return spdlog::warn("{}", now.message());
+    std::vector<std::string> ids;
+    for (const OnceLink& link : *now) ids.push_back(link.id);
+    access_->keep_only(ids);
+  });
+}
+
+void ConsoleApp::look() {
+  const Nanos now = monotonic_now();
+  for (const auto& [page, guest] : std::map(guests_)) {
+    if (access_->holds(guest, now)) continue;
+    guests_.erase(page);
+    pages_.end(page, kPolicy,
+               "the link of this page has ended: `handrail keys link` makes another");
+  }
+}
+
+Access::Judged ConsoleApp::judge(const WebRequest& request) const {
+  return access_ ? access_->judge(request, monotonic_now()) : Access::Judged{};
+}
 
 // Who knocks without the secret learns nothing; the log says from where, now and then.
 WebAnswer ConsoleApp::refuse(const WebRequest& request) {
@@ -26,13 +55,56 @@ WebAnswer ConsoleApp::refuse(const WebRequest& request) {
     spdlog::warn("refused {} (host '{}', origin '{}'): it does not show the secret of this console",
                  request.from, shown(request.host), shown(request.origin));
   }
-  return Access::refusal();
+  return access_ ? access_->refusal() : plain_answer(503, "not yet\n");
+}
+
+WebAnswer ConsoleApp::take_link(const WebRequest& request, std::string token) {
+  if (links_ == nullptr) return refuse(request);
+  if (!tokens_.take(request.network, monotonic_now())) {
+    return plain_answer(429, "too many links are tried: open yours again in a few seconds\n");
+  }
+  WebAnswer out;
+  out.later = [this, token = std::move(token), from = request.from](auto tell) {
+    links_->take(token, [this, from, tell](const Result<OnceLinks::Taken>& taken) {
+      tell(admit_by(taken, from));
+    });
+  };
+  return out;
+}
+
+WebAnswer ConsoleApp::admit_by(const Result<OnceLinks::Taken>& taken, const std::string& from) {
+  const auto secret = new_secret();
+  if (!taken || !secret) {
+    spdlog::warn("{} is not let in: {}", from, taken ? secret.message() : taken.message());
+    return plain_answer(500, "links cannot be read or written: this console's log says why\n");
+  }
+  constexpr char kAnother[] = "`handrail keys link` makes another\n";
+  switch (taken->found) {
+    case OnceLinks::Found::kUnknown:
+      return plain_answer(403, std::string("there is no such link (any more): ") + kAnother);
+    case OnceLinks::Found::kUsed:
+      spdlog::warn("{} has opened a link that is used already", from);
+      return plain_answer(403,
+                          std::string("this link has been opened before, and is good once. Was "
+                                      "it not you? `handrail keys unlink` ends what it let "
+                                      "in; ") +
+                              kAnother);
+    case OnceLinks::Found::kExpired:
+      return plain_answer(403,
+                          std::string("this link was good for a while that is over: ") + kAnother);
+    case OnceLinks::Found::kGood: break;
+  }
+  const OnceLink& link = taken->link;
+  spdlog::info("{} is let in by link {} as {}", from, link.id, role_text(link.role));
+  return access_->let_in({link.role != Role::kOperator, link.id}, *secret, monotonic_now());
 }
 
 WebAnswer ConsoleApp::answer(const WebRequest& request) {
-  switch (judge(request)) {
+  Access::Judged judged = judge(request);
+  switch (judged.verdict) {
     case Access::Verdict::kRefused: return refuse(request);
     case Access::Verdict::kShowsKey: return access_->welcome();
+    case Access::Verdict::kShowsLink: return take_link(request, std::move(judged.token));
     case Access::Verdict::kIn: break;
   }
   if (request.method != "GET" && request.method != "HEAD") {
@@ -43,7 +115,8 @@ WebAnswer ConsoleApp::answer(const WebRequest& request) {
 }
 
 WebApplication::Admission ConsoleApp::admit(const WebRequest& request) {
-  if (judge(request) != Access::Verdict::kIn) return {"", refuse(request)};
+  const Access::Judged judged = judge(request);
+  if (judged.verdict != Access::Verdict::kIn) return {"", refuse(request)};
   const auto offers = [&](const char* protocol) {
     return std::find(request.protocols.begin(), request.protocols.end(), protocol) !=
            request.protocols.end();
@@ -57,18 +130,22 @@ WebApplication::Admission ConsoleApp::admit(const WebRequest& request) {
     return {"", plain_answer(503, std::to_string(PageDesk::kMostPages) +
                                       " pages are open, and more are not served: close one\n")};
   }
-  return {kConsoleProtocol, {}};
+  return {kConsoleProtocol, {}, judged.guest};
 }
 
-void ConsoleApp::opened(PageId page, const std::string&, const std::string& from) {
-  desk_.opened(page, from, monotonic_now());
+void ConsoleApp::opened(PageId page, const std::string&, const std::string&, const Guest& guest) {
+  if (!guest.link.empty()) guests_[page] = guest;
+  desk_.opened(page, guest.observes, monotonic_now());
 }
 
 void ConsoleApp::received(PageId page, std::string_view frame, bool) {
   desk_.received(page, frame, monotonic_now());
 }
 
-void ConsoleApp::closed(PageId page) { desk_.closed(page, monotonic_now()); }
+void ConsoleApp::closed(PageId page) {
+  guests_.erase(page);
+  desk_.closed(page, monotonic_now());
+}
 
 void ConsoleApp::show(const std::string& name, const Result<ReadScene>& read) {
   const std::string number = std::to_string(++scenes_);

@@ -1,6 +1,7 @@
-// handrail-console: a gateway between browsers on this computer and a master.
+// handrail-console: a gateway between browsers and a master.
 #include <spdlog/spdlog.h>
 
+#include <chrono>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -9,12 +10,15 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <utility>
 
 #include "client/console/console_app.h"
 #include "client/console/console_args.h"
+#include "client/console/link_keeper.h"
 #include "client/console/master_link.h"
 #include "client/console/web_server.h"
+#include "client/console/web_tls.h"
 #include "server/base/clock.h"
 #include "server/base/output.h"
 #include "server/base/signals.h"
@@ -22,6 +26,9 @@
 #include "server/daemon/daemon_log.h"
 #include "server/daemon/errand.h"
 #include "server/daemon/run_daemon.h"
+#include "server/keys/key_folder.h"
+#include "server/keys/secret.h"
+#include "server/keys/web_place.h"
 #include "server/scene/scene_io.h"
 #include "server/scene/scene_library.h"
 #include "server/scene/shipped.h"
@@ -99,9 +106,64 @@ void say_master(const Result<pb::Reply>& reply, std::string& last) {
   spdlog::warn("{}", now);
 }
 
+// What a console shows that other computers reach: this user's key in a certificate.
+struct Identity {
+  WebPlace place;
+  std::shared_ptr<SSL_CTX> tls;
+};
+
+Result<Identity> identity_of(const ConsoleArgs& args) {
+  if (!args.encrypted) return Identity{};
+  const KeyFolder folder(default_key_folder());
+  const auto own = folder.load();
+  if (!own)
+    return Status::error("--listen " + args.address + ": it is encrypted: " + own.message());
+  auto place = WebPlace::make(folder.path(), own->key, args.names);
+  if (!place) return Status::error("--name: " + place.message());
+  auto tls = web_tls(own->key, place->certificate);
+  if (!tls) return tls.status();
+  return Identity{std::move(*place), std::move(*tls)};
+}
+
+// The address to be printed; of one that others reach, `handrail keys link` is to know it too.
+Result<std::string> let_in(const ConsoleArgs& args, Identity& identity, std::uint16_t port,
+                           ConsoleApp& app, LinkKeeper& links) {
+  std::string key, cookie;
+  if (!args.encrypted) {
+    const auto a = new_secret(), b = new_secret();
+    if (!a || !b) return (a ? b : a).status();
+    key = *a;
+    cookie = *b;
+  } else {
+    identity.place.port = port;
+    if (Status saved = identity.place.save(default_key_folder()); !saved) return saved;
+  }
+  GatewayPlace place{{}, port, args.encrypted};
+  for (const std::string& name : args.names) place.names.push_back(web_host(name));
+  Access access(std::move(place), key, cookie);
+  const std::string url = access.url();
+  app.let_in(std::move(access), args.encrypted ? &links : nullptr);
+  if (!args.encrypted) return url;
+  spdlog::info(
+      "`handrail keys link` makes addresses that let a browser in, once each; the "
+      "certificate's SHA-256 begins {}",
+      fingerprint_start(identity.place.certificate));
+  return url;
+}
+
+// Now and then, while the context runs.
+void keep_looking(boost::asio::steady_timer& timer, ConsoleApp& app) {
+  timer.expires_after(std::chrono::milliseconds(LinkKeeper::kLookMs));
+  timer.async_wait([&](const boost::system::error_code& ended) {
+    if (ended) return;
+    app.look();
+    keep_looking(timer, app);
+  });
+}
+
 int serve(const ConsoleArgs& args) {
-  const auto key = new_secret(), cookie = new_secret();
-  if (!key || !cookie) return fail_start(kProgram, key ? cookie.message() : key.message());
+  auto identity = identity_of(args);
+  if (!identity) return fail_start(kProgram, identity.message());
   boost::asio::io_context io;
   WebServer server(io);
   // What these two have in hand comes while the context runs: the desk is there by then.
@@ -123,19 +185,21 @@ int serve(const ConsoleArgs& args) {
   const std::string master = args.master.host.empty() ? args.master.socket : args.master.host;
   desk = std::make_unique<PageDesk>(
       server, link, PageDeskOptions{args.observe, program_version(), args.as, master});
-  ConsoleApp app(page_of(args), *desk);
+  ConsoleApp app(page_of(args), *desk, server);
+  LinkKeeper links(io, OnceLinks(default_key_folder()));
   scenes = std::make_unique<SceneWatch>(args, app);
-  const auto address = boost::asio::ip::make_address(args.address);
-  if (const Status opened = server.open(address, args.port, app); !opened) {
+  if (const Status opened = server.open(args.address, args.port, app, identity->tls); !opened) {
     return fail_start(kProgram, opened.message());
   }
-  const Access access(*key, *cookie, args.address, server.port());
-  app.let_in(access);
+  const auto url = let_in(args, *identity, server.port(), app, links);
+  if (!url) return fail_start(kProgram, url.message());
+  boost::asio::steady_timer looks(io);
+  keep_looking(looks, app);
   boost::asio::signal_set endings(io);
   for (const int signal : ending_signals()) endings.add(signal);
   endings.async_wait([&io](const boost::system::error_code&, int) { io.stop(); });
   Announcement ready;
-  ready.make("READY url=" + access.url());
+  ready.make("READY url=" + *url);
   io.run();
   server.close();
   return 0;
