@@ -21,6 +21,7 @@
 #include "client/console/web_tls.h"
 #include "server/base/clock.h"
 #include "server/base/output.h"
+#include "server/base/plain_text.h"
 #include "server/base/signals.h"
 #include "server/base/version.h"
 #include "server/daemon/daemon_log.h"
@@ -96,6 +97,15 @@ class SceneWatch {
   Errand<Result<ReadScene>> errand_;
   std::string shown_, reading_, name_;
 };
+
+std::vector<std::string> scene_names(const ConsoleArgs& args) {
+  std::vector<std::string> out;
+  for (const SceneLibrary::Entry& scene : SceneLibrary(args.scenes).list()) {
+    // What is no text a frame cannot hold.
+    if (is_plain_text(scene.name)) out.push_back(scene.name);
+  }
+  return out;
+}
 
 // Says in the log when the master comes and goes.
 void say_master(const Result<pb::Reply>& reply, std::string& last) {
@@ -184,7 +194,8 @@ int serve(const ConsoleArgs& args) {
       [&io](std::function<void()> work) { boost::asio::post(io, std::move(work)); }, told);
   const std::string master = args.master.host.empty() ? args.master.socket : args.master.host;
   desk = std::make_unique<PageDesk>(
-      server, link, PageDeskOptions{args.observe, program_version(), args.as, master});
+      server, link,
+      PageDeskOptions{args.observe, program_version(), args.as, master, scene_names(args)});
   ConsoleApp app(page_of(args), *desk, server);
   LinkKeeper links(io, OnceLinks(default_key_folder()));
   scenes = std::make_unique<SceneWatch>(args, app);

@@ -1,5 +1,5 @@
 // The real programs of build/release/bin, in a folder of their own, started and ended one by one.
-import { spawn } from 'node:child_process';
+import { execFileSync, spawn } from 'node:child_process';
 import { mkdtemp, rm, writeFile } from 'node:fs/promises';
 import { createServer } from 'node:net';
 import { tmpdir } from 'node:os';
@@ -42,14 +42,24 @@ export class Programs {
   }
 
   /** The gateway; its address comes back. */
-  async console({ observe = false, name = 'console', port = this.consolePort } = {}) {
-    const argv = ['--listen', `127.0.0.1:${port}`, '--socket', this.socket, '--page', DIST, '--as', name];
+  async console({ observe = false, name = 'console', port = this.consolePort, remote = false } = {}) {
+    const place = remote ? ['--listen', `any:${port}`, '--name', '127.0.0.1'] : ['--listen', `127.0.0.1:${port}`];
+    const argv = [...place, '--socket', this.socket, '--page', DIST, '--as', name];
     const ready = await this.run('console', observe ? [...argv, '--observe'] : argv, name);
     return /url=(\S+)/.exec(ready)[1];
   }
 
+  get environment() {
+    return { ...process.env, HANDRAIL_KEYS: join(this.folder, 'keys') };
+  }
+
+  /** What the command line prints; throws where it says no. */
+  handrail(...argv) {
+    return execFileSync(join(BIN, 'handrail'), argv, { env: this.environment, encoding: 'utf8', stdio: ['ignore', 'pipe', 'pipe'] });
+  }
+
   run(program, argv, name = program) {
-    const child = spawn(join(BIN, `handrail-${program}`), argv, { cwd: this.folder, stdio: ['ignore', 'pipe', 'pipe'] });
+    const child = spawn(join(BIN, `handrail-${program}`), argv, { cwd: this.folder, env: this.environment, stdio: ['ignore', 'pipe', 'pipe'] });
     let said = '', log = '';
     child.stderr.on('data', (text) => (log += text));
     this.running.set(name, child);

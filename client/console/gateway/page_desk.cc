@@ -47,6 +47,7 @@ void PageDesk::greet(PageId page, Nanos now) {
   }
   hello.set_name(options_.name);
   hello.set_master(options_.master);
+  for (const std::string& scene : options_.scenes) hello.add_scene(scene);
   pb::ConsoleLimits& limits = *hello.mutable_limits();
   limits.set_status_hz(kStatusRate);
   limits.set_hand_hz_most(kCursorRate);

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "client/console/gateway/web.h"
 #include "proto/console.pb.h"
@@ -27,6 +28,7 @@ class MasterOrders {
 struct PageDeskOptions {
   bool observe = false;               // no order of any page passes
   std::string version, name, master;  // as in pb::Hello
+  std::vector<std::string> scenes = {};
 };
 
 // One page leads at a time. Its orders and its cursor pass, and a stop of any page. When it goes,
