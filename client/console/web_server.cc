@@ -20,6 +20,7 @@
 #include "client/console/gateway/outbox.h"
 #include "client/console/gateway/pace.h"
 #include "client/console/peer_place.h"
+#include "client/console/request_head.h"
 #include "client/console/web_stream.h"
 #include "server/base/clock.h"
 #include "server/keys/own_socket.h"
@@ -38,17 +39,11 @@ namespace {
 // What of a slow page's frames the system keeps beside ours: a tenth of a second [bytes].
 constexpr int kSendBuffer = 32 << 10;
 constexpr auto kAcceptPause = std::chrono::milliseconds(100);
+// Between two looks whether a greeting is there: soon at first, then seldom, as thousands may wait.
+constexpr Nanos kFirstKnock = 2 * kMillisecond, kLastKnock = 100 * kMillisecond;
 constexpr auto kLastRead = std::chrono::seconds(1);
 
 std::chrono::nanoseconds ns(Nanos time) { return std::chrono::nanoseconds(time); }
-
-std::string text_of(beast::string_view view) { return {view.data(), view.size()}; }
-
-std::vector<std::string> split(beast::string_view list) {
-  std::vector<std::string> out;
-  for (const auto& token : http::token_list(list)) out.push_back(text_of(token));
-  return out;
-}
 
 }  // namespace
 
@@ -90,12 +85,8 @@ class WebServer::Connection : public std::enable_shared_from_this<Connection> {
     parser_.body_limit(0);
     layer().expires_after(ns(kHeaderPatience));
     if (stream_.tls() == nullptr) return hear();
-    if (!parts_.handshakes.take(network_, monotonic_now())) return close();
-    stream_.tls()->async_handshake(asio::ssl::stream_base::server,
-                                   [self = shared_from_this()](Error e) {
-                                     if (e) return self->close();
-                                     self->hear();
-                                   });
+    give_up_ = monotonic_now() + kHeaderPatience;
+    knock(kFirstKnock);
   }
   bool has_asked() const { return has_asked_; }
   PageId page() const { return page_; }
@@ -128,6 +119,8 @@ class WebServer::Connection : public std::enable_shared_from_this<Connection> {
   beast::tcp_stream& layer() {
     return socket_ ? beast::get_lowest_layer(*socket_) : stream_.next_layer();
   }
+  // Nobody's turn is spent on who does not say all of its greeting; who has none yet waits for one.
+  void knock(Nanos wait);
   void hear() {
     http::async_read_header(stream_, buffer_, parser_,
                             [self = shared_from_this()](Error e, std::size_t) { self->asked(e); });
@@ -150,6 +143,7 @@ class WebServer::Connection : public std::enable_shared_from_this<Connection> {
   http::response<http::string_body> response_;
   std::optional<Socket> socket_;
   std::string from_, network_;
+  Nanos give_up_ = 0;  // its greeting
   bool has_asked_ = false;
   PageId page_ = 0;
   Outbox outbox_;
@@ -159,6 +153,23 @@ class WebServer::Connection : public std::enable_shared_from_this<Connection> {
   int controls_ = 0;
   std::chrono::steady_clock::time_point second_{};
 };
+
+void WebServer::Connection::knock(Nanos wait) {
+  const Greeting greeting = greeting_of(layer().socket());
+  if (greeting == Greeting::kNone || monotonic_now() + wait > give_up_) return close();
+  if (greeting == Greeting::kWhole && parts_.handshakes.take(network_, monotonic_now())) {
+    layer().expires_after(ns(kHeaderPatience));
+    return stream_.tls()->async_handshake(asio::ssl::stream_base::server,
+                                          [self = shared_from_this()](Error error) {
+                                            if (error) return self->close();
+                                            self->hear();
+                                          });
+  }
+  slow_.expires_after(ns(wait));
+  slow_.async_wait([self = shared_from_this(), wait](Error ended) {
+    if (!ended) self->knock(std::min(2 * wait, kLastKnock));
+  });
+}
 
 void WebServer::Connection::asked(Error error) {
   has_asked_ = true;
@@ -182,19 +193,7 @@ void WebServer::Connection::asked(Error error) {
 }
 
 WebRequest WebServer::Connection::request_of() const {
-  const auto& head = parser_.get();
-  WebRequest out;
-  out.method = text_of(head.method_string());
-  out.target = text_of(head.target());
-  // Twice said is once too often.
-  const auto one = [&](http::field name) {
-    return head.count(name) == 1 ? text_of(head[name]) : std::string();
-  };
-  out.host = one(http::field::host);
-  out.origin = text_of(head[http::field::origin]);
-  out.cookie = text_of(head[http::field::cookie]);
-  out.protocols = split(head[http::field::sec_websocket_protocol]);
-  out.wants_socket = websocket::is_upgrade(head);
+  WebRequest out = read_head(parser_.get());
   out.from = from_;
   out.network = network_;
   return out;

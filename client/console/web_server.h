@@ -28,8 +28,7 @@ class WebServer final : public PageSink {
   static constexpr std::uint32_t kMostHeader = 8u << 10;  // [bytes]
   static constexpr std::uint32_t kMostFrame = 64u << 10;  // [bytes]
   static constexpr int kMostControls = 20;                // pings and pongs of a page in a second
-  // TLS handshakes begun in a second, of all and of one network; others are closed. One takes 0.4
-  // ms.
+  // TLS handshakes begun in a second, of all and of one network: others wait. One takes 0.4 ms.
   static constexpr std::size_t kMostHandshakes = 200, kMostHandshakesOfNetwork = 60;
   static constexpr Nanos kHeaderPatience = 5 * kSecond;  // from the connection to its whole head
   static constexpr Nanos kAnswerPatience = 5 * kSecond;  // for an answer to be taken

@@ -191,6 +191,33 @@ TEST_F(ConsoleLinkTest, PlainBytesOlderTlsAndOtherNamesAreNotServed) {
   }
 }
 
+TEST_F(ConsoleLinkTest, AThousandHalfGreetingsKeepNobodyOut) {
+  const std::string token = link({"observer"});
+  boost::asio::io_context io;
+  std::vector<tcp::socket> strangers;
+  const std::string half("\x16\x03\x01\x02\x00\x01", 6);
+  for (int i = 0; i < 1000; ++i) {
+    strangers.emplace_back(io);
+    beast::error_code error;
+    strangers.back().connect(console_at(port), error);
+    if (!error) boost::asio::write(strangers.back(), boost::asio::buffer(half), error);
+  }
+  const Nanos begin = monotonic_now();
+  const WebReply in = open_link(token);
+  EXPECT_EQ(in.status, 200u) << in.body;
+  EXPECT_LT(monotonic_now() - begin, kSecond);
+  // And whoever begins otherwise goes at once.
+  tcp::socket other(io);
+  other.connect(console_at(port));
+  boost::asio::write(other, boost::asio::buffer("GET / HTTP/1.1\r\n", 16));
+  char byte = 0;
+  beast::error_code error;
+  const Nanos asked = monotonic_now();
+  (void)other.read_some(boost::asio::buffer(&byte, 1), error);
+  EXPECT_TRUE(error) << "told nothing";
+  EXPECT_LT(monotonic_now() - asked, kSecond);
+}
+
 TEST_F(ConsoleLinkTest, SaysWhatIsMissingForALink) {
   EXPECT_THAT(handrail({"keys", "link", "master"}).second, HasSubstr("expected operator"));
   EXPECT_THAT(handrail({"keys", "link", "observer", "--for", "0"}).second,
