@@ -59,12 +59,14 @@ export async function handToForceAndBack(browser, url, count = 60) {
     await pause(250 + 17 * (i % 7));
     const [c, f] = await page.evaluate(() => {
       const { moves, statuses } = window.seen;
-      const before = statuses.findLast((s) => s.at < moves[0]);
+      const before = statuses.findLast((s) => s.at < moves[0]), settled = statuses.at(-1);
       const first = (differs) => (statuses.find((s) => s.at >= moves[0] && differs(s))?.at ?? Infinity) - moves[0];
-      return [first((s) => Math.abs(s.cursor[1] - before.cursor[1]) > 5), first((s) => Math.abs(s.force - before.force) > 0.2)];
+      // Half of the way to where the force comes to rest.
+      const way = settled.force - before.force;
+      return [first((s) => Math.abs(s.cursor[1] - before.cursor[1]) > 5), Math.abs(way) < 1 ? null : first((s) => (s.force - before.force) / way >= 0.5)];
     });
     cursor.push(c);
-    force.push(f);
+    if (f !== null) force.push(f);
   }
   await page.mouse.up();
   await page.context().close();

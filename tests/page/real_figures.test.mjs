@@ -23,6 +23,7 @@ after(async () => {
 test('TheHandFeelsAndSeesTheWallSoon', async (t) => {
   const { cursor, force } = await handToForceAndBack(browser, url, 24);
   t.diagnostic(`p95 cursor ${quantile(cursor, 0.95).toFixed(0)} ms, force ${quantile(force, 0.95).toFixed(0)} ms, load ${loadavg()[0]}`);
+  assert.ok(cursor.length === 24 && force.length >= 12);
   assert.ok(quantile(cursor, 0.95) < 50 * BUSY && quantile(force, 0.95) < 50 * BUSY);
 });
 
@@ -33,10 +34,10 @@ test('APageIsReadySoon', async (t) => {
 });
 
 test('TheAgeThatIsShownIsTrue', async (t) => {
-  const { wrong, error } = await dataAge(browser, url, 3);
+  const { wrong, error } = await dataAge(browser, url);
   const p95 = quantile(wrong.map(Math.abs), 0.95);
   t.diagnostic(`wrong by ${p95.toFixed(1)} ms (p95 of ${wrong.length}), known to ${error.toFixed(1)} ms, load ${loadavg()[0]}`);
-  assert.ok(wrong.length > 20 && p95 < 20 * BUSY);
+  assert.ok(wrong.length >= 3 && p95 < 20 * BUSY);
 });
 
 test('ViewersCostTheHapticLoopNothing', async (t) => {
