@@ -20,7 +20,6 @@
 #include "client/console/gateway/outbox.h"
 #include "client/console/gateway/pace.h"
 #include "client/console/peer_place.h"
-#include "client/console/request_head.h"
 #include "client/console/web_stream.h"
 #include "server/base/clock.h"
 #include "server/keys/own_socket.h"

@@ -1,4 +1,5 @@
-// A connection's bytes, encrypted or not, as one kind of Beast's streams.
+// What of Beast the server is made of: a connection's bytes, encrypted or not, as one kind of
+// stream, and the head of a request.
 #pragma once
 
 #include <utility>
@@ -6,8 +7,13 @@
 
 #include <boost/asio/ssl/context.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http/message.hpp>
+#include <boost/beast/http/rfc7230.hpp>
 #include <boost/beast/ssl/ssl_stream.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
 #include <boost/beast/websocket/teardown.hpp>
+
+#include "client/console/gateway/web.h"
 
 namespace handrail {
 
@@ -58,6 +64,26 @@ void async_teardown(boost::beast::role_type role, WebStream& stream, Handler&& h
   }
   using boost::beast::websocket::async_teardown;
   async_teardown(role, stream.next_layer(), std::forward<Handler>(handler));
+}
+
+// The head of a request as the gateway looks at it, without from and network.
+inline WebRequest read_head(const boost::beast::http::request_header<>& head) {
+  namespace http = boost::beast::http;
+  const auto text_of = [](boost::beast::string_view view) {
+    return std::string(view.data(), view.size());
+  };
+  WebRequest out;
+  out.method = text_of(head.method_string());
+  out.target = text_of(head.target());
+  // Twice said is once too often.
+  if (head.count(http::field::host) == 1) out.host = text_of(head[http::field::host]);
+  out.origin = text_of(head[http::field::origin]);
+  out.cookie = text_of(head[http::field::cookie]);
+  for (const auto& token : http::token_list(head[http::field::sec_websocket_protocol])) {
+    out.protocols.push_back(text_of(token));
+  }
+  out.wants_socket = boost::beast::websocket::is_upgrade(head);
+  return out;
 }
 
 }  // namespace handrail
