@@ -28,6 +28,7 @@ struct Options {
   std::optional<std::string> word;                                         // positional argument
   std::optional<std::string> roles, key, next;                             // keys trust, after it
   std::optional<std::string> listen, with, code;                           // keys pair
+  std::optional<std::string> minutes;                                      // keys link
 };
 
 // Where answers and complaints go.
@@ -53,6 +54,7 @@ struct Takes {
   bool word_optional = false;
   bool entry = false;  // ROLES, KEY and an optional NEXT after the word
   bool pair = false;   // --listen, or --with and --code
+  bool life = false;   // --for
 };
 
 struct Command {

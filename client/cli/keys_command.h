@@ -24,4 +24,9 @@ ExitCode run_keys_trust(const Options& options, const Console& console);
 ExitCode run_keys_list(const Options& options, const Console& console);
 ExitCode run_keys_remove(const Options& options, const Console& console);
 
+// Addresses that let a browser on another computer in, once each.
+ExitCode run_keys_link(const Options& options, const Console& console);
+ExitCode run_keys_links(const Options& options, const Console& console);
+ExitCode run_keys_unlink(const Options& options, const Console& console);
+
 }  // namespace handrail

@@ -78,6 +78,9 @@ void add_options(CLI::App& app, const Takes& takes, Options& o) {
   if (takes.hold) app.add_flag("--hold", o.hold, "engaged while this runs: Ctrl-C disengages");
   if (takes.hand) add_hand_options(app, o);
   if (takes.pair) add_pair_options(app, o);
+  if (takes.life) {
+    add_text(app, "--for", o.minutes, "MINUTES", "that it is good for, 1 to 1440; 10 without it");
+  }
   if (takes.calibrate) add_calibrate_options(app, o);
   if (takes.wish) {
     add_text(app, "--accuracy", o.accuracy, "LENGTH", "largest error, such as 0.01mm or 10um");

@@ -8,12 +8,14 @@
 #include "client/console/scene/scene_news.h"
 #include "server/base/clock.h"
 #include "server/base/plain_text.h"
+#include "server/keys/secret.h"
 
 namespace handrail {
 namespace {
 
 constexpr char kMapPath[] = "/scene/map.png";
 constexpr Nanos kBetweenLines = 10 * kSecond;
+constexpr std::uint16_t kPolicy = 1008;  // RFC 6455: what is not to be
 
 bool offers(const WebRequest& request, const char* protocol) {
   return std::find(request.protocols.begin(), request.protocols.end(), protocol) !=
@@ -22,8 +24,8 @@ bool offers(const WebRequest& request, const char* protocol) {
 
 }  // namespace
 
-ConsoleApp::ConsoleApp(Site site, PageDesk& desk, ViewerDesk& viewers)
-    : site_(std::move(site)), desk_(desk), viewers_(viewers) {}
+ConsoleApp::ConsoleApp(Site site, PageDesk& desk, ViewerDesk& viewers, PageSink& pages)
+    : site_(std::move(site)), desk_(desk), viewers_(viewers), pages_(pages) {}
 
 bool ConsoleApp::is_time_to_say() {
   const Nanos now = monotonic_now();
@@ -32,19 +34,88 @@ bool ConsoleApp::is_time_to_say() {
   return true;
 }
 
+void ConsoleApp::let_in(Access access, LinkKeeper* links) {
+  access_ = std::move(access);
+  links_ = links;
+  if (links == nullptr) return;
+  links->watch([this](const Result<std::vector<OnceLink>>& now) {
+    if (!now) return spdlog::warn("{}", now.message());
+    std::vector<std::string> ids;
+    for (const OnceLink& link : *now) ids.push_back(link.id);
+    access_->keep_only(ids);
+  });
+}
+
+void ConsoleApp::look() {
+  const Nanos now = monotonic_now();
+  for (const auto& [page, guest] : std::map(guests_)) {
+    if (access_->holds(guest, now)) continue;
+    guests_.erase(page);
+    pages_.end(page, kPolicy,
+               "the link of this page has ended: `handrail keys link` makes another");
+  }
+}
+
+Access::Judged ConsoleApp::judge(const WebRequest& request) const {
+  return access_ ? access_->judge(request, monotonic_now()) : Access::Judged{};
+}
+
 // Who knocks without the secret learns nothing; the log says from where, now and then.
 WebAnswer ConsoleApp::refuse(const WebRequest& request) {
   if (is_time_to_say()) {
     spdlog::warn("refused {} (host '{}', origin '{}'): it does not show the secret of this console",
                  request.from, shown(request.host), shown(request.origin));
   }
-  return Access::refusal();
+  return access_ ? access_->refusal() : plain_answer(503, "not yet\n");
+}
+
+WebAnswer ConsoleApp::take_link(const WebRequest& request, std::string token) {
+  if (links_ == nullptr) return refuse(request);
+  if (!tokens_.take(request.network, monotonic_now())) {
+    return plain_answer(429, "too many links are tried: open yours again in a few seconds\n");
+  }
+  WebAnswer out;
+  out.later = [this, token = std::move(token), from = request.from](auto tell) {
+    links_->take(token, [this, from, tell](const Result<OnceLinks::Taken>& taken) {
+      tell(admit_by(taken, from));
+    });
+  };
+  return out;
+}
+
+WebAnswer ConsoleApp::admit_by(const Result<OnceLinks::Taken>& taken, const std::string& from) {
+  const auto secret = new_secret();
+  if (!taken || !secret) {
+    spdlog::warn("{} is not let in: {}", from, taken ? secret.message() : taken.message());
+    return plain_answer(500, "links cannot be read or written: this console's log says why\n");
+  }
+  constexpr char kAnother[] = "`handrail keys link` makes another\n";
+  switch (taken->found) {
+    case OnceLinks::Found::kUnknown:
+      return plain_answer(403, std::string("there is no such link (any more): ") + kAnother);
+    case OnceLinks::Found::kUsed:
+      spdlog::warn("{} has opened a link that is used already", from);
+      return plain_answer(403,
+                          std::string("this link has been opened before, and is good once. Was "
+                                      "it not you? `handrail keys unlink` ends what it let "
+                                      "in; ") +
+                              kAnother);
+    case OnceLinks::Found::kExpired:
+      return plain_answer(403,
+                          std::string("this link was good for a while that is over: ") + kAnother);
+    case OnceLinks::Found::kGood: break;
+  }
+  const OnceLink& link = taken->link;
+  spdlog::info("{} is let in by link {} as {}", from, link.id, role_text(link.role));
+  return access_->let_in({link.role != Role::kOperator, link.id}, *secret, monotonic_now());
 }
 
 WebAnswer ConsoleApp::answer(const WebRequest& request) {
-  switch (judge(request)) {
+  Access::Judged judged = judge(request);
+  switch (judged.verdict) {
     case Access::Verdict::kRefused: return refuse(request);
     case Access::Verdict::kShowsKey: return access_->welcome();
+    case Access::Verdict::kShowsLink: return take_link(request, std::move(judged.token));
     case Access::Verdict::kIn: break;
   }
   if (request.method != "GET" && request.method != "HEAD") {
@@ -56,7 +127,8 @@ WebAnswer ConsoleApp::answer(const WebRequest& request) {
 
 WebApplication::Admission ConsoleApp::admit(const WebRequest& request) {
   if (Access::is_for_viewers(request)) return admit_viewer(request);
-  if (judge(request) != Access::Verdict::kIn) return {"", refuse(request)};
+  const Access::Judged judged = judge(request);
+  if (judged.verdict != Access::Verdict::kIn) return {"", refuse(request)};
   if (request.target != "/ws") return {"", plain_answer(404, "the WebSocket is at /ws\n")};
   if (!offers(request, kConsoleProtocol)) {
     return {"",
@@ -66,7 +138,7 @@ WebApplication::Admission ConsoleApp::admit(const WebRequest& request) {
     return {"", plain_answer(503, std::to_string(PageDesk::kMostPages) +
                                       " pages are open, and more are not served: close one\n")};
   }
-  return {kConsoleProtocol, {}};
+  return {kConsoleProtocol, {}, judged.guest};
 }
 
 WebApplication::Admission ConsoleApp::admit_viewer(const WebRequest& request) {
@@ -77,7 +149,7 @@ WebApplication::Admission ConsoleApp::admit_viewer(const WebRequest& request) {
       spdlog::warn("refused a viewer of origin '{0}' from {1}: it is let in by --viewer-origin {0}",
                    shown(request.origin), request.from);
     }
-    return {"", Access::refusal()};
+    return {"", access_->refusal()};
   }
   const auto protocol = std::find_if(kViewerProtocols.begin(), kViewerProtocols.end(),
                                      [&](const char* each) { return offers(request, each); });
@@ -92,9 +164,11 @@ WebApplication::Admission ConsoleApp::admit_viewer(const WebRequest& request) {
   return {*protocol, {}};
 }
 
-void ConsoleApp::opened(PageId page, const std::string& protocol, const std::string& from) {
-  if (protocol == kConsoleProtocol) return desk_.opened(page, from, monotonic_now());
-  viewers_.opened(page, monotonic_now());
+void ConsoleApp::opened(PageId page, const std::string& protocol, const std::string&,
+                        const Guest& guest) {
+  if (protocol != kConsoleProtocol) return viewers_.opened(page, monotonic_now());
+  if (!guest.link.empty()) guests_[page] = guest;
+  desk_.opened(page, guest.observes, monotonic_now());
 }
 
 void ConsoleApp::received(PageId page, std::string_view frame, bool binary) {
@@ -104,6 +178,7 @@ void ConsoleApp::received(PageId page, std::string_view frame, bool binary) {
 
 void ConsoleApp::closed(PageId page) {
   viewers_.closed(page);
+  guests_.erase(page);
   desk_.closed(page, monotonic_now());
 }
 

@@ -16,21 +16,42 @@ namespace handrail {
 namespace {
 
 constexpr char kUsualName[] = "console";
+constexpr std::size_t kMostNames = 16;
 
 Status set_listen(const std::string& text, ConsoleArgs& out) {
   const auto where = parse_host(text, 0, 0);
   if (!where) return Status::error("--listen " + where.message());
   boost::system::error_code error;
   const auto address = boost::asio::ip::make_address(where->host, error);
-  if (error || !address.is_v4() || !address.is_loopback()) {
-    return Status::error(
-        "--listen " + shown(text) +
-        ": expected an address that only this computer reaches, such as 127.0.0.1:0 (others reach "
-        "it through a tunnel: ssh -L 8080:127.0.0.1:PORT, or run handrail-console on theirs with "
-        "--master)");
+  if (error && where->host != "any") {
+    return Status::error("--listen " + shown(text) +
+                         ": expected any, or an address of this computer: one that only this "
+                         "computer reaches such as 127.0.0.1:0, or one that others reach such as "
+                         "192.0.2.7:47004, over TLS");
   }
-  out.address = where->host;
-  out.port = where->port;
+  const bool is_any = error || address.is_unspecified();
+  out.encrypted = is_any || !address.is_v4() || !address.is_loopback();
+  out.address = is_any ? "any" : address.to_string();
+  // Which port is not named is known from what is said without one.
+  out.port = out.encrypted ? parse_host(text, kConsolePort, 0)->port : where->port;
+  return Status::ok();
+}
+
+Status add_name(const std::string& text, ConsoleArgs& out) {
+  std::string name = text;
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  boost::system::error_code none;
+  boost::asio::ip::make_address(name, none);
+  const bool plain =
+      name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789.-") == std::string::npos;
+  if ((none && !plain) || name.size() > 253 || out.names.size() >= kMostNames) {
+    return Status::error("--name " + shown(text) +
+                         ": expected a name or an address of this computer without a port, such as "
+                         "desk.example.org, " +
+                         std::to_string(kMostNames) + " at most");
+  }
+  out.names.push_back(name);
   return Status::ok();
 }
 
@@ -69,8 +90,9 @@ struct ConsoleOption {
 };
 
 constexpr ConsoleOption kOptions[] = {
-    {"--listen", "127.A.B.C:PORT", "where a browser finds it; port 0: any (127.0.0.1:0)",
-     set_listen},
+    {"--listen", "ADDRESS[:PORT]",
+     "where a browser finds it (127.0.0.1:0); any, or one that others reach: over TLS", set_listen},
+    {"--name", "HOST", "as browsers there call this computer; may be given again", add_name},
     {"--socket", "PATH", "the master's socket (or HANDRAIL_SOCKET)",
      [](const std::string& text, ConsoleArgs& out) {
        out.master.socket = text;
@@ -99,7 +121,29 @@ std::string variable(const char* name) {
   return value == nullptr ? "" : value;
 }
 
+// By which names browsers find it.
+Status set_names(ConsoleArgs& out) {
+  if (!out.encrypted) {
+    if (!out.names.empty()) {
+      return Status::error("--name: expected with --listen at an address that others reach");
+    }
+    out.names = {out.address, "localhost"};
+    return Status::ok();
+  }
+  if (!out.viewer_origins.empty()) {
+    return Status::error("--viewer-origin " + shown(out.viewer_origins.front()) +
+                         ": viewers are served on this computer alone, and --listen " +
+                         out.address + " is reached by others");
+  }
+  if (out.address != "any") out.names.push_back(out.address);
+  if (!out.names.empty()) return Status::ok();
+  return Status::error(
+      "--listen any: expected --name HOST too: a browser is served only where it "
+      "asks for a name or an address that is listed");
+}
+
 Status set_defaults(bool socket_given, ConsoleArgs& out) {
+  if (Status named = set_names(out); !named) return named;
   if (out.master.host.empty() && !socket_given) {
     const std::string host = variable("HANDRAIL_MASTER");
     if (!host.empty()) {
@@ -132,7 +176,7 @@ Result<ConsoleArgs> parse_console_args(int argc, const char* const* argv) {
     if (option == std::end(kOptions)) {
       return Status::error("unknown argument '" + shown(word) + "' (see --help)");
     }
-    const bool again = name == "--scenes" || name == "--viewer-origin";
+    const bool again = name == "--scenes" || name == "--name" || name == "--viewer-origin";
     if (!again && std::find(seen.begin(), seen.end(), name) != seen.end()) {
       return Status::error(name + " is given twice");
     }
@@ -151,9 +195,11 @@ Result<ConsoleArgs> parse_console_args(int argc, const char* const* argv) {
 
 std::string console_help() {
   std::string out =
-      "handrail-console: the master's picture, and its orders, for a browser on this computer.\n"
+      "handrail-console: the master's picture, and its orders, for a browser.\n"
       "Prints one address; whoever opens it is in, and nobody else. SIGTERM ends it.\n"
-      "Prints another one for viewers, Foxglove or Lichtblick: whoever opens that may look.\n\n";
+      "Prints another one for viewers, Foxglove or Lichtblick: whoever opens that may look.\n"
+      "Where other computers reach it, `handrail keys link` makes addresses that are good "
+      "once, and viewers are not served.\n\n";
   for (const ConsoleOption& option : kOptions) {
     std::string row = std::string("  ") + option.name + " " + option.value;
     row.resize(std::max<std::size_t>(row.size() + 2, 28), ' ');

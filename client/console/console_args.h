@@ -12,8 +12,10 @@
 namespace handrail {
 
 struct ConsoleArgs {
-  std::string address = "127.0.0.1";  // of this computer, of the loopback
+  std::string address = "127.0.0.1";  // of this computer, or "any"
   std::uint16_t port = 0;             // 0: any that is free
+  bool encrypted = false;             // other computers reach that address
+  std::vector<std::string> names;     // as browsers call this computer there, lower case
   MasterPlace master;
   std::string as;  // who speaks to the master; over the network empty: its key says
   bool observe = false;
@@ -23,8 +25,10 @@ struct ConsoleArgs {
   bool help = false, version = false;
 };
 
-// The error names the argument and says what was expected. An address that others can reach is
-// refused: there is nothing yet that would keep them out.
+// Of a console that other computers reach, where no port is named (TCP).
+inline constexpr std::uint16_t kConsolePort = 47004;
+
+// The error names the argument and says what was expected.
 Result<ConsoleArgs> parse_console_args(int argc, const char* const* argv);
 
 std::string console_help();

@@ -1,6 +1,7 @@
-// handrail-console: a gateway between browsers on this computer and a master.
+// handrail-console: a gateway between browsers and a master.
 #include <spdlog/spdlog.h>
 
+#include <chrono>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -9,19 +10,26 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <utility>
 
 #include "client/console/console_app.h"
 #include "client/console/console_args.h"
+#include "client/console/link_keeper.h"
 #include "client/console/master_link.h"
 #include "client/console/web_server.h"
+#include "client/console/web_tls.h"
 #include "server/base/clock.h"
 #include "server/base/output.h"
+#include "server/base/plain_text.h"
 #include "server/base/signals.h"
 #include "server/base/version.h"
 #include "server/daemon/daemon_log.h"
 #include "server/daemon/errand.h"
 #include "server/daemon/run_daemon.h"
+#include "server/keys/key_folder.h"
+#include "server/keys/secret.h"
+#include "server/keys/web_place.h"
 #include "server/scene/scene_io.h"
 #include "server/scene/scene_library.h"
 #include "server/scene/shipped.h"
@@ -90,6 +98,15 @@ class SceneWatch {
   std::string shown_, reading_, name_;
 };
 
+std::vector<std::string> scene_names(const ConsoleArgs& args) {
+  std::vector<std::string> out;
+  for (const SceneLibrary::Entry& scene : SceneLibrary(args.scenes).list()) {
+    // What is no text a frame cannot hold.
+    if (is_plain_text(scene.name)) out.push_back(scene.name);
+  }
+  return out;
+}
+
 // Says in the log when the master comes and goes.
 void say_master(const Result<pb::Reply>& reply, std::string& last) {
   const std::string now = reply ? "" : reply.message();
@@ -99,11 +116,69 @@ void say_master(const Result<pb::Reply>& reply, std::string& last) {
   spdlog::warn("{}", now);
 }
 
-int serve(const ConsoleArgs& args) {
-  const auto key = new_secret(), cookie = new_secret(), viewer_key = new_secret();
-  for (const auto* secret : {&key, &cookie, &viewer_key}) {
-    if (!*secret) return fail_start(kProgram, secret->message());
+// What a console shows that other computers reach: this user's key in a certificate.
+struct Identity {
+  WebPlace place;
+  std::shared_ptr<SSL_CTX> tls;
+};
+
+Result<Identity> identity_of(const ConsoleArgs& args) {
+  if (!args.encrypted) return Identity{};
+  const KeyFolder folder(default_key_folder());
+  const auto own = folder.load();
+  if (!own)
+    return Status::error("--listen " + args.address + ": it is encrypted: " + own.message());
+  auto place = WebPlace::make(folder.path(), own->key, args.names);
+  if (!place) return Status::error("--name: " + place.message());
+  auto tls = web_tls(own->key, place->certificate);
+  if (!tls) return tls.status();
+  return Identity{std::move(*place), std::move(*tls)};
+}
+
+// What is to be printed: the addresses; of one that others reach, `handrail keys link` is to know
+// it too. Viewers, whose secret does not end, are served on this computer alone.
+Result<std::string> let_in(const ConsoleArgs& args, Identity& identity, std::uint16_t port,
+                           ConsoleApp& app, LinkKeeper& links) {
+  std::string key, cookie, viewer_key;
+  if (!args.encrypted) {
+    for (std::string* secret : {&key, &cookie, &viewer_key}) {
+      const auto made = new_secret();
+      if (!made) return made.status();
+      *secret = *made;
+    }
+  } else {
+    identity.place.port = port;
+    if (Status saved = identity.place.save(default_key_folder()); !saved) return saved;
   }
+  GatewayPlace place{{}, port, args.encrypted};
+  for (const std::string& name : args.names) place.names.push_back(web_host(name));
+  Access access(std::move(place), key, cookie);
+  access.open_to_viewers(viewer_key, args.viewer_origins);
+  const std::string ready = "READY url=" + access.url();
+  const std::string lines =
+      args.encrypted ? ready : "VIEWERS " + access.viewer_url() + "\n" + ready;
+  app.let_in(std::move(access), args.encrypted ? &links : nullptr);
+  if (!args.encrypted) return lines;
+  spdlog::info(
+      "`handrail keys link` makes addresses that let a browser in, once each; the "
+      "certificate's SHA-256 begins {}",
+      fingerprint_start(identity.place.certificate));
+  return lines;
+}
+
+// Now and then, while the context runs.
+void keep_looking(boost::asio::steady_timer& timer, ConsoleApp& app) {
+  timer.expires_after(std::chrono::milliseconds(LinkKeeper::kLookMs));
+  timer.async_wait([&](const boost::system::error_code& ended) {
+    if (ended) return;
+    app.look();
+    keep_looking(timer, app);
+  });
+}
+
+int serve(const ConsoleArgs& args) {
+  auto identity = identity_of(args);
+  if (!identity) return fail_start(kProgram, identity.message());
   boost::asio::io_context io;
   WebServer server(io);
   // What these two have in hand comes while the context runs: the desk is there by then.
@@ -126,21 +201,23 @@ int serve(const ConsoleArgs& args) {
       [&io](std::function<void()> work) { boost::asio::post(io, std::move(work)); }, told);
   const std::string master = args.master.host.empty() ? args.master.socket : args.master.host;
   desk = std::make_unique<PageDesk>(
-      server, link, PageDeskOptions{args.observe, program_version(), args.as, master});
-  ConsoleApp app(page_of(args), *desk, viewers);
+      server, link,
+      PageDeskOptions{args.observe, program_version(), args.as, master, scene_names(args)});
+  ConsoleApp app(page_of(args), *desk, viewers, server);
+  LinkKeeper links(io, OnceLinks(default_key_folder()));
   scenes = std::make_unique<SceneWatch>(args, app);
-  const auto address = boost::asio::ip::make_address(args.address);
-  if (const Status opened = server.open(address, args.port, app); !opened) {
+  if (const Status opened = server.open(args.address, args.port, app, identity->tls); !opened) {
     return fail_start(kProgram, opened.message());
   }
-  Access access(*key, *cookie, args.address, server.port());
-  access.open_to_viewers(*viewer_key, args.viewer_origins);
-  app.let_in(access);
+  const auto ready_line = let_in(args, *identity, server.port(), app, links);
+  if (!ready_line) return fail_start(kProgram, ready_line.message());
+  boost::asio::steady_timer looks(io);
+  keep_looking(looks, app);
   boost::asio::signal_set endings(io);
   for (const int signal : ending_signals()) endings.add(signal);
   endings.async_wait([&io](const boost::system::error_code&, int) { io.stop(); });
   Announcement ready;
-  ready.make("VIEWERS " + access.viewer_url() + "\nREADY url=" + access.url());
+  ready.make(*ready_line);
   io.run();
   server.close();
   return 0;

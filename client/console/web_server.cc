@@ -8,13 +8,21 @@
 #include <optional>
 #include <utility>
 
+#include <openssl/ssl.h>
+
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ssl/context.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
 
 #include "client/console/gateway/outbox.h"
+#include "client/console/gateway/pace.h"
+#include "client/console/peer_place.h"
+#include "client/console/web_stream.h"
+#include "server/base/clock.h"
+#include "server/keys/own_socket.h"
 
 namespace handrail {
 
@@ -30,17 +38,11 @@ namespace {
 // What of a slow page's frames the system keeps beside ours: a tenth of a second [bytes].
 constexpr int kSendBuffer = 32 << 10;
 constexpr auto kAcceptPause = std::chrono::milliseconds(100);
+// Between two looks whether a greeting is there: soon at first, then seldom, as thousands may wait.
+constexpr Nanos kFirstKnock = 2 * kMillisecond, kLastKnock = 100 * kMillisecond;
 constexpr auto kLastRead = std::chrono::seconds(1);
 
 std::chrono::nanoseconds ns(Nanos time) { return std::chrono::nanoseconds(time); }
-
-std::string text_of(beast::string_view view) { return {view.data(), view.size()}; }
-
-std::vector<std::string> split(beast::string_view list) {
-  std::vector<std::string> out;
-  for (const auto& token : http::token_list(list)) out.push_back(text_of(token));
-  return out;
-}
 
 }  // namespace
 
@@ -56,6 +58,8 @@ struct WebServer::Parts {
 
   asio::io_context& io;
   WebApplication* application = nullptr;
+  std::optional<asio::ssl::context> tls;  // none: plain bytes
+  Pace handshakes{kMostHandshakesOfNetwork, kMostHandshakes};
   tcp::acceptor acceptor;
   asio::steady_timer pause;
   std::list<std::shared_ptr<Connection>> connections;  // the oldest first
@@ -66,25 +70,29 @@ struct WebServer::Parts {
 class WebServer::Connection : public std::enable_shared_from_this<Connection> {
  public:
   Connection(tcp::socket socket, Parts& parts)
-      : stream_(std::move(socket)), parts_(parts), slow_(parts.io) {}
+      : stream_(std::move(socket), parts.tls ? &*parts.tls : nullptr),
+        parts_(parts),
+        slow_(parts.io) {}
 
   void begin() {
     Error error;
-    const auto peer = beast::get_lowest_layer(stream_).socket().remote_endpoint(error);
-    if (!error) from_ = peer.address().to_string() + ":" + std::to_string(peer.port());
+    const auto peer = layer().socket().remote_endpoint(error);
+    if (error) return close();
+    from_ = peer_text(peer);
+    network_ = network_of(peer);
     parser_.header_limit(kMostHeader);
     parser_.body_limit(0);
-    stream_.expires_after(ns(kHeaderPatience));
-    http::async_read_header(stream_, buffer_, parser_,
-                            [self = shared_from_this()](Error e, std::size_t) { self->asked(e); });
+    layer().expires_after(ns(kHeaderPatience));
+    if (stream_.tls() == nullptr) return hear();
+    give_up_ = monotonic_now() + kHeaderPatience;
+    knock(kFirstKnock);
   }
   bool has_asked() const { return has_asked_; }
   PageId page() const { return page_; }
   void close() {
     Error ignored;
     slow_.cancel();
-    auto& layer = socket_ ? beast::get_lowest_layer(*socket_) : stream_;
-    layer.socket().close(ignored);
+    layer().socket().close(ignored);
     if (const PageId page = std::exchange(page_, 0); page != 0) {
       parts_.pages.erase(page);
       parts_.application->closed(page);
@@ -105,26 +113,36 @@ class WebServer::Connection : public std::enable_shared_from_this<Connection> {
   }
 
  private:
-  using Socket = websocket::stream<beast::tcp_stream>;
+  using Socket = websocket::stream<WebStream>;
 
+  beast::tcp_stream& layer() {
+    return socket_ ? beast::get_lowest_layer(*socket_) : stream_.next_layer();
+  }
+  // Nobody's turn is spent on who does not say all of its greeting; who has none yet waits for one.
+  void knock(Nanos wait);
+  void hear() {
+    http::async_read_header(stream_, buffer_, parser_,
+                            [self = shared_from_this()](Error e, std::size_t) { self->asked(e); });
+  }
   void asked(Error error);
   WebRequest request_of() const;
   void answer(WebAnswer answer, const std::string& host);
-  void become_page(const std::string& protocol);
+  void become_page(const WebApplication::Admission& admission);
   void read();
   void write();
   void say_end();
   void limit_time();
   void count_control();
 
-  beast::tcp_stream stream_;
+  WebStream stream_;
   Parts& parts_;
   asio::steady_timer slow_;  // for what is on its way to a page
   beast::flat_buffer buffer_{kMostHeader + kMostFrame};
   http::request_parser<http::empty_body> parser_;
   http::response<http::string_body> response_;
   std::optional<Socket> socket_;
-  std::string from_;
+  std::string from_, network_;
+  Nanos give_up_ = 0;  // its greeting
   bool has_asked_ = false;
   PageId page_ = 0;
   Outbox outbox_;
@@ -134,6 +152,23 @@ class WebServer::Connection : public std::enable_shared_from_this<Connection> {
   int controls_ = 0;
   std::chrono::steady_clock::time_point second_{};
 };
+
+void WebServer::Connection::knock(Nanos wait) {
+  const Greeting greeting = greeting_of(layer().socket());
+  if (greeting == Greeting::kNone || monotonic_now() + wait > give_up_) return close();
+  if (greeting == Greeting::kWhole && parts_.handshakes.take(network_, monotonic_now())) {
+    layer().expires_after(ns(kHeaderPatience));
+    return stream_.tls()->async_handshake(asio::ssl::stream_base::server,
+                                          [self = shared_from_this()](Error error) {
+                                            if (error) return self->close();
+                                            self->hear();
+                                          });
+  }
+  slow_.expires_after(ns(wait));
+  slow_.async_wait([self = shared_from_this(), wait](Error ended) {
+    if (!ended) self->knock(std::min(2 * wait, kLastKnock));
+  });
+}
 
 void WebServer::Connection::asked(Error error) {
   has_asked_ = true;
@@ -153,31 +188,26 @@ void WebServer::Connection::asked(Error error) {
   }
   const WebApplication::Admission admission = parts_.application->admit(request);
   if (admission.protocol.empty()) return answer(admission.refusal, request.host);
-  become_page(admission.protocol);
+  become_page(admission);
 }
 
 WebRequest WebServer::Connection::request_of() const {
-  const auto& head = parser_.get();
-  WebRequest out;
-  out.method = text_of(head.method_string());
-  out.target = text_of(head.target());
-  // Twice said is once too often.
-  const auto one = [&](http::field name) {
-    return head.count(name) == 1 ? text_of(head[name]) : std::string();
-  };
-  out.host = one(http::field::host);
-  out.origin = text_of(head[http::field::origin]);
-  out.cookie = text_of(head[http::field::cookie]);
-  out.protocols = split(head[http::field::sec_websocket_protocol]);
-  out.wants_socket = websocket::is_upgrade(head);
+  WebRequest out = read_head(parser_.get());
   out.from = from_;
+  out.network = network_;
   return out;
 }
 
 void WebServer::Connection::answer(WebAnswer answer, const std::string& host) {
+  if (answer.later) {
+    return answer.later([self = shared_from_this(), host](WebAnswer now) {
+      if (self->layer().socket().is_open()) self->answer(std::move(now), host);
+    });
+  }
   response_.result(answer.status);
   response_.version(11);
-  for (const auto& [name, value] : safety_headers(answer.status < 400 ? host : "")) {
+  for (const auto& [name, value] :
+       safety_headers(answer.status < 400 ? host : "", stream_.tls() != nullptr)) {
     response_.set(name, value);
   }
   for (const auto& [name, value] : answer.more) response_.set(name, value);
@@ -187,41 +217,42 @@ void WebServer::Connection::answer(WebAnswer answer, const std::string& host) {
   response_.prepare_payload();
   const bool head_only = parser_.is_header_done() && parser_.get().method() == http::verb::head;
   if (head_only) response_.body().clear();
-  stream_.expires_after(ns(kAnswerPatience));
+  layer().expires_after(ns(kAnswerPatience));
   http::async_write(stream_, response_, [self = shared_from_this()](Error error, std::size_t) {
     if (error) return self->close();
     // What is unread would take the answer back on its way: let the other side close.
     Error ignored;
-    self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+    self->layer().socket().shutdown(tcp::socket::shutdown_send, ignored);
     self->buffer_.clear();
-    self->stream_.expires_after(kLastRead);
-    self->stream_.async_read_some(self->buffer_.prepare(4096),
+    self->layer().expires_after(kLastRead);
+    self->layer().async_read_some(self->buffer_.prepare(4096),
                                   [self](Error, std::size_t) { self->close(); });
   });
 }
 
-void WebServer::Connection::become_page(const std::string& protocol) {
+void WebServer::Connection::become_page(const WebApplication::Admission& admission) {
   Error ignored;
-  stream_.expires_never();
-  stream_.socket().set_option(tcp::no_delay(true), ignored);
-  stream_.socket().set_option(asio::socket_base::send_buffer_size(kSendBuffer), ignored);
+  layer().expires_never();
+  layer().socket().set_option(tcp::no_delay(true), ignored);
+  layer().socket().set_option(asio::socket_base::send_buffer_size(kSendBuffer), ignored);
   socket_.emplace(std::move(stream_));
   websocket::stream_base::timeout times{};
   times.handshake_timeout = ns(kAnswerPatience);
   times.idle_timeout = ns(kIdle);
   times.keep_alive_pings = true;
   socket_->set_option(times);
-  socket_->set_option(websocket::stream_base::decorator([protocol](websocket::response_type& r) {
-    r.set(http::field::sec_websocket_protocol, protocol);
-  }));
+  socket_->set_option(websocket::stream_base::decorator(
+      [protocol = admission.protocol](websocket::response_type& r) {
+        r.set(http::field::sec_websocket_protocol, protocol);
+      }));
   socket_->read_message_max(kMostFrame);
   socket_->auto_fragment(false);
   socket_->control_callback([this](websocket::frame_type, beast::string_view) { count_control(); });
-  socket_->async_accept(parser_.get(), [self = shared_from_this(), protocol](Error error) {
+  socket_->async_accept(parser_.get(), [self = shared_from_this(), admission](Error error) {
     if (error) return self->close();
     self->page_ = self->parts_.next_page++;
     self->parts_.pages[self->page_] = self;
-    self->parts_.application->opened(self->page_, protocol, self->from_);
+    self->parts_.application->opened(self->page_, admission.protocol, self->from_, admission.guest);
     self->read();
   });
 }
@@ -296,7 +327,8 @@ void WebServer::Parts::accept() {
 void WebServer::Parts::admit(tcp::socket socket) {
   if (connections.size() >= kMostConnections) make_room();
   connections.push_back(std::make_shared<Connection>(std::move(socket), *this));
-  connections.back()->begin();
+  const auto kept = connections.back();  // it may end at once
+  kept->begin();
 }
 
 void WebServer::Parts::make_room() {
@@ -322,26 +354,17 @@ void WebServer::Parts::forget(const Connection* connection) {
 WebServer::WebServer(asio::io_context& io) : parts_(std::make_unique<Parts>(io)) {}
 WebServer::~WebServer() { close(); }
 
-Status WebServer::open(const asio::ip::address& address, std::uint16_t port,
-                       WebApplication& application) {
+Status WebServer::open(const std::string& address, std::uint16_t port, WebApplication& application,
+                       std::shared_ptr<SSL_CTX> tls) {
   parts_->application = &application;
-  const tcp::endpoint at(address, port);
-  Error error;
-  tcp::acceptor& acceptor = parts_->acceptor;
-  acceptor.open(at.protocol(), error);
-  if (!error) acceptor.set_option(asio::socket_base::reuse_address(true), error);
-  if (!error) acceptor.bind(at, error);
-  if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
-  if (error) {
-    const std::string place = address.to_string() + ":" + std::to_string(port);
-    const bool taken = error == asio::error::address_in_use;
-    return Status::error("--listen " + place + ": " + error.message() +
-                         (taken ? ": another program listens there, perhaps a handrail-console; "
-                                  "expected a port that is free, or 0 for any"
-                                : "; expected an address of this computer"));
+  if (tls != nullptr) {
+    SSL_CTX_up_ref(tls.get());  // the other's reference
+    parts_->tls.emplace(tls.get());
   }
-  parts_->accept();
-  return Status::ok();
+  Status opened = open_own(parts_->acceptor, {"console", "give --listen another port, or 0 for any",
+                                              address, port, "another handrail-console"});
+  if (opened) parts_->accept();
+  return opened;
 }
 
 std::uint16_t WebServer::port() const {

@@ -7,8 +7,9 @@
 
 // Boost 1.74 uses std::exchange without including it.
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/address.hpp>
 #include <utility>
+
+#include <openssl/types.h>
 
 #include "client/console/gateway/web.h"
 #include "server/base/status.h"
@@ -27,19 +28,22 @@ class WebServer final : public PageSink {
   static constexpr std::uint32_t kMostHeader = 8u << 10;  // [bytes]
   static constexpr std::uint32_t kMostFrame = 64u << 10;  // [bytes]
   static constexpr int kMostControls = 20;                // pings and pongs of a page in a second
-  static constexpr Nanos kHeaderPatience = 5 * kSecond;   // from the connection to its whole head
-  static constexpr Nanos kAnswerPatience = 5 * kSecond;   // for an answer to be taken
-  static constexpr Nanos kIdle = 30 * kSecond;            // of a page; pinged after half of it
-  static constexpr Nanos kSlow = 5 * kSecond;             // for one frame to be taken
+  // TLS handshakes begun in a second, of all and of one network: others wait. One takes 0.4 ms.
+  static constexpr std::size_t kMostHandshakes = 200, kMostHandshakesOfNetwork = 60;
+  static constexpr Nanos kHeaderPatience = 5 * kSecond;  // from the connection to its whole head
+  static constexpr Nanos kAnswerPatience = 5 * kSecond;  // for an answer to be taken
+  static constexpr Nanos kIdle = 30 * kSecond;           // of a page; pinged after half of it
+  static constexpr Nanos kSlow = 5 * kSecond;            // for one frame to be taken
 
   // Must outlive the server.
   explicit WebServer(boost::asio::io_context& io);
   ~WebServer() override;
 
-  // Listens, for `application`, which must be there until close(). The error names the place and
-  // says what was expected.
-  Status open(const boost::asio::ip::address& address, std::uint16_t port,
-              WebApplication& application);
+  // Listens at an address of this computer or "any", for `application`, which must be there until
+  // close(); over TLS where `tls` is not null. The error names the place and says what was
+  // expected.
+  Status open(const std::string& address, std::uint16_t port, WebApplication& application,
+              std::shared_ptr<SSL_CTX> tls = nullptr);
   std::uint16_t port() const;
   // Ends everything. Safe to call twice.
   void close();

@@ -21,6 +21,7 @@ class KeyFolder {
  public:
   explicit KeyFolder(std::string path) : path_(std::move(path)) {}
 
+  const std::string& path() const { return path_; }
   std::string key_path() const { return path_ + "/key"; }
   std::string next_path() const { return path_ + "/key.next"; }
   std::string history_path() const { return path_ + "/history"; }

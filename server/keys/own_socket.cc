@@ -24,8 +24,8 @@ Status own_port_error(const OwnPort& own, const boost::system::error_code& error
   const std::string place =
       own.purpose + " port " + std::to_string(own.port) + " on " + own.address;
   if (error == boost::asio::error::address_in_use) {
-    return Status::error(place + " is in use, likely by a program like this one that still runs: " +
-                         "end it, or " + own.setting);
+    return Status::error(place + " is in use, likely by " + own.holder +
+                         " that still runs: end it, or " + own.setting);
   }
   if (error == boost::system::errc::address_not_available) {
     return Status::error(place +

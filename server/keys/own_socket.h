@@ -21,6 +21,7 @@ struct OwnPort {
   std::string setting;     // as in "set link_port"
   std::string address;     // "any" (all there are), or a number of IPv4 or IPv6
   std::uint16_t port = 0;  // 0: any that is free
+  std::string holder = "a program like this one";  // who likely has it, where it is in use
 };
 
 // `v6`: of which kind "any" is. The error says what was expected.

@@ -256,10 +256,7 @@ TEST_F(ConsoleTest, AFloodOfPingsEndsItsPageAlone) {
 TEST_F(ConsoleTest, StartedTwiceOnAPortItSaysWhoMayBeThere) {
   Program twice(folder, "handrail-console", {"--socket", socket(), "--listen", host()});
   EXPECT_EQ(twice.finish(), 2);
-  EXPECT_THAT(twice.output(), HasSubstr("another program listens there"));
-  Program open(folder, "handrail-console", {"--socket", socket(), "--listen", "0.0.0.0:0"});
-  EXPECT_EQ(open.finish(), 2);
-  EXPECT_THAT(open.output(), HasSubstr("expected an address that only this computer reaches"));
+  EXPECT_THAT(twice.output(), HasSubstr("in use, likely by another handrail-console"));
 }
 
 }  // namespace

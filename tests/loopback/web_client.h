@@ -10,9 +10,13 @@
 #include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ssl/context.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
+#include <boost/beast/ssl.hpp>
 #include <boost/beast/websocket.hpp>
+#include <boost/beast/websocket/ssl.hpp>
+#include <type_traits>
 #include <utility>
 
 #include <google/protobuf/util/json_util.h>
@@ -33,31 +37,62 @@ inline tcp::endpoint console_at(int port) {
 struct WebReply {
   unsigned status = 0;  // 0: the connection was closed without an answer
   std::string body, location, cookie;
+  std::string attributes;  // of the cookie, after its value
 };
 
-// One request, with headers as given; the answer.
-inline WebReply web_get(int port, const std::string& target, const std::string& headers) {
-  boost::asio::io_context io;
-  beast::tcp_stream stream(io);
+using PlainBytes = beast::tcp_stream;
+using TlsBytes = beast::ssl_stream<beast::tcp_stream>;
+
+// Of a browser that was told to take whatever certificate is shown.
+inline boost::asio::ssl::context& taking_all() {
+  static boost::asio::ssl::context out(boost::asio::ssl::context::tls_client);
+  return out;
+}
+
+// Connects `next`, with a handshake where it is encrypted.
+template <typename Bytes>
+void connect_web(Bytes& next, int port, beast::error_code& error) {
+  beast::get_lowest_layer(next).socket().connect(console_at(port), error);
+  if constexpr (std::is_same_v<Bytes, TlsBytes>) {
+    if (!error) next.handshake(boost::asio::ssl::stream_base::client, error);
+  }
+}
+
+// One request over `stream`, with headers as given; the answer.
+template <typename Bytes>
+WebReply web_ask(Bytes& stream, int port, const std::string& target, const std::string& headers) {
   beast::error_code error;
-  stream.socket().connect(console_at(port), error);
+  connect_web(stream, port, error);
   const std::string text = "GET " + target + " HTTP/1.1\r\n" + headers + "\r\n";
-  boost::asio::write(stream.socket(), boost::asio::buffer(text), error);
+  boost::asio::write(stream, boost::asio::buffer(text), error);
   beast::flat_buffer buffer;
   beast::http::response<beast::http::string_body> answer;
-  beast::http::read(stream.socket(), buffer, answer, error);
+  beast::http::read(stream, buffer, answer, error);
   WebReply out;
-  if (error && error != beast::http::error::end_of_stream) return out;
+  if (error) return out;
   out.status = answer.result_int();
   out.body = answer.body();
   out.location = std::string(answer[beast::http::field::location]);
   const std::string cookie(answer[beast::http::field::set_cookie]);
-  out.cookie = cookie.substr(0, cookie.find(';'));
+  const std::size_t end = std::min(cookie.find(';'), cookie.size());
+  out.cookie = cookie.substr(0, end);
+  out.attributes = cookie.substr(end);
   return out;
+}
+inline WebReply web_get(int port, const std::string& target, const std::string& headers) {
+  boost::asio::io_context io;
+  PlainBytes stream(io);
+  return web_ask(stream, port, target, headers);
+}
+inline WebReply tls_get(int port, const std::string& target, const std::string& headers) {
+  boost::asio::io_context io;
+  TlsBytes stream(io, taking_all());
+  return web_ask(stream, port, target, headers);
 }
 
 // A page's WebSocket. Every wait ends.
-class WebPage {
+template <typename Bytes>
+class WebPageOver {
  public:
   struct Asks {
     std::string host, origin, cookie;
@@ -68,7 +103,7 @@ class WebPage {
   // Why it is not let in: the status and the body; empty: it is.
   std::string open(int port, const Asks& asks) {
     beast::error_code error;
-    beast::get_lowest_layer(socket_).socket().connect(console_at(port), error);
+    connect_web(socket_.next_layer(), port, error);
     if (error) return error.message();
     socket_.set_option(
         beast::websocket::stream_base::decorator([&](beast::websocket::request_type& request) {
@@ -86,10 +121,11 @@ class WebPage {
     const std::string upgrade =
         "Upgrade: websocket\r\nConnection: upgrade\r\nSec-WebSocket-Version: 13\r\n"
         "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: ";
-    return std::to_string(web_get(port, asks.target,
-                                  "Host: " + asks.host + "\r\nOrigin: " + asks.origin +
-                                      "\r\nCookie: " + asks.cookie + "\r\n" + upgrade +
-                                      asks.protocol + "\r\n")
+    constexpr bool kTls = std::is_same_v<Bytes, TlsBytes>;
+    const auto get = kTls ? tls_get : web_get;
+    return std::to_string(get(port, asks.target,
+                              "Host: " + asks.host + "\r\nOrigin: " + asks.origin + "\r\nCookie: " +
+                                  asks.cookie + "\r\n" + upgrade + asks.protocol + "\r\n")
                               .status);
   }
   bool say(const std::string& text) {
@@ -155,9 +191,18 @@ class WebPage {
 
  private:
   boost::asio::io_context io_;
-  beast::websocket::stream<beast::tcp_stream> socket_{io_};
+  static auto make(boost::asio::io_context& io) {
+    if constexpr (std::is_same_v<Bytes, TlsBytes>) {
+      return beast::websocket::stream<Bytes>(io, taking_all());
+    } else {
+      return beast::websocket::stream<Bytes>(io);
+    }
+  }
+  beast::websocket::stream<Bytes> socket_ = make(io_);
   bool ended_ = false;
   std::string protocol_;
 };
+using WebPage = WebPageOver<PlainBytes>;
+using TlsPage = WebPageOver<TlsBytes>;
 
 }  // namespace handrail

@@ -8,9 +8,9 @@ const NO_GL = ['--disable-gpu', '--disable-3d-apis'];
 export const launch = ({ webgl = true } = {}) =>
   chromium.launch({ executablePath: PATH, args: ['--no-sandbox', ...(webgl ? SOFTWARE_GL : NO_GL)] });
 
-/** A page that keeps what went wrong in `page.faults`. */
-export async function open(browser, url, { width = 1280, height = 720, theme = 'dark', tour = false, init } = {}) {
-  const context = await browser.newContext({ viewport: { width, height }, colorScheme: theme });
+/** A page that keeps what went wrong in `page.faults`, and what its policy forbade in `page.violations`. */
+export async function open(browser, url, { width = 1280, height = 720, theme = 'dark', tour = false, init, tls = false } = {}) {
+  const context = await browser.newContext({ viewport: { width, height }, colorScheme: theme, ignoreHTTPSErrors: tls });
   if (!tour) await context.addInitScript(() => localStorage.setItem('handrail.tour', 'seen'));
   if (init) await context.addInitScript(init);
   const page = await context.newPage();
@@ -19,8 +19,13 @@ export async function open(browser, url, { width = 1280, height = 720, theme = '
     if (['error', 'warning'].includes(message.type())) page.faults.push(message.text());
   });
   page.on('pageerror', (error) => page.faults.push(String(error)));
+  page.violations = [];
+  await page.exposeFunction('toldOfViolation', (what) => page.violations.push(what));
   await page.addInitScript(() => {
-    document.addEventListener('securitypolicyviolation', (event) => console.error(`CSP: ${event.violatedDirective} ${event.blockedURI}`));
+    document.addEventListener('securitypolicyviolation', ({ effectiveDirective, blockedURI }) => {
+      console.error(`CSP: ${effectiveDirective} ${blockedURI}`);
+      window.toldOfViolation(`${effectiveDirective} ${blockedURI}`);
+    });
   });
   await page.goto(url);
   return page;

@@ -43,9 +43,21 @@ test('LoadsWithoutAnErrorOrAViolationOfItsPolicy', async () => {
   await start();
   await pause(500);
   assert.deepEqual(page.faults, []);
+  assert.deepEqual(page.violations, []);
   assert.equal(await page.locator('#frame3d').isVisible(), true);
   const foreign = await page.evaluate(() => performance.getEntriesByType('resource').filter((e) => !e.name.startsWith(location.origin)).map((e) => e.name));
   assert.deepEqual(foreign, []);
+});
+
+test('AViolationOfItsPolicyWouldBeSeen', async () => {
+  await start();
+  await page.evaluate(() => {
+    document.body.append(Object.assign(document.createElement('script'), { textContent: 'window.inline = 1' }));
+    document.body.append(Object.assign(document.createElement('img'), { src: 'http://127.0.0.1:9/x.png' }));
+  });
+  for (let i = 0; i < 100 && page.violations.length < 2; ++i) await pause(20);
+  assert.deepEqual(page.violations, ['script-src-elem inline', 'img-src http://127.0.0.1:9/x.png']);
+  assert.equal(await page.evaluate(() => window.inline), undefined);
 });
 
 test('EveryButtonAndFieldHasAName', async () => {

@@ -1,5 +1,5 @@
 // The real programs of build/release/bin, in a folder of their own, started and ended one by one.
-import { spawn } from 'node:child_process';
+import { execFileSync, spawn } from 'node:child_process';
 import { mkdtemp, rm, writeFile } from 'node:fs/promises';
 import { createServer } from 'node:net';
 import { tmpdir } from 'node:os';
@@ -41,16 +41,26 @@ export class Programs {
     return this.run(name, ['--config', join(this.folder, `${name}.cfg`)]);
   }
 
-  /** The gateway; its address comes back, and `viewers` has the one for Foxglove. */
-  async console({ observe = false, name = 'console', port = this.consolePort, more = [] } = {}) {
-    const argv = ['--listen', `127.0.0.1:${port}`, '--socket', this.socket, '--page', DIST, '--as', name];
+  /** The gateway; its address comes back, and `viewers` has the one for Foxglove where there is one. */
+  async console({ observe = false, name = 'console', port = this.consolePort, remote = false, more = [] } = {}) {
+    const place = remote ? ['--listen', `any:${port}`, '--name', '127.0.0.1'] : ['--listen', `127.0.0.1:${port}`];
+    const argv = [...place, '--socket', this.socket, '--page', DIST, '--as', name];
     const ready = await this.run('console', [...argv, ...(observe ? ['--observe'] : []), ...more], name);
-    this.viewers = /^VIEWERS (\S+)/m.exec(ready)[1];
+    this.viewers = /^VIEWERS (\S+)/m.exec(ready)?.[1];
     return /url=(\S+)/.exec(ready)[1];
   }
 
+  get environment() {
+    return { ...process.env, HANDRAIL_KEYS: join(this.folder, 'keys') };
+  }
+
+  /** What the command line prints; throws where it says no. */
+  handrail(...argv) {
+    return execFileSync(join(BIN, 'handrail'), argv, { env: this.environment, encoding: 'utf8', stdio: ['ignore', 'pipe', 'pipe'] });
+  }
+
   run(program, argv, name = program) {
-    const child = spawn(join(BIN, `handrail-${program}`), argv, { cwd: this.folder, stdio: ['ignore', 'pipe', 'pipe'] });
+    const child = spawn(join(BIN, `handrail-${program}`), argv, { cwd: this.folder, env: this.environment, stdio: ['ignore', 'pipe', 'pipe'] });
     let said = '', log = '';
     child.stderr.on('data', (text) => (log += text));
     this.running.set(name, child);

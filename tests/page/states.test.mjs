@@ -151,6 +151,17 @@ test('AnotherSceneShowsWithoutAReload', async () => {
   assert.equal(await page.locator('#tools-card').isVisible(), false);
 });
 
+test('TheScenesToLoadAreThoseThatTheGatewayFound', async () => {
+  const page = await start();
+  const names = () => page.locator('#scene option').allTextContents();
+  assert.deepEqual(await names(), ['gearshift', 'linear-movement', 'my own', 'plane', 'another …']);
+  assert.equal(await page.locator('#scene').inputValue(), 'linear-movement');
+  await page.selectOption('#scene', 'my own');
+  await page.locator('#scene-load').click();
+  for (let i = 0; i < 100 && !gateway.orders.some((order) => order.scene_load); ++i) await pause(20);
+  assert.ok(gateway.orders.some((order) => order.scene_load === 'my own'), JSON.stringify(gateway.orders));
+});
+
 test('TheLeverAndTheCursorComeApartAtAWall', async () => {
   const page = await start({ scene: 'gearshift' });
   gateway.master.status.hand.position_mm = [0, 0, 0];

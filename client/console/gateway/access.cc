@@ -1,11 +1,7 @@
 #include "client/console/gateway/access.h"
 
-#include <sys/random.h>
-
 #include <algorithm>
-#include <array>
-#include <cerrno>
-#include <cstring>
+#include <utility>
 
 namespace handrail {
 namespace {
@@ -28,11 +24,24 @@ std::string lower(std::string text) {
   return text;
 }
 
+constexpr std::string_view kKeyTarget = "/?key=";
+constexpr std::string_view kLinkTarget = "/?once=";
+constexpr std::size_t kLongestToken = 64;  // ours has 32
+
+// A browser that came from elsewhere, such as a message, sends no SameSite=Strict cookie to where
+// it is led on; to where this page leads it does.
+constexpr char kLedOn[] =
+    "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta http-equiv=\"refresh\" "
+    "content=\"0;url=/\"><title>Handrail</title><p>You are in: <a href=\"/\">the console</a>."
+    "</html>\n";
+
 }  // namespace
 
-std::vector<std::pair<std::string, std::string>> safety_headers(const std::string& host) {
+std::vector<std::pair<std::string, std::string>> safety_headers(const std::string& host,
+                                                                bool encrypted) {
   // 'self' alone leaves WebSockets out in some browsers.
-  const std::string socket = host.empty() ? std::string() : std::string(" ws://").append(host);
+  const std::string socket =
+      host.empty() ? std::string() : (encrypted ? " wss://" : " ws://") + host;
   return {
       {"Content-Security-Policy",
        "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; font-src "
@@ -46,56 +55,90 @@ std::vector<std::pair<std::string, std::string>> safety_headers(const std::strin
       {"Cache-Control", "no-store"}};
 }
 
-Result<std::string> new_secret() {
-  std::array<unsigned char, 16> bytes{};
-  if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
-    return Status::error(std::string("no random numbers: ") + std::strerror(errno));
-  }
-  std::string out;
-  for (const unsigned char byte : bytes) {
-    for (const unsigned digit : {byte / 16u, byte % 16u}) out += "0123456789abcdef"[digit];
-  }
-  return out;
-}
-
-Access::Access(std::string key, std::string cookie, const std::string& address, std::uint16_t port)
-    : key_(std::move(key)),
+Access::Access(GatewayPlace place, std::string key, std::string cookie)
+    : place_(std::move(place)),
+      key_(std::move(key)),
       cookie_(std::move(cookie)),
       // Cookies of a host go to all its ports: another gateway's must not take this one's place.
-      cookie_name_("handrail-console-" + std::to_string(port)) {
-  const std::string end = std::string(":").append(std::to_string(port));
-  hosts_ = {address + end, "localhost" + end};
+      cookie_name_("handrail-console-" + std::to_string(place_.port)) {
+  for (const std::string& name : place_.names) {
+    hosts_.push_back(name + ":" + std::to_string(place_.port));
+    // Browsers leave out the port that is the usual one.
+    if (place_.encrypted && place_.port == 443) hosts_.push_back(name);
+  }
 }
 
 bool Access::is_own_host(const std::string& host) const {
   return std::find(hosts_.begin(), hosts_.end(), lower(host)) != hosts_.end();
 }
 
-Access::Verdict Access::judge(const WebRequest& request) const {
-  if (!is_own_host(request.host)) return Verdict::kRefused;
-  const bool own_origin = lower(request.origin) == "http://" + lower(request.host);
-  if (!request.origin.empty() && !own_origin) return Verdict::kRefused;
-  if (request.wants_socket && !own_origin) return Verdict::kRefused;
-  if (same(cookie_value(request.cookie, cookie_name_), cookie_)) return Verdict::kIn;
-  constexpr std::string_view kShown = "/?key=";
+Access::Judged Access::judge(const WebRequest& request, Nanos now) const {
+  if (!is_own_host(request.host)) return {};
+  const bool own_origin = lower(request.origin) == scheme() + lower(request.host);
+  if (!request.origin.empty() && !own_origin) return {};
+  if (request.wants_socket && !own_origin) return {};
+  const std::string shown = cookie_value(request.cookie, cookie_name_);
   const std::string_view target = request.target;
-  const bool shows = !request.wants_socket && target.starts_with(kShown) &&
-                     same(target.substr(kShown.size()), key_);
-  return shows ? Verdict::kShowsKey : Verdict::kRefused;
+  // Also of who is in already: as an observer, for one.
+  if (place_.encrypted && request.method == "GET" && !request.wants_socket &&
+      target.starts_with(kLinkTarget) && target.size() <= kLinkTarget.size() + kLongestToken) {
+    return {Verdict::kShowsLink, {}, std::string(target.substr(kLinkTarget.size()))};
+  }
+  if (!cookie_.empty() && same(shown, cookie_)) return {Verdict::kIn, {}, {}};
+  for (const Session& session : sessions_) {
+    if (now < session.until && same(shown, session.secret)) {
+      return {Verdict::kIn, session.guest, {}};
+    }
+  }
+  const bool shows_key = !key_.empty() && !request.wants_socket && target.starts_with(kKeyTarget) &&
+                         same(target.substr(kKeyTarget.size()), key_);
+  return {shows_key ? Verdict::kShowsKey : Verdict::kRefused, {}, {}};
+}
+
+std::pair<std::string, std::string> Access::cookie_of(const std::string& secret) const {
+  return {"Set-Cookie", cookie_name_ + "=" + secret + "; HttpOnly; SameSite=Strict; Path=/" +
+                            (place_.encrypted ? "; Secure" : "")};
 }
 
 WebAnswer Access::welcome() const {
   WebAnswer out = plain_answer(303, "");
-  out.more = {{"Location", "/"},
-              {"Set-Cookie", cookie_name_ + "=" + cookie_ + "; HttpOnly; SameSite=Strict; Path=/"}};
+  out.more = {{"Location", "/"}, cookie_of(cookie_)};
   return out;
 }
 
-WebAnswer Access::refusal() {
-  return plain_answer(403, "handrail-console: open the address that it printed when it started\n");
+WebAnswer Access::let_in(const Guest& guest, std::string secret, Nanos now) {
+  if (sessions_.size() >= kMostSessions) sessions_.erase(sessions_.begin());
+  WebAnswer out = plain_answer(200, kLedOn);
+  out.type = "text/html; charset=utf-8";
+  out.more = {cookie_of(secret)};
+  sessions_.push_back({std::move(secret), guest, now + kSessionLife});
+  return out;
 }
 
-std::string Access::url() const { return "http://" + hosts_.front() + "/?key=" + key_; }
+bool Access::holds(const Guest& guest, Nanos now) const {
+  return guest.link.empty() ||
+         std::any_of(sessions_.begin(), sessions_.end(), [&](const Session& session) {
+           return session.guest.link == guest.link && now < session.until;
+         });
+}
+
+void Access::keep_only(const std::vector<std::string>& links) {
+  std::erase_if(sessions_, [&](const Session& session) {
+    return std::find(links.begin(), links.end(), session.guest.link) == links.end();
+  });
+}
+
+WebAnswer Access::refusal() const {
+  return plain_answer(403, place_.encrypted
+                               ? "handrail-console: open a link that `handrail keys link` made\n"
+                               : "handrail-console: open the address that it printed when it "
+                                 "started\n");
+}
+
+std::string Access::url() const {
+  return scheme() + hosts_.front() + "/" +
+         (key_.empty() ? std::string() : std::string(kKeyTarget.substr(1)) + key_);
+}
 
 void Access::open_to_viewers(std::string key, std::vector<std::string> origins) {
   viewer_key_ = std::move(key);

@@ -1,35 +1,58 @@
-// Who may see the console: whoever has the address that it printed.
+// Who may see the console: whoever has the address that it printed, or a link that is good once.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "client/console/gateway/web.h"
-#include "server/base/status.h"
+#include "server/base/time.h"
 
 namespace handrail {
 
-// 32 random characters, 128 bits, fit for an address and a cookie.
-Result<std::string> new_secret();
+// Where a gateway is found.
+struct GatewayPlace {
+  std::vector<std::string> names;  // hosts and addresses as an address has them, lower case
+  std::uint16_t port = 0;          // that is listened on
+  bool encrypted = false;          // other computers reach it
+};
 
 // A request is judged by three things. Its Host must be this gateway, so that no name of somebody
 // else's that leads here (DNS rebinding) is served. Its Origin, if it has one, must be this
 // gateway, and a WebSocket must have one, so that no page from elsewhere speaks. And it must show a
-// secret: the key in the address that was printed, which is answered with a cookie for a secret of
-// its own, or that cookie. Secrets are compared in constant time.
+// secret: the cookie of a session; or, to get one, on this computer the key in the address that was
+// printed, from others the token of a link. Secrets are compared in constant time.
 class Access {
  public:
-  enum class Verdict { kIn, kShowsKey, kRefused };
+  enum class Verdict { kIn, kShowsKey, kShowsLink, kRefused };
+  struct Judged {
+    Verdict verdict = Verdict::kRefused;
+    Guest guest = {};   // kIn
+    std::string token;  // kShowsLink: not looked at yet
+  };
+  static constexpr std::size_t kMostSessions = 64;              // by links; the oldest goes
+  static constexpr Nanos kSessionLife = 12LL * 3600 * kSecond;  // of one by a link: a working day
 
-  // `port`: that is listened on; `address`: of this computer, as an address writes it.
-  Access(std::string key, std::string cookie, const std::string& address, std::uint16_t port);
+  // `key`, `cookie`: of the address that was printed; without them there is none.
+  Access(GatewayPlace place, std::string key, std::string cookie);
 
-  Verdict judge(const WebRequest& request) const;
+  Judged judge(const WebRequest& request, Nanos now) const;
   // To `/`, with the cookie, for kShowsKey.
   WebAnswer welcome() const;
+  // A page that leads to `/`, with the cookie of a session for `guest`, of that secret.
+  WebAnswer let_in(const Guest& guest, std::string secret, Nanos now);
+  // Whether that guest's session still is.
+  bool holds(const Guest& guest, Nanos now) const;
+  // Sessions by links that are not among these end.
+  void keep_only(const std::vector<std::string>& links);
   // The same for whatever was wrong: it tells a stranger nothing.
-  static WebAnswer refusal();
+  WebAnswer refusal() const;
   // With the key: to be printed once.
   std::string url() const;
+  bool encrypted() const noexcept { return place_.encrypted; }
 
   // Viewers (Foxglove, Lichtblick) cannot be given a cookie: their WebSocket shows a secret of its
   // own in its address, which opens nothing else. `origins`: of pages that are viewers.
@@ -41,12 +64,21 @@ class Access {
   std::string viewer_url() const;
 
  private:
+  struct Session {
+    std::string secret;
+    Guest guest;
+    Nanos until;
+  };
   bool is_own_host(const std::string& host) const;
+  std::string scheme() const { return place_.encrypted ? "https://" : "http://"; }
+  std::pair<std::string, std::string> cookie_of(const std::string& secret) const;
 
+  GatewayPlace place_;
   std::string key_, cookie_, cookie_name_;
   std::vector<std::string> hosts_;  // HOST:PORT
   std::string viewer_key_;          // empty: no viewer is let in
   std::vector<std::string> viewer_origins_;
+  std::vector<Session> sessions_;  // by links, the oldest first
 };
 
 // The value of a cookie in a Cookie header (RFC 6265); empty: it is not there.

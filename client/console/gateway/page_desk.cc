@@ -16,14 +16,19 @@ constexpr std::uint16_t kPolicy = 1008;  // RFC 6455: a frame that is not to be
 
 double milliseconds(Nanos time) { return to_seconds(time) * 1e3; }
 
-const char kOnlyLooks[] = "this console only looks: it was started with --observe";
+constexpr char kConsoleLooks[] = "this console only looks: it was started with --observe";
+constexpr char kPageLooks[] =
+    "this page only looks: it was opened by an observer's link (`handrail keys link operator` "
+    "makes "
+    "one to drive with)";
 
 }  // namespace
 
 PageDesk::PageDesk(PageSink& pages, MasterOrders& master, PageDeskOptions options)
     : sink_(pages), master_(master), options_(std::move(options)) {}
 
-void PageDesk::opened(PageId page, const std::string&, Nanos now) {
+void PageDesk::opened(PageId page, bool observes, Nanos now) {
+  pages_[page].observes = observes;
   pages_[page].second = now;
   greet(page, now);
   if (scene_) sink_.send(page, scene_, false, kSceneFrame);
@@ -33,7 +38,7 @@ void PageDesk::greet(PageId page, Nanos now) {
   pb::ToPage frame;
   pb::Hello& hello = *frame.mutable_hello();
   hello.set_version(options_.version);
-  hello.set_role(options_.observe ? pb::Hello::OBSERVER : pb::Hello::OPERATOR);
+  hello.set_role(only_looks(pages_[page]).empty() ? pb::Hello::OPERATOR : pb::Hello::OBSERVER);
   hello.set_page(page);
   hello.set_leader(leader_);
   if (leader_ != 0) {
@@ -42,6 +47,7 @@ void PageDesk::greet(PageId page, Nanos now) {
   }
   hello.set_name(options_.name);
   hello.set_master(options_.master);
+  for (const std::string& scene : options_.scenes) hello.add_scene(scene);
   pb::ConsoleLimits& limits = *hello.mutable_limits();
   limits.set_status_hz(kStatusRate);
   limits.set_hand_hz_most(kCursorRate);
@@ -86,8 +92,12 @@ void PageDesk::received(PageId page, std::string_view text, Nanos now) {
   }
 }
 
+std::string PageDesk::only_looks(const Page& page) const {
+  return options_.observe ? kConsoleLooks : page.observes ? kPageLooks : "";
+}
+
 std::string PageDesk::refusal(PageId page, const pb::Request& order, const Page& from) const {
-  if (options_.observe) return kOnlyLooks;
+  if (std::string looks = only_looks(from); !looks.empty()) return looks;
   if (order.has_as()) return "as: the gateway speaks in its own name: leave it out";
   switch (order.order_case()) {
     case pb::Request::ORDER_NOT_SET: return "the request holds no order";
@@ -141,7 +151,9 @@ void PageDesk::answered(std::uint64_t number, const Result<pb::Reply>& result, N
 }
 
 void PageDesk::lead(PageId page, const pb::PageLead& lead, Nanos now) {
-  if (options_.observe) return reply(page, lead.id(), false, kOnlyLooks);
+  if (const std::string looks = only_looks(pages_[page]); !looks.empty()) {
+    return reply(page, lead.id(), false, looks);
+  }
   const bool others = leader_ != 0 && leader_ != page;
   pb::Request request;
   switch (lead.act()) {
@@ -206,8 +218,8 @@ void PageDesk::closed(PageId page, Nanos now) {
 }
 
 void PageDesk::hand(PageId page, pb::CursorOrder cursor) {
-  if (options_.observe || leader_ != page) return;
   Page& from = pages_[page];
+  if (leader_ != page || !only_looks(from).empty()) return;
   // Frames of one page come in order, so that only the same one again is left out.
   if (from.cursor && cursor.sequence() == from.cursor->sequence()) return;
   from.cursor = cursor;

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "client/console/gateway/web.h"
 #include "proto/console.pb.h"
@@ -25,8 +26,9 @@ class MasterOrders {
 };
 
 struct PageDeskOptions {
-  bool observe = false;               // no order passes
+  bool observe = false;               // no order of any page passes
   std::string version, name, master;  // as in pb::Hello
+  std::vector<std::string> scenes = {};
 };
 
 // One page leads at a time. Its orders and its cursor pass, and a stop of any page. When it goes,
@@ -43,7 +45,8 @@ class PageDesk {
   // Both must outlive the desk.
   PageDesk(PageSink& pages, MasterOrders& master, PageDeskOptions options);
 
-  void opened(PageId page, const std::string& from, Nanos now);
+  // `observes`: it may look, and no order of it passes, not even a stop.
+  void opened(PageId page, bool observes, Nanos now);
   void received(PageId page, std::string_view text, Nanos now);
   void closed(PageId page, Nanos now);
 
@@ -58,6 +61,7 @@ class PageDesk {
 
  private:
   struct Page {
+    bool observes = false;
     std::uint32_t waiting = 0;                   // requests
     std::optional<pb::CursorOrder> cursor = {};  // its newest
     int frames = 0;                              // in this second
@@ -70,6 +74,8 @@ class PageDesk {
     bool stops = false;
   };
 
+  // Why no order of that page passes, whatever it is; empty: some do.
+  std::string only_looks(const Page& page) const;
   void request(PageId page, const pb::PageRequest& request);
   // Why that order does not pass; empty: it does.
   std::string refusal(PageId page, const pb::Request& order, const Page& from) const;

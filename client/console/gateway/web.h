@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -16,6 +17,13 @@ struct WebRequest {
   std::vector<std::string> protocols;  // offered for a WebSocket, in order
   bool wants_socket = false;           // to become a WebSocket
   std::string from;                    // address and port, for people
+  std::string network;                 // where one of `from` may have all the others too
+};
+
+// Whom a browser was let in as.
+struct Guest {
+  bool observes = false;  // may look: no order passes
+  std::string link;       // the id of the link that it came by; empty: the address that was printed
 };
 
 using SharedText = std::shared_ptr<const std::string>;
@@ -28,6 +36,8 @@ struct WebAnswer {
   std::string type = "text/plain; charset=utf-8";
   SharedText body;
   std::vector<std::pair<std::string, std::string>> more = {};  // headers
+  // Where it takes a while: told later, in the same thread, and nothing else of this counts.
+  std::function<void(std::function<void(WebAnswer)>)> later = {};
 };
 
 inline WebAnswer plain_answer(unsigned status, std::string text) {
@@ -39,7 +49,8 @@ inline WebAnswer plain_answer(unsigned status, std::string text) {
 
 // Headers of every answer: nothing from elsewhere, nothing inline, nothing guessed, no frame around
 // it. `host`: this gateway, as the browser calls it; empty: it is not known who asks.
-std::vector<std::pair<std::string, std::string>> safety_headers(const std::string& host);
+std::vector<std::pair<std::string, std::string>> safety_headers(const std::string& host,
+                                                                bool encrypted = false);
 
 // A page's number at this gateway, from 1 on; never used again.
 using PageId = std::uint32_t;
@@ -69,9 +80,11 @@ class WebApplication {
   struct Admission {
     std::string protocol;  // empty: refused
     WebAnswer refusal;
+    Guest guest = {};
   };
   virtual Admission admit(const WebRequest& request) = 0;
-  virtual void opened(PageId page, const std::string& protocol, const std::string& from) = 0;
+  virtual void opened(PageId page, const std::string& protocol, const std::string& from,
+                      const Guest& guest) = 0;
   virtual void received(PageId page, std::string_view frame, bool binary) = 0;
   virtual void closed(PageId page) = 0;
 };

@@ -12,6 +12,8 @@
 #include <string>
 #include <utility>
 
+#include "server/keys/certificate.h"
+
 namespace handrail {
 namespace {
 
@@ -39,25 +41,6 @@ const SecureContext* context_of(const SSL* ssl) {
 
 SecureContext::Attached* attached(const SSL* ssl) {
   return static_cast<SecureContext::Attached*>(SSL_get_ex_data(ssl, attached_index()));
-}
-
-using Certificate = std::unique_ptr<X509, decltype(&X509_free)>;
-
-// The envelope that TLS wants a public key in. Nobody reads more of it than the key: its dates are
-// all of time, so that no clock matters.
-Certificate certificate_of(const OwnKey& key) {
-  Certificate out(X509_new(), X509_free);
-  X509_NAME* name = X509_get_subject_name(out.get());
-  const auto* text = reinterpret_cast<const unsigned char*>("handrail");
-  const bool made = X509_set_version(out.get(), X509_VERSION_3) == 1 &&
-                    ASN1_INTEGER_set(X509_get_serialNumber(out.get()), 1) == 1 &&
-                    ASN1_TIME_set_string(X509_getm_notBefore(out.get()), "19700101000000Z") == 1 &&
-                    ASN1_TIME_set_string(X509_getm_notAfter(out.get()), "99991231235959Z") == 1 &&
-                    X509_NAME_add_entry_by_txt(name, "CN", MBSTRING_ASC, text, -1, -1, 0) == 1 &&
-                    X509_set_issuer_name(out.get(), name) == 1 &&
-                    X509_set_pubkey(out.get(), key.get()) == 1 &&
-                    X509_sign(out.get(), key.get(), EVP_sha256()) > 0;
-  return made ? std::move(out) : Certificate(nullptr, X509_free);
 }
 
 // A key's id as a label of a name: "3f2a91bc07de55a1".
@@ -90,9 +73,9 @@ SecureContext::~SecureContext() {
 }
 
 Result<SecureContext::Shown> SecureContext::in_envelope(const OwnKey& key) {
-  Certificate certificate = certificate_of(key);
+  const Certificate certificate = certificate_of(key);
   if (certificate == nullptr) return openssl_error("no certificate can be made");
-  return Shown{key, std::move(certificate)};
+  return Shown{key, certificate};
 }
 
 Status SecureContext::set_own(const OwnKey& key, const std::optional<OwnKey>& next) {

@@ -15,6 +15,7 @@ export class FakeGateway {
   constructor({ scene = 'linear-movement', role = 'OPERATOR' } = {}) {
     this.master = new FakeMaster(scene);
     this.role = role;
+    this.scenes = ['gearshift', 'linear-movement', 'my own', 'plane'];
     this.pages = new Map();
     this.nextPage = 1;
     this.leader = 0;
@@ -75,7 +76,7 @@ export class FakeGateway {
   }
 
   hello(socket, page) {
-    this.send(socket, { hello: { version: 'fake', role: this.role, page, leader: this.leader, leader_text: this.leader ? `page ${this.leader}, for 3 s` : '', name: 'anna', limits: { hand_hz_most: 125, hand_patience_ms: 200 } } });
+    this.send(socket, { hello: { version: 'fake', role: this.role, page, leader: this.leader, leader_text: this.leader ? `page ${this.leader}, for 3 s` : '', name: 'anna', scene: this.scenes, limits: { hand_hz_most: 125, hand_patience_ms: 200 } } });
   }
 
   setLeader(page) {

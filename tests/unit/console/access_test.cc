@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "client/console/gateway/pace.h"
+
 namespace handrail {
 namespace {
 
@@ -14,7 +16,9 @@ using Verdict = Access::Verdict;
 
 class AccessTest : public ::testing::Test {
  protected:
-  Access access{"thekey", "thecookie", "127.0.0.1", 8080};
+  Access access{{{"127.0.0.1", "localhost"}, 8080, false}, "thekey", "thecookie"};
+  static constexpr Nanos kNow = 1000 * kSecond;
+  Verdict judged(const WebRequest& request) const { return access.judge(request, kNow).verdict; }
   // A request of the page itself, as its browser makes it.
   WebRequest own(const std::string& target = "/app.js") const {
     WebRequest out;
@@ -33,11 +37,11 @@ class AccessTest : public ::testing::Test {
 };
 
 TEST_F(AccessTest, LetsInWhoShowsTheCookie) {
-  EXPECT_EQ(access.judge(own()), Verdict::kIn);
-  EXPECT_EQ(access.judge(own_socket()), Verdict::kIn);
+  EXPECT_EQ(judged(own()), Verdict::kIn);
+  EXPECT_EQ(judged(own_socket()), Verdict::kIn);
   WebRequest by_name = own();
   by_name.host = "LocalHost:8080";
-  EXPECT_EQ(access.judge(by_name), Verdict::kIn);
+  EXPECT_EQ(judged(by_name), Verdict::kIn);
 }
 
 TEST_F(AccessTest, RefusesWithoutTheSecretOrWithAnother) {
@@ -46,14 +50,14 @@ TEST_F(AccessTest, RefusesWithoutTheSecretOrWithAnother) {
                              "handrail-console-8080=thecookie2", "handrail-console-8081=thecookie",
                              "xhandrail-console-8080=thecookie"}) {
     request.cookie = cookie;
-    EXPECT_EQ(access.judge(request), Verdict::kRefused) << cookie;
+    EXPECT_EQ(judged(request), Verdict::kRefused) << cookie;
   }
 }
 
 TEST_F(AccessTest, TheKeyIsChangedForACookieOfAnotherSecret) {
   WebRequest request = own("/?key=thekey");
   request.cookie = "";
-  EXPECT_EQ(access.judge(request), Verdict::kShowsKey);
+  EXPECT_EQ(judged(request), Verdict::kShowsKey);
   const WebAnswer welcome = access.welcome();
   EXPECT_EQ(welcome.status, 303u);
   EXPECT_THAT(welcome.more, Contains(Pair("Location", "/")));
@@ -62,12 +66,12 @@ TEST_F(AccessTest, TheKeyIsChangedForACookieOfAnotherSecret) {
                             "handrail-console-8080=thecookie; HttpOnly; SameSite=Strict; Path=/")));
   for (const char* target : {"/?key=thekey2", "/?key=", "/x?key=thekey", "/?key=thekey&a=1"}) {
     request.target = target;
-    EXPECT_EQ(access.judge(request), Verdict::kRefused) << target;
+    EXPECT_EQ(judged(request), Verdict::kRefused) << target;
   }
   WebRequest socket = own_socket();
   socket.cookie = "";
   socket.target = "/?key=thekey";
-  EXPECT_EQ(access.judge(socket), Verdict::kRefused) << "a WebSocket shows the cookie";
+  EXPECT_EQ(judged(socket), Verdict::kRefused) << "a WebSocket shows the cookie";
 }
 
 TEST_F(AccessTest, RefusesANameOfSomebodyElsesThatLeadsHere) {
@@ -75,7 +79,7 @@ TEST_F(AccessTest, RefusesANameOfSomebodyElsesThatLeadsHere) {
   for (const char* host : {"evil.example:8080", "127.0.0.1", "127.0.0.1:80", "", "localhost",
                            "127.0.0.1:8080.evil.example", "127.0.0.2:8080"}) {
     request.host = host;
-    EXPECT_EQ(access.judge(request), Verdict::kRefused) << host;
+    EXPECT_EQ(judged(request), Verdict::kRefused) << host;
   }
 }
 
@@ -85,17 +89,17 @@ TEST_F(AccessTest, RefusesPagesFromElsewhere) {
     WebRequest file = own();
     WebRequest socket = own_socket();
     file.origin = socket.origin = origin;
-    EXPECT_EQ(access.judge(file), Verdict::kRefused) << origin;
-    EXPECT_EQ(access.judge(socket), Verdict::kRefused) << origin;
+    EXPECT_EQ(judged(file), Verdict::kRefused) << origin;
+    EXPECT_EQ(judged(socket), Verdict::kRefused) << origin;
   }
   WebRequest without = own_socket();
   without.origin = "";
-  EXPECT_EQ(access.judge(without), Verdict::kRefused) << "browsers always say it";
+  EXPECT_EQ(judged(without), Verdict::kRefused) << "browsers always say it";
 }
 
 TEST_F(AccessTest, SaysTheAddressWithTheKeyAndARefusalSaysNothingOfIt) {
   EXPECT_EQ(access.url(), "http://127.0.0.1:8080/?key=thekey");
-  const WebAnswer refusal = Access::refusal();
+  const WebAnswer refusal = access.refusal();
   EXPECT_EQ(refusal.status, 403u);
   EXPECT_THAT(*refusal.body, Not(HasSubstr("thekey")));
 }
@@ -146,7 +150,7 @@ TEST_F(ViewerAccessTest, RefusesAnotherSecretAndAnotherHost) {
 TEST_F(ViewerAccessTest, TheViewersSecretOpensNothingElseAndThePagesNoViewer) {
   request.target = "/?key=look";
   request.wants_socket = false;
-  EXPECT_EQ(access.judge(request), Verdict::kRefused);
+  EXPECT_EQ(access.judge(request, 0).verdict, Verdict::kRefused);
   WebRequest page = own_socket();
   page.target = "/foxglove";
   bool shows_key = true;
@@ -154,18 +158,116 @@ TEST_F(ViewerAccessTest, TheViewersSecretOpensNothingElseAndThePagesNoViewer) {
   EXPECT_FALSE(shows_key);
   EXPECT_FALSE(Access::is_for_viewers(own_socket()));
   EXPECT_TRUE(Access::is_for_viewers(page));
-  const Access closed("thekey", "thecookie", "127.0.0.1", 8080);
+  const Access closed({{"127.0.0.1"}, 8080, false}, "thekey", "thecookie");
   request.wants_socket = true;
   request.target = "/foxglove?key=";
   EXPECT_FALSE(closed.lets_view(request, shows_key)) << "without a secret there is none to show";
   EXPECT_EQ(access.viewer_url(), "ws://127.0.0.1:8080/foxglove?key=look");
 }
 
-TEST(Secrets, AreLongAndNeverTheSame) {
-  const auto a = new_secret(), b = new_secret();
-  ASSERT_TRUE(a && b);
-  EXPECT_EQ(a->size(), 32u);
-  EXPECT_NE(*a, *b);
+// Where other computers reach it.
+class RemoteAccessTest : public ::testing::Test {
+ protected:
+  static constexpr Nanos kNow = 1000 * kSecond;
+  static constexpr char kToken[] = "0123456789abcdef0123456789abcdef";
+
+  WebRequest own(const std::string& target = "/app.js", const std::string& secret = "") const {
+    WebRequest out;
+    out.method = "GET";
+    out.target = target;
+    out.host = "desk.example.org:47004";
+    if (!secret.empty()) out.cookie = "handrail-console-47004=" + secret;
+    return out;
+  }
+  Access::Judged judged(const WebRequest& request, Nanos now = kNow) const {
+    return access.judge(request, now);
+  }
+
+  Access access{{{"desk.example.org", "[fd00::2]"}, 47004, true}, "", ""};
+};
+
+TEST_F(RemoteAccessTest, NobodyIsInWithoutALinkAndNoKeyIsPrinted) {
+  EXPECT_EQ(access.url(), "https://desk.example.org:47004/");
+  EXPECT_EQ(judged(own()).verdict, Verdict::kRefused);
+  EXPECT_EQ(judged(own("/?key=")).verdict, Verdict::kRefused);
+  WebRequest empty = own();
+  empty.cookie = "handrail-console-47004=";
+  EXPECT_EQ(judged(empty).verdict, Verdict::kRefused) << "an empty cookie is no secret";
+  EXPECT_THAT(*access.refusal().body, HasSubstr("handrail keys link"));
+}
+
+TEST_F(RemoteAccessTest, ATokenIsHandedOnOfAGetOfTheFirstPageAlone) {
+  const auto shows = judged(own(std::string("/?once=") + kToken));
+  EXPECT_EQ(shows.verdict, Verdict::kShowsLink);
+  EXPECT_EQ(shows.token, kToken);
+  WebRequest head = own(std::string("/?once=") + kToken);
+  head.method = "HEAD";
+  EXPECT_EQ(judged(head).verdict, Verdict::kRefused) << "one that only looks uses nothing up";
+  WebRequest foreign = own(std::string("/?once=") + kToken);
+  foreign.host = "evil.example:47004";
+  EXPECT_EQ(judged(foreign).verdict, Verdict::kRefused);
+  EXPECT_EQ(judged(own("/?once=" + std::string(65, 'a'))).verdict, Verdict::kRefused);
+  EXPECT_EQ(judged(own(std::string("/x?once=") + kToken)).verdict, Verdict::kRefused);
+}
+
+TEST_F(RemoteAccessTest, ASessionHasTheRoleOfItsLinkUntilTheDayIsOver) {
+  const WebAnswer in = access.let_in({true, "aaaaaa"}, "secret1", kNow);
+  EXPECT_EQ(in.status, 200u) << "led on by a page: a cookie of a redirect would not be sent";
+  EXPECT_THAT(in.more, Contains(Pair("Set-Cookie",
+                                     "handrail-console-47004=secret1; HttpOnly; SameSite=Strict; "
+                                     "Path=/; Secure")));
+  (void)access.let_in({false, "bbbbbb"}, "secret2", kNow + kSecond);
+  const auto observer = judged(own("/", "secret1"));
+  EXPECT_EQ(observer.verdict, Verdict::kIn);
+  EXPECT_TRUE(observer.guest.observes);
+  EXPECT_EQ(observer.guest.link, "aaaaaa");
+  EXPECT_FALSE(judged(own("/", "secret2")).guest.observes);
+  EXPECT_EQ(judged(own("/", "secret")).verdict, Verdict::kRefused);
+  const Nanos over = kNow + Access::kSessionLife;
+  EXPECT_EQ(judged(own("/", "secret1"), over).verdict, Verdict::kRefused);
+  EXPECT_EQ(judged(own("/", "secret2"), over).verdict, Verdict::kIn);
+  EXPECT_FALSE(access.holds({true, "aaaaaa"}, over));
+  EXPECT_TRUE(access.holds({false, "bbbbbb"}, over));
+}
+
+TEST_F(RemoteAccessTest, ASessionEndsWithItsLink) {
+  (void)access.let_in({false, "aaaaaa"}, "secret1", kNow);
+  (void)access.let_in({false, "bbbbbb"}, "secret2", kNow);
+  access.keep_only({"bbbbbb", "cccccc"});
+  EXPECT_EQ(judged(own("/", "secret1")).verdict, Verdict::kRefused);
+  EXPECT_FALSE(access.holds({false, "aaaaaa"}, kNow));
+  EXPECT_EQ(judged(own("/", "secret2")).verdict, Verdict::kIn);
+}
+
+TEST_F(RemoteAccessTest, TheOldestSessionGoesWhereThereAreTooMany) {
+  for (std::size_t i = 0; i <= Access::kMostSessions; ++i) {
+    (void)access.let_in({}, "secret" + std::to_string(i), kNow);
+  }
+  EXPECT_EQ(judged(own("/", "secret0")).verdict, Verdict::kRefused);
+  EXPECT_EQ(judged(own("/", "secret1")).verdict, Verdict::kIn);
+}
+
+TEST_F(RemoteAccessTest, TheOriginIsTheEncryptedOne) {
+  (void)access.let_in({}, "secret", kNow);
+  WebRequest socket = own("/ws", "secret");
+  socket.wants_socket = true;
+  for (const char* origin : {"", "http://desk.example.org:47004", "https://desk.example.org",
+                             "https://[fd00::2]:47004", "https://evil.example", "null"}) {
+    socket.origin = origin;
+    EXPECT_EQ(judged(socket).verdict, Verdict::kRefused) << origin;
+  }
+  socket.origin = "https://desk.example.org:47004";
+  EXPECT_EQ(judged(socket).verdict, Verdict::kIn);
+}
+
+TEST(Pacing, LetsSoManyPassInASecondAndOfOneNetworkFewer) {
+  Pace pace(2, 3);
+  EXPECT_TRUE(pace.take("a", 0));
+  EXPECT_TRUE(pace.take("a", 1));
+  EXPECT_FALSE(pace.take("a", 2)) << "of this network";
+  EXPECT_TRUE(pace.take("b", 3)) << "others are not kept out by it";
+  EXPECT_FALSE(pace.take("c", 4)) << "of all";
+  EXPECT_TRUE(pace.take("a", kSecond));
 }
 
 TEST(SafetyHeaders, AllowNothingInlineAndNothingFromElsewhere) {
@@ -177,6 +279,9 @@ TEST(SafetyHeaders, AllowNothingInlineAndNothingFromElsewhere) {
   EXPECT_THAT(policy, HasSubstr("script-src 'self';"));
   EXPECT_THAT(policy, HasSubstr("connect-src 'self' ws://127.0.0.1:8080;"));
   EXPECT_THAT(policy, Not(HasSubstr("unsafe")));
+  EXPECT_THAT(
+      safety_headers("desk:47004", true),
+      Contains(Pair("Content-Security-Policy", HasSubstr("connect-src 'self' wss://desk:47004;"))));
   EXPECT_THAT(safety_headers(""), Contains(Pair("X-Content-Type-Options", "nosniff")));
 }
 

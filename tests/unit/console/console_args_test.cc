@@ -29,12 +29,35 @@ TEST(ConsoleArgs, AreForThisComputerAlone) {
   EXPECT_EQ(chosen->scenes, (std::vector<std::string>{"a", "b"}));
 }
 
-TEST(ConsoleArgs, RefuseAnAddressThatOthersReach) {
-  for (const char* place : {"0.0.0.0:8080", "192.168.1.2:80", "any", "[::]:80", "somewhere:80"}) {
-    EXPECT_THAT(parsed({"--listen", place}).message(),
-                HasSubstr("expected an address that only this computer reaches"))
-        << place;
+TEST(ConsoleArgs, AnAddressThatOthersReachIsEncryptedAndFoundByItsNames) {
+  const auto remote =
+      parsed({"--listen", "192.0.2.7", "--name", "Desk.Example.org", "--socket", "x"});
+  ASSERT_TRUE(remote) << remote.message();
+  EXPECT_TRUE(remote->encrypted);
+  EXPECT_EQ(remote->port, 47004) << "one that a firewall can know";
+  EXPECT_EQ(remote->names, (std::vector<std::string>{"desk.example.org", "192.0.2.7"}));
+  for (const char* place : {"0.0.0.0:80", "[::]:80", "any:80"}) {
+    const auto any = parsed({"--listen", place, "--name", "desk", "--socket", "x"});
+    ASSERT_TRUE(any) << any.message();
+    EXPECT_TRUE(any->encrypted) << place;
+    EXPECT_EQ(any->address, "any");
+    EXPECT_EQ(any->names, std::vector<std::string>{"desk"});
   }
+  EXPECT_TRUE(parsed({"--listen", "[::1]:80", "--socket", "x"})->encrypted);
+  EXPECT_FALSE(parsed({"--listen", "127.9.9.9:80", "--socket", "x"})->encrypted);
+  EXPECT_EQ(parsed({"--listen", "127.9.9.9", "--socket", "x"})->port, 0);
+}
+
+TEST(ConsoleArgs, SayWhichNamesAreMissingOrNone) {
+  EXPECT_THAT(parsed({"--listen", "any"}).message(), HasSubstr("expected --name HOST too"));
+  EXPECT_THAT(parsed({"--name", "desk"}).message(), HasSubstr("--name: expected with --listen"));
+  for (const char* name : {"desk:80", "a,b", "two words", "a/b"}) {
+    EXPECT_THAT(parsed({"--listen", "any", "--name", name}).message(),
+                HasSubstr("expected a name or an address"))
+        << name;
+  }
+  EXPECT_THAT(parsed({"--listen", "somewhere:80"}).message(),
+              HasSubstr("expected any, or an address of this computer"));
 }
 
 TEST(ConsoleArgs, NameThePagesThatMayLookAsViewers) {
@@ -49,6 +72,9 @@ TEST(ConsoleArgs, NameThePagesThatMayLookAsViewers) {
                 HasSubstr("expected the origin of a viewer's page"))
         << origin;
   }
+  EXPECT_THAT(
+      parsed({"--listen", "192.0.2.7", "--viewer-origin", "file://", "--socket", "x"}).message(),
+      HasSubstr("viewers are served on this computer alone"));
 }
 
 TEST(ConsoleArgs, SayWhatIsWrong) {

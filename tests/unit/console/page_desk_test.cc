@@ -46,8 +46,8 @@ class PageDeskTest : public ::testing::Test {
  protected:
   explicit PageDeskTest(bool observe = false)
       : desk(played, played, {observe, "1.2", "console", "/run/op.sock"}) {
-    desk.opened(1, "127.0.0.1:5", now);
-    desk.opened(2, "127.0.0.1:6", now);
+    desk.opened(1, false, now);
+    desk.opened(2, false, now);
   }
   void say(PageId page, const std::string& json) { desk.received(page, json, now); }
   // The newest reply that this page has, in short; "" where there is none.
@@ -236,7 +236,7 @@ TEST_F(PageDeskTest, APageThatComesLaterGetsTheScene) {
   scene.set_name("gearshift");
   desk.scene(scene);
   EXPECT_EQ(played.frames[1].back().scene().name(), "gearshift");
-  desk.opened(3, "", now);
+  desk.opened(3, false, now);
   EXPECT_EQ(played.frames[3].back().scene().name(), "gearshift");
   EXPECT_TRUE(played.frames[3].front().has_hello()) << "the first frame";
 }
@@ -248,7 +248,7 @@ TEST_F(PageDeskTest, EndsAPageThatSaysWhatNobodyUnderstands) {
                        "{}",         R"({"hand": {"position_mm": "x"}})"};
   PageId page = 10;
   for (const char* text : bad) {
-    desk.opened(++page, "", now);
+    desk.opened(++page, false, now);
     say(page, text);
     EXPECT_THAT(played.ended[page], HasSubstr("1008 ")) << text;
   }
@@ -294,6 +294,27 @@ TEST_F(ObserverDeskTest, NothingPassesAStopNeither) {
   say(1, R"({"hand": {"sequence": "1", "position_mm": [0, 0, 0], "held": true}})");
   EXPECT_THAT(played.orders, IsEmpty());
   EXPECT_THAT(played.cursors, IsEmpty());
+}
+
+TEST_F(PageDeskTest, APageOfAnObserversLinkLooksOnWhileOthersDrive) {
+  desk.opened(3, true, now);
+  EXPECT_EQ(hello(3).role(), pb::Hello::OBSERVER);
+  EXPECT_EQ(hello(1).role(), pb::Hello::OPERATOR);
+  leads(1);
+  EXPECT_EQ(hello(3).role(), pb::Hello::OBSERVER) << "told again when another leads";
+  const std::size_t before = played.orders.size();
+  for (const char* act : {"TAKE", "TAKE_OVER", "RELEASE"}) {
+    say(3, R"({"lead": {"id": 4, "act": ")" + std::string(act) + "\"}}");
+    EXPECT_THAT(reply(3), HasSubstr("4 refused: this page only looks")) << act;
+  }
+  for (const char* order : {R"({"stop": true})", R"({"engage": true})", R"({"status": true})"}) {
+    say(3, R"({"request": {"id": 5, "order": )" + std::string(order) + "}}");
+    EXPECT_THAT(reply(3), HasSubstr("5 refused: this page only looks")) << order;
+  }
+  say(3, R"({"hand": {"sequence": "1", "position_mm": [0, 0, 0], "held": true}})");
+  EXPECT_EQ(played.orders.size(), before);
+  EXPECT_THAT(played.cursors, IsEmpty());
+  EXPECT_EQ(desk.leader(), 1u);
 }
 
 }  // namespace

@@ -31,9 +31,14 @@ export class Facts {
     this.version = 0;
     /** @type {(() => void)[]} */
     this.onScene = [];
+    /** The names of scenes that the gateway found. @type {string[]} */
+    this.sceneNames = [];
     gateway.on('open', () => (this.connected = true));
     gateway.on('closed', () => this.lost());
-    gateway.on('hello', (hello) => (this.hello = hello));
+    gateway.on('hello', (hello) => {
+      this.hello = hello;
+      this.sceneNames = hello.scene ?? [];
+    });
     gateway.on('scene', (scene) => this.setScene(scene));
     gateway.on('status', (news) => this.setStatus(news));
     gateway.on('hand', (news) => (this.cursorRefused = news.taken ? '' : news.reason ?? 'refused'));

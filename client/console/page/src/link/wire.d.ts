@@ -48,7 +48,7 @@ export interface StatusNews {
 }
 export interface Hello {
   version?: string; role?: 'OPERATOR' | 'OBSERVER'; page?: number; leader?: number;
-  leader_text?: string; name?: string; master?: string;
+  leader_text?: string; name?: string; master?: string; scene?: string[];
   limits?: { hand_hz_most?: number; hand_patience_ms?: number; requests_most?: number };
 }
 export interface PageReply { id?: number; done?: boolean; reason?: string; lease?: LeaseStatus }

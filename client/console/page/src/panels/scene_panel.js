@@ -5,8 +5,7 @@ import { block, box, button, element, setText, show } from './dom.js';
 /** @typedef {import('../link/facts.js').Facts} Facts */
 /** @typedef {import('../link/lead.js').Lead} Lead */
 
-/** The scenes that ship (server/scene/library); others go by their name. */
-const SHIPPED = ['gearshift', 'wrench', 'painted-aisle', 'linear-movement', 'plane', 'screw-fastening', 'published'];
+/** For scenes that the master knows and the gateway does not. */
 const OTHER = 'another …';
 
 export class ScenePanel {
@@ -16,7 +15,9 @@ export class ScenePanel {
     this.lead = lead;
     this.select = element('scene', HTMLSelectElement);
     this.name = element('scene-name', HTMLInputElement);
-    this.select.replaceChildren(...[...SHIPPED, OTHER].map((name) => new Option(name, name)));
+    /** Those that are offered, as one text. */
+    this.offered = '';
+    this.offer();
     this.select.addEventListener('change', () => {
       show(box('scene-other'), this.select.value === OTHER);
       if (this.select.value === OTHER) this.name.focus();
@@ -27,6 +28,17 @@ export class ScenePanel {
     });
   }
 
+  /** The names as the gateway says them; what is chosen stays. */
+  offer() {
+    const names = [...this.facts.sceneNames, OTHER];
+    if (names.join('\n') === this.offered) return;
+    this.offered = names.join('\n');
+    const chosen = this.select.value && this.select.value !== OTHER ? this.select.value : this.facts.scene.name;
+    this.select.replaceChildren(...names.map((name) => new Option(name, name)));
+    if (chosen && names.includes(chosen)) this.select.value = chosen;
+    show(box('scene-other'), this.select.value === OTHER);
+  }
+
   load() {
     const name = this.select.value === OTHER ? this.name.value.trim() : this.select.value;
     if (name) void this.lead.give({ scene_load: name });
@@ -34,7 +46,8 @@ export class ScenePanel {
 
   setScene() {
     const { scene } = this.facts;
-    if (scene.name && SHIPPED.includes(scene.name)) this.select.value = scene.name;
+    this.offer();
+    if (scene.name && this.facts.sceneNames.includes(scene.name)) this.select.value = scene.name;
     show(box('scene-other'), this.select.value === OTHER);
     setText(box('scene-text'), scene.description ?? '');
     const stages = (scene.map?.stage ?? []).filter((stage) => stage.name);
@@ -50,6 +63,7 @@ export class ScenePanel {
   }
 
   update() {
+    this.offer();
     const blocked = whyNoOrders(this.facts);
     block(button('scene-load'), blocked);
     for (const node of box('stages').querySelectorAll('button')) {

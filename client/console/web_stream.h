@@ -1,0 +1,89 @@
+// What of Beast the server is made of: a connection's bytes, encrypted or not, as one kind of
+// stream, and the head of a request.
+#pragma once
+
+#include <utility>
+#include <variant>
+
+#include <boost/asio/ssl/context.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http/message.hpp>
+#include <boost/beast/http/rfc7230.hpp>
+#include <boost/beast/ssl/ssl_stream.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
+#include <boost/beast/websocket/teardown.hpp>
+
+#include "client/console/gateway/web.h"
+
+namespace handrail {
+
+// Times are set at next_layer(). Handlers are Asio's; nothing else is returned.
+class WebStream {
+ public:
+  using next_layer_type = boost::beast::tcp_stream;
+  using executor_type = next_layer_type::executor_type;
+
+  // `tls`, null for plain bytes, must outlive the stream.
+  WebStream(boost::asio::ip::tcp::socket socket, boost::asio::ssl::context* tls)
+      : stream_(make(std::move(socket), tls)) {}
+
+  executor_type get_executor() noexcept { return next_layer().get_executor(); }
+  next_layer_type& next_layer() noexcept {
+    if (auto* tls = std::get_if<Tls>(&stream_)) return tls->next_layer();
+    return *std::get_if<Plain>(&stream_);
+  }
+  // Null: plain bytes.
+  boost::beast::ssl_stream<next_layer_type>* tls() noexcept { return std::get_if<Tls>(&stream_); }
+
+  template <typename Buffers, typename Handler>
+  void async_read_some(const Buffers& to, Handler&& handler) {
+    std::visit([&](auto& s) { s.async_read_some(to, std::forward<Handler>(handler)); }, stream_);
+  }
+  template <typename Buffers, typename Handler>
+  void async_write_some(const Buffers& from, Handler&& handler) {
+    std::visit([&](auto& s) { s.async_write_some(from, std::forward<Handler>(handler)); }, stream_);
+  }
+
+ private:
+  using Plain = next_layer_type;
+  using Tls = boost::beast::ssl_stream<next_layer_type>;
+  static std::variant<Plain, Tls> make(boost::asio::ip::tcp::socket socket,
+                                       boost::asio::ssl::context* tls) {
+    if (tls == nullptr) return Plain(std::move(socket));
+    return Tls(Plain(std::move(socket)), *tls);
+  }
+
+  std::variant<Plain, Tls> stream_;
+};
+
+// Beast ends a WebSocket so, found by its argument.
+template <typename Handler>
+void async_teardown(boost::beast::role_type role, WebStream& stream, Handler&& handler) {
+  if (auto* tls = stream.tls()) {
+    return tls->async_shutdown(std::forward<Handler>(handler));
+  }
+  using boost::beast::websocket::async_teardown;
+  async_teardown(role, stream.next_layer(), std::forward<Handler>(handler));
+}
+
+// The head of a request as the gateway looks at it, without from and network.
+inline WebRequest read_head(const boost::beast::http::request_header<>& head) {
+  namespace http = boost::beast::http;
+  const auto text_of = [](boost::beast::string_view view) {
+    return std::string(view.data(), view.size());
+  };
+  WebRequest out;
+  out.method = text_of(head.method_string());
+  out.target = text_of(head.target());
+  // Twice said is once too often.
+  if (head.count(http::field::host) == 1) out.host = text_of(head[http::field::host]);
+  out.origin = text_of(head[http::field::origin]);
+  out.cookie = text_of(head[http::field::cookie]);
+  for (const auto& token : http::token_list(head[http::field::sec_websocket_protocol])) {
+    out.protocols.push_back(text_of(token));
+  }
+  out.wants_socket = boost::beast::websocket::is_upgrade(head);
+  return out;
+}
+
+}  // namespace handrail
