@@ -27,6 +27,9 @@ constexpr double kServoLag = 0.045 * 1.03;  // of the rig's slowest joint [s]
 // Of the arm, beside v/a: 2.5 a/j of 20 ms, which is what the plan of a stop keeps to, are 7.04
 // cycles (server/motion/MOTION.md).
 constexpr int kCyclesToStop = 8;
+// The finest step that the controller can be told: joints go to it as 32 bits, 6e-8 rad at 1 to 2
+// rad, and three of them lift the tip by levers of 0.55 m, before a step and after it [m].
+constexpr double kFinest = 2.0 * 3.0 * 6e-8 * 0.55;
 constexpr double kArm = 60e3;  // in series with the surface [N/m]
 
 constexpr double kMostSwing = 2.0 * kOmniResolution;  // as of the bare devices, two counts [m]
@@ -207,7 +210,7 @@ CaseFigures figures_of(const TeleopFigures& f) {
           judged("tip_swing_mm", f.tip_swing / kMm, tip / kMm),
           judged("energy_mj", 1e3 * f.energy, 1e3 * kTouchGives),
           judged("bounds", f.bounds, 1.0 + 1e-9),
-          judged("inward_um", 1e6 * f.inward, 1e-3),
+          judged("inward_um", 1e6 * f.inward, 1e6 * kFinest),
           judged("peak_share", f.peak, 1.0),
           judged("drift_mm", f.drift / kMm, kMostDrift / kMm),
           judged("ended", f.ended.empty() ? 0.0 : 1.0, 0.0),
