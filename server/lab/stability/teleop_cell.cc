@@ -149,7 +149,8 @@ void TeleopRun::look() {
   const double force = -loop_.force().x();
   ++touched_;
   errors_ += std::pow(force - true_stiffness_ * depth, 2);
-  if (depth <= 0.0 || inside_ >= 1000) return;
+  // What is hardly inside says little: the encoder tells it in counts.
+  if (depth <= kMostSwing || inside_ >= 1000) return;
   ++inside_;
   fx_ += force * depth;
   xx_ += depth * depth;

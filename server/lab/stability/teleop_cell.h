@@ -34,7 +34,8 @@ struct TeleopFigures {
   double peak = 0.0;    // contact force, as a share of what the bumper lets a peak come to
   double drift = 0.0;   // of the tip from where the hand asks it to be, after a touch, most [m]
   double held = 0.0;    // share of ticks in a hold
-  double felt = 0.0;    // at the second touch, force per depth in its first second [N/m]
+  double felt = 0.0;    // at the second touch, force per depth in its first second more than two
+                        // counts of the encoder inside [N/m]; 0: there was none
   double error = 0.0;   // of the force at the second touch against the true surface, rms [N]
 
   bool stable() const;

@@ -29,7 +29,7 @@ constexpr double kFeltAt = kMapGrounds.back();                  // where stiffne
 
 // What a place came to; not a number where nothing engaged.
 struct PlaceFigures {
-  int cells = 0, stable = 0, felt_cells = 0;
+  int cells = 0, stable = 0, felt_cells = 0, deep_cells = 0;
   double felt = 0.0, error = 0.0;  // sums [N/mm], [N]
   double drift = 0.0;              // most [mm]
 
@@ -40,11 +40,12 @@ struct PlaceFigures {
     drift = std::max(drift, f.drift / kMm);
     if (cell.stiffness != kFeltAt) return;
     ++felt_cells;
+    deep_cells += f.felt > 0.0;
     felt += f.felt / kNewtonPerMm;
     error += f.error;
   }
   double share() const { return cells > 0 ? 100.0 * stable / cells : std::nan(""); }
-  double mean(double sum) const { return felt_cells > 0 ? sum / felt_cells : std::nan(""); }
+  static double mean(double sum, int cells) { return cells > 0 ? sum / cells : std::nan(""); }
 };
 
 struct Quantity {
@@ -56,9 +57,9 @@ struct Quantity {
 const std::array kQuantities = {
     Quantity{"stable", "cells [%]", [](const PlaceFigures& f) { return f.share(); }, 0},
     Quantity{"displayed, second touch", "stiffness [N/mm]",
-             [](const PlaceFigures& f) { return f.mean(f.felt); }, 2},
+             [](const PlaceFigures& f) { return f.mean(f.felt, f.deep_cells); }, 2},
     Quantity{"force error, second touch", "rms [N]",
-             [](const PlaceFigures& f) { return f.mean(f.error); }, 2},
+             [](const PlaceFigures& f) { return f.mean(f.error, f.felt_cells); }, 2},
     Quantity{"drift after a touch, most", "at the tip [mm]",
              [](const PlaceFigures& f) { return f.drift; }, 2}};
 
@@ -100,12 +101,23 @@ std::string name_of_loss(std::size_t loss) {
 }
 const char* name_of_way(std::size_t model) { return model == 0 ? "by the spring" : "by the model"; }
 
+// Both panels of a quantity have the same axis: they are there to be compared.
+double most_of(const PlaceTable& table, const Quantity& quantity) {
+  double most = 0.0;
+  for (const auto& way : table) {
+    for (const auto& loss : way) {
+      for (const PlaceFigures& place : loss) most = std::fmax(most, quantity.of(place));
+    }
+  }
+  return most;
+}
+
 Panel panel_of(const PlaceTable& table, const Quantity& quantity, std::size_t model) {
   std::vector<std::string> trips;
   for (const double trip : kMapTrips) trips.push_back(fmt::format("{:g}", trip));
   Panel panel(fmt::format("{}, {}", quantity.title, name_of_way(model)),
               Axis{.label = "round trip [ms]", .categories = trips},
-              Axis{.label = quantity.label, .low = 0.0});
+              Axis{.label = quantity.label, .low = 0.0, .high = 1.05 * most_of(table, quantity)});
   for (std::size_t loss = 0; loss < kMapLosses.size(); ++loss) {
     std::vector<Point> points;
     for (std::size_t trip = 0; trip < kMapTrips.size(); ++trip) {
