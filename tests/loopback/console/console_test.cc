@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "tests/loopback/console_cell.h"
+#include "tests/loopback/console/console_cell.h"
 
 namespace handrail {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "server/model/reason.h"
-#include "tests/loopback/console_cell.h"
+#include "tests/loopback/console/console_cell.h"
 
 namespace handrail {
 namespace {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "tests/loopback/web_client.h"
+#include "tests/loopback/console/web_client.h"
 #include "tests/loopback/whole_cell.h"
 
 namespace handrail {

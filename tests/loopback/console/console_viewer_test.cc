@@ -1,7 +1,7 @@
 // Viewers at a real console: their times and bounds are those of pages.
 #include <gmock/gmock.h>
 
-#include "tests/loopback/console_cell.h"
+#include "tests/loopback/console/console_cell.h"
 
 namespace handrail {
 namespace {
