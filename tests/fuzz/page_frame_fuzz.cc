@@ -22,9 +22,9 @@ using fuzz::require;
 constexpr std::size_t kSlots = 3;  // the last is an observer's
 
 // The desk, its pages and its master.
-class Desk : public PageSink, public MasterOrders {
+class DrivenDesk : public PageSink, public MasterOrders {
  public:
-  Desk() {
+  DrivenDesk() {
     for (std::size_t slot = 0; slot < kSlots; ++slot) open(slot);
   }
   void send(PageId page, SharedText text, bool, FrameWorth) override {
@@ -142,7 +142,7 @@ HANDRAIL_FUZZ(page_frame) {
     require(is_plain_text(frame.message()), "a refusal is one line of plain text");
     require(frame.message().find('\n') == std::string::npos, "a refusal is one line");
   }
-  Desk desk;
+  DrivenDesk desk;
   for (std::size_t acts = fuzz::most_acts(bytes.size()); acts > 0 && !left.empty(); --acts) {
     const std::size_t end = std::min(left.find('\n'), left.size());
     if (end > 0) desk.act(left.substr(0, end));
