@@ -109,10 +109,12 @@ Governed EnergyTank::govern(const GovernorSettings& settings, const Vec3& wanted
   }
   const double size = wanted.norm();
   energy_ += hand_.add(settings, moved, dt) - told_.acting(settings.delay).dot(moved);
+  // A spring that is cut off gives nothing: what was put in stays in it.
+  if (size == 0.0) return out;
   energy_ = std::min(energy_, 0.5 * size * size / stiffness);
   const double push = wanted.dot(hand_.along()), way = hand_.last();
   // What was bounded comes back as the hand presses in, and no faster than twice the spring.
-  if (size > 0.0) limit_ += kReturn * stiffness * std::max(-wanted.dot(moved) / size, 0.0);
+  limit_ += kReturn * stiffness * std::max(-wanted.dot(moved) / size, 0.0);
   if (push > 0.0 && way > 0.0) {
     // No more than is there on this way, and beside what the device takes no more than a spring
     // pushes that holds it: so the force sinks as the energy does, not all at once at its end.

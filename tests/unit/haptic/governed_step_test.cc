@@ -206,7 +206,7 @@ TEST(GovernedStep, AForceThatMayNotEndAtOnceIsPaidForLater) {
   double most = 0.0;
   for (int turn = 0; turn < 30; ++turn) {
     move(100, 0.0, kPull);
-    move(10, -kStep, kPull);
+    move(2, -kStep, kPull);
     move(40, kStep, kPull);
     move(100, 0.0, 0.0);
     move(30, -kStep, 0.0);

@@ -31,6 +31,7 @@ TEST(EnergyTank, WhateverItsOtherEndDoesTheHandGetsNoMoreThanItGave) {
     GovernorSettings settings = tank_settings();
     Vec3 tip = Vec3::Zero(), hand = Vec3::Zero(), v = Vec3::Zero(), force = Vec3::Zero();
     double given = 0.0, most_work = 0.0, most_given = 0.0;
+    bool cut = false;  // as in a hold
     const auto any = [&random] {
       return Vec3(random.uniform() - 0.5, random.uniform() - 0.5, random.uniform() - 0.5);
     };
@@ -40,10 +41,12 @@ TEST(EnergyTank, WhateverItsOtherEndDoesTheHandGetsNoMoreThanItGave) {
       hand += moved;
       tip += 2e-4 * any();
       if (random.uniform() < 1e-3) tip += 0.02 * any();
+      if (random.uniform() < 1e-2) cut = !cut;
       given += force.dot(moved);
       most_work = std::max(most_work, std::abs(force.dot(moved)));
       most_given = std::max(most_given, given);
-      force = tank.govern(settings, 200.0 * (tip - hand), 200.0, moved, kTankTick).force;
+      const Vec3 wanted = cut ? Vec3(Vec3::Zero()) : Vec3(200.0 * (tip - hand));
+      force = tank.govern(settings, wanted, 200.0, moved, kTankTick).force;
       tank.told(force);
     }
     // A way may turn out other than the one before it, by which the force was made smaller: a
@@ -97,6 +100,27 @@ TEST(EnergyTank, WhatWasBoundedOnTheWayOutComesBackAsTheHandPressesIn) {
   }
   EXPECT_NEAR(pressed, (2.0 - 0.2) / (2.0 * kTankSpring), 1.01 * kStep);
   EXPECT_EQ(give(tank, 0.0), 2.0);
+}
+
+// In a hold the spring is cut off, and comes back as it was: nothing of it is lost.
+TEST(EnergyTank, WhatWasPutInIsThereAfterACut) {
+  constexpr double kStep = 1e-4;  // [m]
+  EnergyTank tank;
+  const auto give = [&tank](double wanted, double moved) {
+    const Governed out =
+        tank.govern(tank_settings(), Vec3(wanted, 0, 0), kTankSpring, Vec3(moved, 0, 0), kTankTick);
+    tank.told(out.force);
+    return out.force.x();
+  };
+  double force = 0.0, back = 0.0;
+  for (int i = 1; i <= 100; ++i) force = give(-kTankSpring * kStep * i, kStep);
+  for (int i = 0; i < 50; ++i) EXPECT_EQ(give(0.0, 0.0), 0.0);
+  EXPECT_EQ(give(force, 0.0), force);
+  for (int i = 99; i >= 0; --i) {
+    back += force * -kStep;
+    force = give(-kTankSpring * kStep * i, -kStep);
+  }
+  EXPECT_NEAR(back, 0.5 * kTankSpring * 1e-4, 0.03 * 0.5 * kTankSpring * 1e-4);
 }
 
 TEST(EnergyTank, ABoundedForceKeepsItsDirection) {
