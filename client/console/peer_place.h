@@ -16,7 +16,7 @@ namespace handrail {
 
 // An address of IPv4 also where the port listens to both.
 inline boost::asio::ip::address peer_address(const boost::asio::ip::tcp::endpoint& peer) {
-  const boost::asio::ip::address out = peer.address();
+  boost::asio::ip::address out = peer.address();
   if (!out.is_v6() || !out.to_v6().is_v4_mapped()) return out;
   return boost::asio::ip::make_address_v4(boost::asio::ip::v4_mapped, out.to_v6());
 }

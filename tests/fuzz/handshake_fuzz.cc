@@ -18,21 +18,21 @@ using fuzz::require;
 using test::Bytes;
 
 // What OpenSSL holds at present. Counted from the program's start on, or not at all.
-std::size_t held = 0;
+std::size_t held_bytes = 0;
 void* count_malloc(std::size_t size, const char*, int) {
   void* out = std::malloc(size);
-  held += out == nullptr ? 0 : ::malloc_usable_size(out);
+  held_bytes += out == nullptr ? 0 : ::malloc_usable_size(out);
   return out;
 }
 void* count_realloc(void* old, std::size_t size, const char*, int) {
   const std::size_t before = old == nullptr ? 0 : ::malloc_usable_size(old);
   void* out = std::realloc(old, size);
   if (out != nullptr || size == 0)
-    held += (out == nullptr ? 0 : ::malloc_usable_size(out)) - before;
+    held_bytes += (out == nullptr ? 0 : ::malloc_usable_size(out)) - before;
   return out;
 }
 void count_free(void* old, const char*, int) {
-  if (old != nullptr) held -= ::malloc_usable_size(old);
+  if (old != nullptr) held_bytes -= ::malloc_usable_size(old);
   std::free(old);
 }
 const bool counted = CRYPTO_set_mem_functions(count_malloc, count_realloc, count_free) == 1;
@@ -54,11 +54,12 @@ class Link {
   }
 
   void run() {
-    const std::size_t before = held;
+    const std::size_t before = held_bytes;
     for (int acts = 0; !in_.empty() && acts < kMostActs; ++acts) {
       act(in_.take<std::uint8_t>());
       check();
-      require(!counted || held - std::min(before, held) < kMostHeld, "memory is bounded");
+      require(!counted || held_bytes - std::min(before, held_bytes) < kMostHeld,
+              "memory is bounded");
     }
     // Whatever it was, two that trust each other come together again.
     honest_ = true;

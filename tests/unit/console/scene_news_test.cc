@@ -73,7 +73,8 @@ TEST(SceneNews, EveryShippedSceneCanBeDrawn) {
 // Cells from the lowest y on are the picture's colours from the top on, within a cell of an edge.
 void expect_cells_like_the_picture(const MapPicture& picture, const std::string& name) {
   const MapCells& cells = picture.cells;
-  const auto count = static_cast<std::size_t>(cells.columns) * static_cast<std::size_t>(cells.rows);
+  const auto columns = static_cast<std::size_t>(cells.columns);
+  const std::size_t count = columns * static_cast<std::size_t>(cells.rows);
   ASSERT_EQ(cells.rgb.size(), 3 * count) << name;
   ASSERT_GT(count, 100u) << name;
   EXPECT_LE(std::max(cells.columns, cells.rows), MapCells::kMost) << name;
@@ -81,8 +82,9 @@ void expect_cells_like_the_picture(const MapPicture& picture, const std::string&
   const Vec2 pixel(image->width / picture.size.x(), image->height / picture.size.y());
   std::size_t like = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    const Vec2 at((static_cast<double>(i % cells.columns) + 0.5) / cells.columns - 0.5,
-                  (static_cast<double>(i / cells.columns) + 0.5) / cells.rows - 0.5);
+    const std::size_t across = i % columns, up = i / columns;
+    const Vec2 at((static_cast<double>(across) + 0.5) / cells.columns - 0.5,
+                  (static_cast<double>(up) + 0.5) / cells.rows - 0.5);
     const Vec2 p = at.cwiseProduct(cells.size);
     const int column = static_cast<int>((p.x() + 0.5 * picture.size.x()) * pixel.x());
     const int row = static_cast<int>((0.5 * picture.size.y() - p.y()) * pixel.y());

@@ -60,7 +60,7 @@ TEST_F(WebPlaceTest, TheFingerprintIsAsABrowserShowsItAndItsStartAsAKeysId) {
   for (const char c : whole.substr(0, 23)) {
     if (c != ':') start += static_cast<char>(std::tolower(c));
   }
-  for (const std::size_t at : {12, 8, 4}) start.insert(at, "-");
+  for (const std::size_t at : {12u, 8u, 4u}) start.insert(at, "-");
   EXPECT_EQ(fingerprint_start(certificate), start);
 }
 
