@@ -168,7 +168,7 @@ TEST_F(FullDisk, UnderTheOperatorsCommands) {
   TrustList trusted;
   ASSERT_TRUE(own && trusted.add(own->entry()) && keys.save(trusted, "a test"));
   ::setenv("HANDRAIL_KEYS", (folder.path() + "/keys").c_str(), 1);
-  for (const std::string words : {"keys list", "keys show"}) {
+  for (const std::string words : {"keys links", "keys list", "keys show"}) {
     listed.insert(words);
     expect_told("handrail", words);
     expect_told("handrail", words + " --json");
