@@ -4,6 +4,7 @@
 #include <sys/wait.h>
 
 #include <cstdlib>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -11,6 +12,7 @@
 
 #include "client/cli/command.h"
 #include "server/keys/key_folder.h"
+#include "server/keys/once_links.h"
 #include "tests/loopback/whole_cell.h"
 
 namespace handrail {
@@ -167,6 +169,7 @@ TEST_F(FullDisk, UnderTheOperatorsCommands) {
   const auto own = keys.create("desk", Role::kMaster);
   TrustList trusted;
   ASSERT_TRUE(own && trusted.add(own->entry()) && keys.save(trusted, "a test"));
+  ASSERT_TRUE(OnceLinks(keys.path()).make(Role::kObserver, 600, std::time(nullptr)));
   ::setenv("HANDRAIL_KEYS", (folder.path() + "/keys").c_str(), 1);
   for (const std::string words : {"keys links", "keys list", "keys show"}) {
     listed.insert(words);
