@@ -55,6 +55,32 @@ TEST(EnergyTank, WhateverItsOtherEndDoesTheHandGetsNoMoreThanItGave) {
   }
 }
 
+// A force that acts late makes energy with a far end that stands, too: pi K A^2 w d in each swing.
+TEST(EnergyTank, WhatActsLateIsCountedWhereItActs) {
+  for (const int delay : {0, 5, kMostForceDelay}) {
+    EnergyTank tank;
+    GovernorSettings settings = tank_settings();
+    settings.delay = delay;
+    ToldForces on_way;
+    double given = 0.0, at = 0.0, most_work = 0.0;
+    for (int i = 1; i <= 20000; ++i) {
+      const double now = 5e-3 * std::sin(2.0 * std::numbers::pi * 2.0 * kTankTick * i);
+      const Vec3 moved(now - at, 0.0, 0.0);
+      at = now;
+      const double work = on_way.acting(delay).dot(moved);
+      given += work;
+      most_work = std::max(most_work, std::abs(work));
+      const Vec3 force =
+          tank.govern(settings, Vec3(-kTankSpring * now, 0, 0), kTankSpring, moved, kTankTick)
+              .force;
+      tank.told(force);
+      on_way.add(force);
+    }
+    // At each turn of the hand what was told before it is still on its way.
+    EXPECT_LE(given, (delay + 1) * most_work) << delay;
+  }
+}
+
 TEST(EnergyTank, AStandingTipIsFeltInFull) {
   EnergyTank tank;
   for (int i = 1; i <= 100; ++i) {
