@@ -23,8 +23,9 @@ constexpr double kArmShake = 0.3;      // chosen [rad]
 constexpr double kArmRest = 2.0;       // after it, before what is judged [s]
 constexpr double kEngageIn = 5.0;      // [s]
 constexpr double kStill = 1e-3;        // a joint's target: 0.3 mm at the end of the arm [rad]
-// A count of the encoder is 0.11 mm at the tip, which is 0.3 m from a joint [rad].
-constexpr double kNoGrowth = 4e-4;
+// A count of the encoder is 0.11 mm at the tip, which comes as near as 0.12 m to J1's axis: one
+// that comes in the last second is no growth [rad].
+constexpr double kNoGrowth = 2.0 * kOmniResolution / 0.12;
 constexpr double kArmGiven = 1e-3;  // as of the bare devices [J]
 
 Scene arm_scene() {
