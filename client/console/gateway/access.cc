@@ -31,8 +31,9 @@ constexpr std::size_t kLongestToken = 64;  // ours has 32
 // A browser that came from elsewhere, such as a message, sends no SameSite=Strict cookie to where
 // it is led on; to where this page leads it does.
 constexpr char kLedOn[] =
-    "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta http-equiv=\"refresh\" "
-    "content=\"0;url=/\"><title>Handrail</title><p>You are in: <a href=\"/\">the console</a>."
+    "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><link rel=\"icon\" href=\"data:,\">"
+    "<meta http-equiv=\"refresh\" content=\"0;url=/\"><title>Handrail</title><p>You are in: <a "
+    "href=\"/\">the console</a>."
     "</html>\n";
 
 }  // namespace
