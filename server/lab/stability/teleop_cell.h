@@ -49,13 +49,12 @@ TeleopFigures measure_teleop(const TeleopCell& cell, std::uint64_t seed);
 // As figures of a case:
 //
 //   hand_swing_mm, tip_swing_mm in the last second of a rest: at most two of the encoder's counts
-//   energy_mj     given in a touch, from its start on, beyond what the device took by itself; with
-//   a
-//                 local model in the second touch, for the first brings it while the hand is inside
+//   energy_mj     given in a touch, from its start on, beyond what the device took by itself;
+//                 with a local model in the second touch, for the first brings it while the
+//                 hand is inside
 //   bounds        of what the steps of force and command may be (server/lab/sequences/bounds.h)
 //   inward_um     of the command into the surface while more than the bumper's threshold is
-//   measured,
-//                 from when the arm can have stopped: at most the finest step there is
+//                 measured, from when the arm can have stopped: at most the finest step there is
 //   peak_share    of f_th + k v (D + 2.5 T), which is what a bumper's peak may come to
 //   drift_mm      of the tip from where the hand asks it to be, after a touch
 //   ended         the engagement ended, though not for the link
