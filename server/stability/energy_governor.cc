@@ -107,10 +107,14 @@ Governed EnergyTank::govern(const GovernorSettings& settings, const Vec3& wanted
     if (!known || !usable(moved, dt, settings.most_way)) energy_ = 0.0;
     return out;
   }
-  const double size = wanted.norm();
+  const double size = wanted.norm(), had = energy_;
   energy_ += hand_.add(settings, moved, dt) - told_.acting(settings.delay).dot(moved);
-  // A spring that is cut off gives nothing: what was put in stays in it.
-  if (size == 0.0) return out;
+  // What was put in stays in a spring that is cut off. What the device takes of a hand that meets
+  // no spring is not put in.
+  if (size == 0.0) {
+    energy_ = std::min(energy_, had);
+    return out;
+  }
   energy_ = std::min(energy_, 0.5 * size * size / stiffness);
   const double push = wanted.dot(hand_.along()), way = hand_.last();
   // What was bounded comes back as the hand presses in, and no faster than twice the spring.

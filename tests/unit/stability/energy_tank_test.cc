@@ -149,6 +149,35 @@ TEST(EnergyTank, WhatWasPutInIsThereAfterACut) {
   EXPECT_NEAR(back, 0.5 * kTankSpring * 1e-4, 0.03 * 0.5 * kTankSpring * 1e-4);
 }
 
+// The far end goes elsewhere in a hold, while the hand is shaken: what the device takes of that is
+// not given to the hand later.
+TEST(EnergyTank, WhatTheDeviceTakesInACutIsNotPutIn) {
+  constexpr double kStep = 1e-4, kFriction = 0.5;  // [m], [N]
+  EnergyTank tank;
+  const auto give = [&tank](double wanted, double moved) {
+    const Governed out = tank.govern(tank_settings(kFriction), Vec3(wanted, 0, 0), kTankSpring,
+                                     Vec3(moved, 0, 0), kTankTick);
+    tank.told(out.force);
+    return out.force.x();
+  };
+  for (int i = 1; i <= 10; ++i) give(-kTankSpring * kStep * i, kStep);
+  give(0.0, 0.0);
+  for (int i = 0; i < 500; ++i) {
+    give(0.0, kStep);
+    give(0.0, -kStep);
+  }
+  double force = 0.0, given = 0.0, way = 0.0;
+  for (int i = 0; i < 200; ++i) {
+    given += force * kStep;
+    way += kStep;
+    force = give(4.0, kStep);
+  }
+  // What ten steps put in, friction and all, and what the device takes on the way.
+  const double put_in = 0.5 * kTankSpring * std::pow(10 * kStep, 2) + 10 * kFriction * kStep;
+  EXPECT_LE(given, put_in + kFriction * way);
+  EXPECT_GE(given, 0.9 * kFriction * way) << "and some it is given";
+}
+
 TEST(EnergyTank, ABoundedForceKeepsItsDirection) {
   Random random(11);
   EnergyTank tank;
