@@ -357,14 +357,16 @@ WebServer::~WebServer() { close(); }
 Status WebServer::open(const std::string& address, std::uint16_t port, WebApplication& application,
                        std::shared_ptr<SSL_CTX> tls) {
   parts_->application = &application;
-  if (tls != nullptr) {
-    SSL_CTX_up_ref(tls.get());  // the other's reference
-    parts_->tls.emplace(tls.get());
-  }
+  if (tls != nullptr) show(std::move(tls));
   Status opened = open_own(parts_->acceptor, {"console", "give --listen another port, or 0 for any",
                                               address, port, "another handrail-console"});
   if (opened) parts_->accept();
   return opened;
+}
+
+void WebServer::show(std::shared_ptr<SSL_CTX> tls) {
+  SSL_CTX_up_ref(tls.get());  // the other's reference; each connection has one of its own
+  parts_->tls.emplace(tls.get());
 }
 
 std::uint16_t WebServer::port() const {

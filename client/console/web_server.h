@@ -44,6 +44,8 @@ class WebServer final : public PageSink {
   // expected.
   Status open(const std::string& address, std::uint16_t port, WebApplication& application,
               std::shared_ptr<SSL_CTX> tls = nullptr);
+  // Who calls from now on is shown these keys; who is connected stays. Where it is encrypted.
+  void show(std::shared_ptr<SSL_CTX> tls);
   std::uint16_t port() const;
   // Ends everything. Safe to call twice.
   void close();
