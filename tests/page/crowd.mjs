@@ -1,4 +1,4 @@
-// node crowd.mjs ORIGIN COOKIE COUNT: so many WebSockets at once, again each second those that were not
+// node crowd.mjs ORIGIN COOKIE COUNT: so many WebSockets within a second, again each second those that were not
 // let in, until standard input ends. Prints what became of the first ones, and at the end of the others.
 import { WebSocket } from 'ws';
 
@@ -6,7 +6,7 @@ const [origin, cookie, count] = process.argv.slice(2);
 const inside = new Set();
 
 /** What one is answered: "in", the status with its text, or what went wrong; and after how long [ms]. */
-const knock = () => new Promise((resolve) => {
+const knock = (_, i) => new Promise((resolve) => setTimeout(resolve, (1000 * i) / count)).then(() => new Promise((resolve) => {
   const begin = performance.now();
   const tell = (said) => resolve({ said, ms: performance.now() - begin });
   const socket = new WebSocket(`${origin.replace('http', 'ws')}/ws`, 'handrail.console.v1', { origin, headers: { cookie }, rejectUnauthorized: false });
@@ -22,7 +22,7 @@ const knock = () => new Promise((resolve) => {
     response.on('end', () => tell(`${response.statusCode} ${text.trim()}`));
     response.on('error', ({ message }) => tell(`${response.statusCode} ${message}`));
   });
-});
+}));
 const rush = async (many) => {
   const answers = await Promise.all(Array.from({ length: many }, knock));
   const counts = {};
