@@ -56,9 +56,9 @@ Reason anchor(const ToolCall& call, const GuideSettings& settings, const Pose& X
       tool.q_ref = (call.has_q_ref ? call.q_ref : X_SC.q).normalized();
       break;
     case ToolKind::kFRotation: {
-      const Vec3 own = call.has_axis_T ? Vec3(call.axis_T.normalized()) : Vec3(Vec3::UnitZ());
-      tool.normal_S = call.has_axis ? Vec3(call.axis_S.normalized()) : Vec3(X_SC.q * own);
-      tool.axis_T = has_reference(call) ? own : Vec3(X_SC.q.conjugate() * tool.normal_S);
+      const Vec3 of_tip = call.has_axis_T ? Vec3(call.axis_T.normalized()) : Vec3(Vec3::UnitZ());
+      tool.normal_S = call.has_axis ? Vec3(call.axis_S.normalized()) : Vec3(X_SC.q * of_tip);
+      tool.axis_T = has_reference(call) ? of_tip : Vec3(X_SC.q.conjugate() * tool.normal_S);
       break;
     }
     case ToolKind::kNone: return Reason::kNoSuchTool;
