@@ -79,7 +79,7 @@ TEST_F(NamedToolsTest, WhatCannotBeCalledIsSaid) {
   EXPECT_EQ(refusal("named_tool: 'nothing'"),
             "scene 'keys' has no tool 'nothing': expected one of upright, tilted");
   EXPECT_THAT(refusal("named_tool: 'upright' approach: true"),
-              HasSubstr("approach: has no meaning for f-rotation"));
+              HasSubstr("approach: has no meaning for 'upright', a tool of the kind f-rotation"));
   EXPECT_THAT(refusal("tool { name: 'mine' kind: POINT }"), HasSubstr("only a scene's tool"));
   EXPECT_EQ(status().orientation_tool().kind(), "none");
 }

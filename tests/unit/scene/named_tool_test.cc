@@ -60,7 +60,7 @@ TEST(NamedTools, WhatIsWrongIsSaidWithPlaceAndValueAndWhatWasExpected) {
   EXPECT_THAT(named_complaint("tool { name: 'a' kind: N_ROTATION turn_deg: [90, 1] }"),
               HasSubstr("tool[0].turn_deg"));
   EXPECT_THAT(named_complaint("tool { name: 'a' kind: N_ROTATION turn_deg: [0, 0, 181] }"),
-              HasSubstr("expected -180 to 180"));
+              HasSubstr("181 is outside -180 to 180 deg"));
   EXPECT_THAT(
       named_complaint("tool { name: 'a' kind: F_ROTATION axis: [0,0,1] tip_axis: [0,0,0] }"),
       HasSubstr("tool[0].tip_axis"));
