@@ -6,7 +6,6 @@
 /** @typedef {import('../link/wire.d.ts').Vec} Vec */
 
 const PERIOD_MS = 10; // 100 a second: the gateway takes 60 to 125
-const LEAST_MS = 8; // of these: a move that comes later than this after the last is told at once
 const RETURN_FRAMES = 50; // the device is back within its two lags of 16 ms; the rest is patience
 
 export class Cursor {
@@ -30,9 +29,6 @@ export class Cursor {
     /** Whether a hand that was let go goes back to the middle, as the arm then holds. @type {() => boolean} */
     this.returns = () => false;
     this.timer = 0;
-    this.sentAt = -Infinity;
-    /** Frames that follow the newest. */
-    this.left = 0;
     deadMan.onChange((held) => (held ? this.take() : this.letGo()));
   }
 
@@ -42,16 +38,23 @@ export class Cursor {
     this.rotation = [...this.deviceTurn()];
     this.held = true;
     this.takenAt = performance.now();
-    this.left = Infinity;
+    window.clearInterval(this.timer);
     this.send();
+    this.timer = window.setInterval(() => this.send(), PERIOD_MS);
   }
 
   /** Says so at once; then, where the hand returns, it has all of its work space again when it is taken anew. */
   letGo() {
     this.held = false;
-    this.left = this.returns() ? RETURN_FRAMES : 0;
+    window.clearInterval(this.timer);
     this.send();
-    if (this.left > 0) this.position = [0, 0, 0];
+    if (!this.returns()) return;
+    this.position = [0, 0, 0];
+    let left = RETURN_FRAMES;
+    this.timer = window.setInterval(() => {
+      this.send();
+      if (--left === 0) window.clearInterval(this.timer);
+    }, PERIOD_MS);
   }
 
   /** For how long it has been held [ms]. */
@@ -75,7 +78,6 @@ export class Cursor {
       const most = this.half[i] ?? 0;
       return Math.max(-most, Math.min(most, value));
     });
-    if (this.held && performance.now() - this.sentAt >= LEAST_MS) this.send();
   }
 
   /** @param {Vec} by rotation vector [deg], M; small */
@@ -86,12 +88,7 @@ export class Cursor {
     this.rotation = size > most ? sum.map((value) => (value * most) / size) : sum;
   }
 
-  /** Now, and again after a while for as long as there are frames left to send. */
   send() {
-    window.clearTimeout(this.timer);
-    if (this.left > 0) this.timer = window.setTimeout(() => this.send(), PERIOD_MS);
-    this.left -= 1;
-    this.sentAt = performance.now();
     this.sequence += 1;
     this.gateway.send({
       hand: {
