@@ -150,7 +150,7 @@ TEST(EnergyTank, WhatWasPutInIsThereAfterACut) {
 }
 
 // The far end goes elsewhere in a hold, while the hand is shaken: what the device takes of that is
-// not given to the hand later.
+// not given to the hand afterwards.
 TEST(EnergyTank, WhatTheDeviceTakesInACutIsNotPutIn) {
   constexpr double kStep = 1e-4, kFriction = 0.5;  // [m], [N]
   EnergyTank tank;
