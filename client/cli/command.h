@@ -22,6 +22,7 @@ struct Options {
   bool hold = false;
   bool approach = false;
   std::optional<std::string> at, end, direction, normal, axis, stiffness;  // tools
+  std::optional<std::string> turn, tip_axis;                               // tools
   std::optional<std::string> by, rotate, seconds;                          // hand
   std::optional<std::string> out, accuracy, budget;                        // scene tools
   std::optional<std::string> poses, from, record;                          // calibrate, with out
@@ -45,6 +46,7 @@ struct Takes {
   bool json = false;
   bool watch = false;
   const char* tool = nullptr;  // the tool options that mean something, by name
+  bool approach = false;       // --approach, without the other tool options
   bool hand = false;
   bool hold = false;           // --hold
   const char* file = nullptr;  // what --out writes

@@ -25,6 +25,11 @@ CLI::Option* add_text(CLI::App& app, const char* name, std::optional<std::string
       ->type_name(type);
 }
 
+CLI::Option* add_approach(CLI::App& app, Options& o) {
+  return app.add_flag("--approach", o.approach,
+                      "let the arm go to a far tool by itself; the clutch ends it");
+}
+
 // Every tool takes every option, so that one without meaning gets an answer that says so; help
 // shows those `meant`.
 void add_tool_options(CLI::App& app, Options& o, const std::string& meant) {
@@ -34,10 +39,12 @@ void add_tool_options(CLI::App& app, Options& o, const std::string& meant) {
       add_text(app, "--dir", o.direction, direction, "forward; letters with or without sign"),
       add_text(app, "--normal", o.normal, direction, "normal of the plane"),
       add_text(app, "--axis", o.axis, direction, "axis to keep; without it the tool's own"),
+      add_text(app, "--turn", o.turn, "rx,ry,rz",
+               "orientation to bring the tip to: rotation vector in degrees from straight down"),
+      add_text(app, "--tip-axis", o.tip_axis, direction, "axis of the tip to bring onto --axis"),
       add_text(app, "--end", o.end, "x,y,z", "no travel past this point in mm"),
       app.add_flag("--one-way", o.one_way, "forward only; without it both ways"),
-      app.add_flag("--approach", o.approach,
-                   "let the arm go to a far tool by itself; the clutch ends it"),
+      add_approach(app, o),
       add_text(app, "--stiffness", o.stiffness, "N/mm", "at the hand, 0 to 10; 0 is the scene's"),
   };
   for (CLI::Option* option : all) {
@@ -75,6 +82,7 @@ void add_options(CLI::App& app, const Takes& takes, Options& o) {
   if (takes.json) app.add_flag("--json", o.json, "print JSON");
   if (takes.watch) app.add_flag("--watch", o.watch, "refresh 5 times a second until Ctrl-C");
   if (takes.tool != nullptr) add_tool_options(app, o, takes.tool);
+  if (takes.approach) add_approach(app, o);
   if (takes.hold) app.add_flag("--hold", o.hold, "engaged while this runs: Ctrl-C disengages");
   if (takes.hand) add_hand_options(app, o);
   if (takes.pair) add_pair_options(app, o);

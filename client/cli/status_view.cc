@@ -184,10 +184,21 @@ std::string loop_text(const pb::Status& s) {
 
 std::string tool_text(const char* label, const pb::ToolStatus& tool, bool is_position) {
   if (tool.kind().empty() || tool.kind() == "none") return labelled(label, "none");
-  std::string out = labelled(label, tool.kind()) + " #" + std::to_string(tool.id()) + ", ";
+  std::string out = labelled(label, tool.kind()) + " #" + std::to_string(tool.id());
+  out += (tool.name().empty() ? "" : " '" + tool.name() + "'") + ", ";
   out += is_position ? number(tool.deviation_mm(), 3) + " mm off"
                      : number(tool.deviation_deg(), 2) + " deg off";
+  if (tool.turning()) return out + ", turning to it";
   return out + (tool.blending() ? ", easing in" : "");
+}
+
+// What `handrail tool call` takes.
+std::string names_text(const pb::Status& s) {
+  std::string out = "of the scene:";
+  for (const pb::NamedToolStatus& tool : s.named_tool()) {
+    out.append(&tool == &s.named_tool(0) ? " " : ", ").append(tool.name());
+  }
+  return out;
 }
 
 std::string share_text(const char* label, const pb::ForceShare& share) {
@@ -232,6 +243,7 @@ std::string status_text(const pb::Status& s, long most_rows) {
   screen.push_back({line("tools", {tool_text("position:", s.position_tool(), true),
                                    tool_text("orientation:", s.orientation_tool(), false)}),
                     0, 2});
+  if (s.named_tool_size() > 0) screen.push_back({line("", {names_text(s)}), 5});
   screen.push_back(
       {line("force [N]",
             {share_text("tool", s.tool_force()), share_text("spring", s.spring_force()),

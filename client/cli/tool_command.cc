@@ -3,6 +3,7 @@
 #include <map>
 
 #include "client/cli/vector_text.h"
+#include "server/scene/json_io.h"
 #include "server/scene/tool_io.h"
 
 namespace handrail {
@@ -10,6 +11,8 @@ namespace {
 
 using Numbers = google::protobuf::RepeatedField<double>;
 using Text = std::optional<std::string>;
+
+constexpr Nanos kListPatience = 2 * kSecond;  // chosen, as for a status
 
 Status put_point(const char* flag, const Text& text, Numbers* out) {
   if (!text) return Status::ok();
@@ -30,13 +33,9 @@ Status put_direction(const char* flag, const Text& text, Numbers* out) {
 // "end_mm[2]" -> "--end"
 std::string flag_of(const std::string& path) {
   static const std::map<std::string, std::string> flags = {
-      {"at_mm", "--at"},
-      {"direction", "--dir"},
-      {"normal", "--normal"},
-      {"axis", "--axis"},
-      {"end_mm", "--end"},
-      {"one_way", "--one-way"},
-      {"stiffness_n_mm", "--stiffness"},
+      {"at_mm", "--at"},      {"direction", "--dir"},     {"normal", "--normal"},
+      {"axis", "--axis"},     {"end_mm", "--end"},        {"one_way", "--one-way"},
+      {"turn_deg", "--turn"}, {"tip_axis", "--tip-axis"}, {"stiffness_n_mm", "--stiffness"},
   };
   const auto found = flags.find(path.substr(0, path.find('[')));
   return found == flags.end() ? path : found->second;
@@ -52,6 +51,12 @@ Result<pb::Tool> tool_from(pb::Tool::Kind kind, const Options& o) {
   if (Status s = put_direction("--dir", o.direction, tool.mutable_direction()); !s) return s;
   if (Status s = put_direction("--normal", o.normal, tool.mutable_normal()); !s) return s;
   if (Status s = put_direction("--axis", o.axis, tool.mutable_axis()); !s) return s;
+  if (Status s = put_direction("--tip-axis", o.tip_axis, tool.mutable_tip_axis()); !s) return s;
+  if (o.turn) {
+    const Result<Vec3> v = parse_vector("--turn", *o.turn, "deg", "0,0,90");
+    if (!v) return v.status();
+    tool.mutable_turn_deg()->Add(v->begin(), v->end());
+  }
   if (o.one_way) tool.set_one_way(true);
   if (o.stiffness) {
     const Result<double> k = parse_number("--stiffness", *o.stiffness, 0.0, 10.0, "N/mm");
@@ -75,6 +80,37 @@ ExitCode call_tool(pb::Tool::Kind kind, const Options& options, const Console& c
   *request.mutable_tool() = *tool;
   if (options.approach) request.set_approach(true);
   return send_order(options, console, request, "tool called");
+}
+
+ExitCode run_tool_call(const Options& options, const Console& console) {
+  pb::Request request;
+  request.set_named_tool(*options.word);
+  if (options.approach) request.set_approach(true);
+  return send_order(options, console, request, "tool '" + *options.word + "' called");
+}
+
+ExitCode run_tool_list(const Options& options, const Console& console) {
+  pb::Request request;
+  request.set_status(true);
+  const Result<pb::Reply> reply =
+      OperatorClient(options.master, options.as).call(request, kListPatience);
+  const ExitCode code = exit_code(reply);
+  if (code != kExitDone) {
+    console.err << "handrail: " << (reply ? "refused: " + reply->reason() : reply.message())
+                << '\n';
+    return code;
+  }
+  pb::Status list;
+  *list.mutable_named_tool() = reply->status().named_tool();
+  if (options.json) {
+    console.out << json_text(list, true) << '\n';
+  } else if (list.named_tool().empty()) {
+    console.out << "scene '" << reply->status().scene() << "' names no tool\n";
+  }
+  for (const pb::NamedToolStatus& tool : list.named_tool()) {
+    if (!options.json) console.out << tool.name() << "  " << tool.kind() << '\n';
+  }
+  return kExitDone;
 }
 
 ExitCode run_tool_off(const Options& options, const Console& console) {

@@ -17,6 +17,11 @@ ExitCode run_tool(const Options& options, const Console& console) {
   return call_tool(kind, options, console);
 }
 
+// One that the scene names.
+ExitCode run_tool_call(const Options& options, const Console& console);
+
+ExitCode run_tool_list(const Options& options, const Console& console);
+
 ExitCode run_tool_off(const Options& options, const Console& console);
 
 }  // namespace handrail

@@ -107,7 +107,8 @@ WebAnswer ConsoleApp::admit_by(const Result<OnceLinks::Taken>& taken, const std:
   }
   const OnceLink& link = taken->link;
   spdlog::info("{} is let in by link {} as {}", from, link.id, role_text(link.role));
-  return access_->let_in({link.role != Role::kOperator, link.id}, *secret, monotonic_now());
+  return access_->let_in({link.role != Role::kOperator, link.id}, *secret,
+                         monotonic_now() + OnceLinks::kSessionLife * kSecond);
 }
 
 WebAnswer ConsoleApp::answer(const WebRequest& request) {
@@ -115,7 +116,8 @@ WebAnswer ConsoleApp::answer(const WebRequest& request) {
   switch (judged.verdict) {
     case Access::Verdict::kRefused: return refuse(request);
     case Access::Verdict::kShowsKey: return access_->welcome();
-    case Access::Verdict::kShowsLink: return take_link(request, std::move(judged.token));
+    case Access::Verdict::kLooksAtLink: return Access::link_page();
+    case Access::Verdict::kOpensLink: return take_link(request, std::move(judged.token));
     case Access::Verdict::kIn: break;
   }
   if (request.method != "GET" && request.method != "HEAD") {

@@ -15,10 +15,10 @@
 
 #include "client/console/console_app.h"
 #include "client/console/console_args.h"
+#include "client/console/console_identity.h"
 #include "client/console/link_keeper.h"
 #include "client/console/master_link.h"
 #include "client/console/web_server.h"
-#include "client/console/web_tls.h"
 #include "server/base/clock.h"
 #include "server/base/output.h"
 #include "server/base/plain_text.h"
@@ -29,7 +29,6 @@
 #include "server/daemon/run_daemon.h"
 #include "server/keys/key_folder.h"
 #include "server/keys/secret.h"
-#include "server/keys/web_place.h"
 #include "server/scene/scene_io.h"
 #include "server/scene/scene_library.h"
 #include "server/scene/shipped.h"
@@ -116,28 +115,9 @@ void say_master(const Result<pb::Reply>& reply, std::string& last) {
   spdlog::warn("{}", now);
 }
 
-// What a console shows that other computers reach: this user's key in a certificate.
-struct Identity {
-  WebPlace place;
-  std::shared_ptr<SSL_CTX> tls;
-};
-
-Result<Identity> identity_of(const ConsoleArgs& args) {
-  if (!args.encrypted) return Identity{};
-  const KeyFolder folder(default_key_folder());
-  const auto own = folder.load();
-  if (!own)
-    return Status::error("--listen " + args.address + ": it is encrypted: " + own.message());
-  auto place = WebPlace::make(folder.path(), own->key, args.names);
-  if (!place) return Status::error("--name: " + place.message());
-  auto tls = web_tls(own->key, place->certificate);
-  if (!tls) return tls.status();
-  return Identity{std::move(*place), std::move(*tls)};
-}
-
 // What is to be printed: the addresses; of one that others reach, `handrail keys link` is to know
 // it too. Viewers, whose secret does not end, are served on this computer alone.
-Result<std::string> let_in(const ConsoleArgs& args, Identity& identity, std::uint16_t port,
+Result<std::string> let_in(const ConsoleArgs& args, ConsoleIdentity& identity, std::uint16_t port,
                            ConsoleApp& app, LinkKeeper& links) {
   std::string key, cookie, viewer_key;
   if (!args.encrypted) {
@@ -167,17 +147,33 @@ Result<std::string> let_in(const ConsoleArgs& args, Identity& identity, std::uin
 }
 
 // Now and then, while the context runs.
-void keep_looking(boost::asio::steady_timer& timer, ConsoleApp& app) {
+void keep_looking(boost::asio::steady_timer& timer, ConsoleApp& app, KeyFollower& keys) {
   timer.expires_after(std::chrono::milliseconds(LinkKeeper::kLookMs));
   timer.async_wait([&](const boost::system::error_code& ended) {
     if (ended) return;
     app.look();
-    keep_looking(timer, app);
+    keys.look();
+    keep_looking(timer, app, keys);
   });
 }
 
+KeyFollower::Told when_keys_change(WebServer& server, MasterLink& link) {
+  return {[&](const ConsoleIdentity& now) {
+            server.show(now.tls);
+            spdlog::warn(
+                "this user's key has changed: browsers that come are shown another certificate, "
+                "whose SHA-256 begins {}, and warn once more; pages that are open stay",
+                fingerprint_start(now.place.certificate));
+          },
+          [&] { link.renew(); },
+          [](const std::string& why) {
+            spdlog::warn("the keys have changed and are not followed: {}", why);
+          }};
+}
+
 int serve(const ConsoleArgs& args) {
-  auto identity = identity_of(args);
+  KeyFollower keys(args);
+  auto identity = ConsoleIdentity::of(args);
   if (!identity) return fail_start(kProgram, identity.message());
   boost::asio::io_context io;
   WebServer server(io);
@@ -211,8 +207,9 @@ int serve(const ConsoleArgs& args) {
   }
   const auto ready_line = let_in(args, *identity, server.port(), app, links);
   if (!ready_line) return fail_start(kProgram, ready_line.message());
+  keys.follow(*identity, when_keys_change(server, link));
   boost::asio::steady_timer looks(io);
-  keep_looking(looks, app);
+  keep_looking(looks, app, keys);
   boost::asio::signal_set endings(io);
   for (const int signal : ending_signals()) endings.add(signal);
   endings.async_wait([&io](const boost::system::error_code&, int) { io.stop(); });

@@ -24,6 +24,13 @@ constexpr Nanos kIdle = 5 * kSecond;  // a connection that is older may be gone
 thread_local const std::atomic<bool>* its_cancelled = nullptr;
 bool is_cancelled() { return its_cancelled != nullptr && its_cancelled->load(); }
 
+// Whether a count has risen since it was seen last.
+bool has_risen(const std::atomic<std::uint64_t>& count, std::uint64_t& seen) {
+  const std::uint64_t before = seen;
+  seen = count.load();
+  return seen != before;
+}
+
 }  // namespace
 
 MasterLink::MasterLink(Options options, Post post, Told tell)
@@ -100,7 +107,7 @@ void MasterLink::point(const pb::CursorOrder& cursor) {
 void MasterLink::carry_out(Queue& queue, Worker& me) {
   its_cancelled = &me.cancelled;
   OperatorClient client(options_.place, options_.as, is_cancelled);
-  std::uint64_t broken = 0;
+  std::uint64_t broken = 0, renewed = 0;
   Nanos used = 0;
   for (std::unique_lock<std::mutex> lock(mutex_);;) {
     wake_.wait(lock, [&] { return ending() || !queue.jobs.empty(); });
@@ -110,9 +117,8 @@ void MasterLink::carry_out(Queue& queue, Worker& me) {
     me.ticket = job.ticket;
     me.cancelled = false;
     lock.unlock();
-    if (std::exchange(broken, broken_.load()) != broken_ || monotonic_now() - used > kIdle) {
-      client.close();
-    }
+    const bool lost = has_risen(broken_, broken), old = has_risen(renewed_, renewed);
+    if (lost || old || monotonic_now() - used > kIdle) client.close();
     const auto reply =
         call(client, job.request, job.request.has_stop() ? kStopAnswer : kOrderAnswer);
     used = monotonic_now();
@@ -127,7 +133,9 @@ void MasterLink::ask_status(Worker& me) {
   OperatorClient client(options_.place, options_.as, is_cancelled);
   pb::Request request;
   request.set_status(true);
+  std::uint64_t renewed = 0;
   for (Nanos next = monotonic_now(); !ending();) {
+    if (has_risen(renewed_, renewed)) client.close();
     const Nanos asked = monotonic_now();
     const auto reply = call(client, request, kStatusPatience);
     if (!reply) ++broken_;
@@ -141,6 +149,7 @@ void MasterLink::ask_status(Worker& me) {
 void MasterLink::send_cursor(Worker& me) {
   its_cancelled = &me.cancelled;
   OperatorClient client(options_.place, options_.as, is_cancelled);
+  std::uint64_t renewed = 0;
   for (Nanos next = 0; !ending();) {
     pb::Request request;
     {
@@ -154,6 +163,7 @@ void MasterLink::send_cursor(Worker& me) {
       *request.mutable_cursor() = *std::exchange(cursor_, std::nullopt);
     }
     next = monotonic_now() + kCursorPeriod;
+    if (has_risen(renewed_, renewed)) client.close();
     const auto reply = call(client, request, kCursorAnswer);
     post_([this, reply] { tell_.pointed(reply); });
   }

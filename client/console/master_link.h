@@ -42,6 +42,8 @@ class MasterLink final : public MasterOrders {
   void order(std::uint64_t ticket, const pb::Request& request) override;
   void withdraw(std::uint64_t ticket) override;
   void point(const pb::CursorOrder& cursor) override;
+  // Other keys count: every connection is made anew, once it has answered what is under way.
+  void renew() { ++renewed_; }
 
  private:
   struct Job {
@@ -74,7 +76,8 @@ class MasterLink final : public MasterOrders {
   std::condition_variable wake_;
   Queue orders_, stops_;
   std::optional<pb::CursorOrder> cursor_;
-  std::atomic<std::uint64_t> broken_{0};  // times the master was lost
+  std::atomic<std::uint64_t> broken_{0};   // times the master was lost
+  std::atomic<std::uint64_t> renewed_{0};  // times the keys have changed
   std::atomic<bool> ending_{false};
   Worker status_, pointer_;
 };

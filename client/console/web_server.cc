@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <deque>
 #include <list>
 #include <map>
 #include <optional>
@@ -35,12 +34,13 @@ using Error = beast::error_code;
 
 namespace {
 
-// What of a slow page's frames the system keeps beside ours: a tenth of a second [bytes].
-constexpr int kSendBuffer = 32 << 10;
-constexpr auto kAcceptPause = std::chrono::milliseconds(100);
+constexpr int kSendBuffer = 32 << 10;  // of a slow page's frames, beside ours: 0.1 s [bytes]
+constexpr auto kAcceptPause = std::chrono::milliseconds(20);
 // Between two looks whether a greeting is there: soon at first, then seldom, as thousands may wait.
 constexpr Nanos kFirstKnock = 2 * kMillisecond, kLastKnock = 100 * kMillisecond;
 constexpr auto kLastRead = std::chrono::seconds(1);
+// Whoever means to say something has this long for it, however many others come.
+constexpr Nanos kAtLeast = 100 * kMillisecond;
 
 std::chrono::nanoseconds ns(Nanos time) { return std::chrono::nanoseconds(time); }
 
@@ -50,9 +50,10 @@ struct WebServer::Parts {
   explicit Parts(asio::io_context& context) : io(context), acceptor(context), pause(context) {}
 
   void accept();
-  void admit(tcp::socket socket);
-  // Of those that have not said what they want, the one that has taken longest.
-  void make_room();
+  void accept_later();
+  // One that is answered goes, or of those that want nothing yet the one that has taken longest.
+  // False: none, as all have only just come.
+  bool make_room();
   void forget(const Connection* connection);
   void drop(const std::shared_ptr<Connection>& connection);
 
@@ -87,7 +88,9 @@ class WebServer::Connection : public std::enable_shared_from_this<Connection> {
     give_up_ = monotonic_now() + kHeaderPatience;
     knock(kFirstKnock);
   }
+  Nanos came() const { return came_; }
   bool has_asked() const { return has_asked_; }
+  bool is_answered() const { return is_answered_; }
   PageId page() const { return page_; }
   void close() {
     Error ignored;
@@ -143,14 +146,14 @@ class WebServer::Connection : public std::enable_shared_from_this<Connection> {
   std::optional<Socket> socket_;
   std::string from_, network_;
   Nanos give_up_ = 0;  // its greeting
-  bool has_asked_ = false;
+  const Nanos came_ = monotonic_now();
+  bool has_asked_ = false, is_answered_ = false;
   PageId page_ = 0;
   Outbox outbox_;
   SharedText on_its_way_;
   bool writing_ = false, ending_ = false;
   websocket::close_reason reason_;
-  int controls_ = 0;
-  std::chrono::steady_clock::time_point second_{};
+  Pace controls_{kMostControls, kMostControls};
 };
 
 void WebServer::Connection::knock(Nanos wait) {
@@ -220,6 +223,7 @@ void WebServer::Connection::answer(WebAnswer answer, const std::string& host) {
   layer().expires_after(ns(kAnswerPatience));
   http::async_write(stream_, response_, [self = shared_from_this()](Error error, std::size_t) {
     if (error) return self->close();
+    self->is_answered_ = true;
     // What is unread would take the answer back on its way: let the other side close.
     Error ignored;
     self->layer().socket().shutdown(tcp::socket::shutdown_send, ignored);
@@ -259,12 +263,7 @@ void WebServer::Connection::become_page(const WebApplication::Admission& admissi
 
 // A flood of pings is answered one by one otherwise.
 void WebServer::Connection::count_control() {
-  const auto now = std::chrono::steady_clock::now();
-  if (now - second_ > std::chrono::seconds(1)) {
-    second_ = now;
-    controls_ = 0;
-  }
-  if (++controls_ > kMostControls) end(1008, "too many pings");
+  if (!controls_.take({}, monotonic_now())) end(1008, "too many pings");
 }
 
 void WebServer::Connection::read() {
@@ -310,34 +309,35 @@ void WebServer::Connection::say_end() {
 }
 
 void WebServer::Parts::accept() {
+  if (connections.size() >= kMostConnections && !make_room()) return accept_later();
   acceptor.async_accept([this](Error error, tcp::socket socket) {
     if (error == asio::error::operation_aborted || !acceptor.is_open()) return;
-    if (!error) {
-      admit(std::move(socket));
-      return accept();
-    }
-    // No descriptors are left, for one: later.
-    pause.expires_after(kAcceptPause);
-    pause.async_wait([this](Error ended) {
-      if (!ended) accept();
-    });
+    if (error) return accept_later();  // no descriptors are left, for one
+    connections.push_back(std::make_shared<Connection>(std::move(socket), *this));
+    const auto kept = connections.back();  // it may end at once
+    kept->begin();
+    accept();
   });
 }
 
-void WebServer::Parts::admit(tcp::socket socket) {
-  if (connections.size() >= kMostConnections) make_room();
-  connections.push_back(std::make_shared<Connection>(std::move(socket), *this));
-  const auto kept = connections.back();  // it may end at once
-  kept->begin();
+void WebServer::Parts::accept_later() {
+  pause.expires_after(kAcceptPause);
+  pause.async_wait([this](Error ended) {
+    if (!ended) accept();
+  });
 }
 
-void WebServer::Parts::make_room() {
-  for (const auto& connection : connections) {
-    if (!connection->has_asked()) return drop(connection);
-  }
-  for (const auto& connection : connections) {
-    if (connection->page() == 0) return drop(connection);
-  }
+bool WebServer::Parts::make_room() {
+  const Nanos early = monotonic_now() - kAtLeast;
+  const auto drop_first = [&](const auto& may_go) {
+    const auto found = std::find_if(connections.begin(), connections.end(), may_go);
+    if (found == connections.end()) return false;
+    drop(*found);
+    return true;
+  };
+  return drop_first([](const auto& each) { return each->is_answered(); }) ||
+         drop_first([&](const auto& each) { return !each->has_asked() && each->came() < early; }) ||
+         drop_first([&](const auto& each) { return each->page() == 0 && each->came() < early; });
 }
 
 void WebServer::Parts::drop(const std::shared_ptr<Connection>& connection) {
@@ -357,14 +357,16 @@ WebServer::~WebServer() { close(); }
 Status WebServer::open(const std::string& address, std::uint16_t port, WebApplication& application,
                        std::shared_ptr<SSL_CTX> tls) {
   parts_->application = &application;
-  if (tls != nullptr) {
-    SSL_CTX_up_ref(tls.get());  // the other's reference
-    parts_->tls.emplace(tls.get());
-  }
+  if (tls != nullptr) show(std::move(tls));
   Status opened = open_own(parts_->acceptor, {"console", "give --listen another port, or 0 for any",
                                               address, port, "another handrail-console"});
   if (opened) parts_->accept();
   return opened;
+}
+
+void WebServer::show(std::shared_ptr<SSL_CTX> tls) {
+  SSL_CTX_up_ref(tls.get());  // the other's reference; each connection has one of its own
+  parts_->tls.emplace(tls.get());
 }
 
 std::uint16_t WebServer::port() const {

@@ -17,11 +17,11 @@
 
 namespace handrail {
 
-// One request a connection, or a WebSocket (RFC 6455). Where there is no room for one more, the
-// connection goes that has taken longest to say what it wants: so whoever says it at once is
-// served, whatever others do. A page that reads slowly misses frames (Outbox); one that does not
-// take any for kSlow, or does not answer a ping, is let go. All methods in the thread that runs the
-// io_context.
+// One request a connection, or a WebSocket (RFC 6455). Where there is no room for one more, one
+// that is answered goes, or that has taken longest to say what it wants; each has a tenth of a
+// second for it, and others wait. So whoever says it at once is served, whatever others do. A page
+// that reads slowly misses frames (Outbox); one that does not take any for kSlow, or does not
+// answer a ping, is let go. All methods in the thread that runs the io_context.
 class WebServer final : public PageSink {
  public:
   static constexpr std::size_t kMostConnections = 512;
@@ -44,6 +44,8 @@ class WebServer final : public PageSink {
   // expected.
   Status open(const std::string& address, std::uint16_t port, WebApplication& application,
               std::shared_ptr<SSL_CTX> tls = nullptr);
+  // Who calls from now on is shown these keys; who is connected stays. Where it is encrypted.
+  void show(std::shared_ptr<SSL_CTX> tls);
   std::uint16_t port() const;
   // Ends everything. Safe to call twice.
   void close();

@@ -25,6 +25,13 @@ Swing swing_to(const Vec3& r, const Vec3& r_ref) {
 
 Quat OrientationTool::start(const Quat& q_SP) noexcept {
   proxy_ = tool_.kind == ToolKind::kNRotation ? tool_.q_ref : q_SP;
+  // Near half a turn u has few digits left; a second swing takes away what the first one missed.
+  for (int i = 0; tool_.kind == ToolKind::kFRotation && i < 2; ++i) {
+    const Vec3 r = proxy_ * tool_.axis_T;
+    const Swing swing = swing_to(r, tool_.normal_S);
+    const Vec3 u = swing.u.isZero() && swing.phi > 1.0 ? r.unitOrthogonal() : swing.u;
+    proxy_ = (rotation_exp(swing.phi * u) * proxy_).normalized();
+  }
   undefined_ = rejoined_ = false;
   return advance(q_SP);
 }

@@ -20,7 +20,8 @@ class OrientationTool {
   bool active() const noexcept { return tool_.kind != ToolKind::kNone; }
   const ToolDefinition& definition() const noexcept { return tool_; }
 
-  // Starts at the allowed orientation nearest to `q_SP`, the proxy so far.
+  // Starts at the allowed orientation nearest to `q_SP`, the proxy so far; from half a turn off,
+  // where each way round is as near, at one of them.
   Quat start(const Quat& q_SP) noexcept;
 
   // The proxy for the hand's orientation `q_SH`.

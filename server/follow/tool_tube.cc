@@ -120,6 +120,8 @@ Pose ToolTube::project(const Pose& X_SU, const Pose& X_ST) noexcept {
 
   if (!orientation_.active()) return X;
   const Quat q_tool = orientation_.advance(X.q);
+  // Near half a turn off an axis the nearest orientation is held, and so may be far from `X`.
+  if (orientation_.deviation(X.q) <= angle_ + kOnTool) return X;
   const Vec3 off = rotation_log(q_tool.conjugate() * X.q);
   const double angle = off.norm();
   if (angle > angle_ + kOnTool) {

@@ -11,6 +11,9 @@ namespace {
 constexpr double kSoftest = 1e-3;
 // An end this little behind the command still counts as reached [m].
 constexpr double kBehind = 1e-6;
+// A command this little off its reference has come to it: the last step of its way is as long as
+// what a blend lets go of at once, and rounding adds less [rad].
+constexpr double kTurned = 1e-6;
 // Strokes of the clutch add up without end. A command further out is no place, and could not be
 // sent; so much less, that rounding does not matter [m].
 constexpr double kFarthestCommand = 0.999 * kFarthest;
@@ -49,17 +52,21 @@ Reason anchor(const ToolCall& call, const GuideSettings& settings, const Pose& X
         }
       }
       break;
-    case ToolKind::kNRotation: tool.q_ref = X_SC.q.normalized(); break;
-    case ToolKind::kFRotation:
-      tool.normal_S = call.has_axis ? Vec3(call.axis_S.normalized()) : Vec3(X_SC.q * Vec3::UnitZ());
-      tool.axis_T = X_SC.q.conjugate() * tool.normal_S;
+    case ToolKind::kNRotation:
+      tool.q_ref = (call.has_q_ref ? call.q_ref : X_SC.q).normalized();
       break;
+    case ToolKind::kFRotation: {
+      const Vec3 of_tip = call.has_axis_T ? Vec3(call.axis_T.normalized()) : Vec3(Vec3::UnitZ());
+      tool.normal_S = call.has_axis ? Vec3(call.axis_S.normalized()) : Vec3(X_SC.q * of_tip);
+      tool.axis_T = has_reference(call) ? of_tip : Vec3(X_SC.q.conjugate() * tool.normal_S);
+      break;
+    }
     case ToolKind::kNone: return Reason::kNoSuchTool;
   }
   return Reason::kNone;
 }
 
-void Guide::restart(const GuideSettings& settings, const Pose& X_SC) noexcept {
+Pose Guide::restart(const GuideSettings& settings, const Pose& X_SC) noexcept {
   command_offset_.clear();
   command_turn_.clear();
   pull_offset_.clear();
@@ -71,7 +78,11 @@ void Guide::restart(const GuideSettings& settings, const Pose& X_SC) noexcept {
   command_offset_.absorb(X_SC.p - proxy_.p);
   pull_offset_.absorb(X_SC.p - proxy_.p);
   rejoin_orientation(settings, proxy_.q);
-  twist_offset_.absorb(-twist_from(X_SC.q, proxy_.q));
+  Pose X_SH = X_SC;
+  turning_ = brings_ && command_turn_.offset().norm() > kTurned;
+  if (turning_) X_SH.q = proxy_.q;
+  twist_offset_.absorb(-twist_from(X_SH.q, proxy_.q));
+  return X_SH;
 }
 
 Reason Guide::call(const GuideSettings& settings, const ToolCall& wanted, const Vec3& p_ST,
@@ -101,7 +112,7 @@ Reason Guide::call(const GuideSettings& settings, const ToolCall& wanted, const 
     change_position(settings, position, wanted.approach, X_SH);
   } else {
     tool.epoch = orientation_.definition().epoch + 1;
-    change_orientation(settings, OrientationTool(tool), X_SH);
+    change_orientation(settings, OrientationTool(tool), has_reference(wanted), X_SH);
   }
   ++next_id_;
   return Reason::kNone;
@@ -115,11 +126,11 @@ Reason Guide::drop_position(const GuideSettings& settings, Pose& X_SH) noexcept 
   return Reason::kNone;
 }
 
-Reason Guide::drop_orientation(const GuideSettings& settings, const Pose& X_SH) noexcept {
+Reason Guide::drop_orientation(const GuideSettings& settings, Pose& X_SH) noexcept {
   if (!orientation_.active()) return Reason::kNoSuchTool;
   ToolDefinition none;
   none.epoch = orientation_.definition().epoch + 1;
-  change_orientation(settings, OrientationTool(none), X_SH);
+  change_orientation(settings, OrientationTool(none), false, X_SH);
   return Reason::kNone;
 }
 
@@ -154,17 +165,28 @@ void Guide::change_position(const GuideSettings& settings, const PositionTool& t
 }
 
 void Guide::change_orientation(const GuideSettings& settings, const OrientationTool& tool,
-                               const Pose& X_SH) noexcept {
+                               bool brings, Pose& X_SH) noexcept {
   const double before = torque_stiffness(settings);
   const Vec3 pull = orientation_.active() || twist_offset_.active()
                         ? Vec3(twist_from(X_SH.q, proxy_.q) + twist_offset_.offset())
                         : Vec3(Vec3::Zero());
   orientation_ = tool;
-  orientation_.start(tool.active() ? proxy_.q : X_SH.q);
+  // The hand is taken to be where a reference will be reached, and where a way to one is broken
+  // off.
+  if (brings) {
+    X_SH.q = orientation_.start(command_.q);
+  } else if (turning_) {
+    X_SH.q = command_.q;
+    orientation_.start(command_.q);
+  } else {
+    orientation_.start(tool.active() ? proxy_.q : X_SH.q);
+  }
   proxy_.q = orientation_.advance(X_SH.q);
   twist_offset_.clear();
   twist_offset_.absorb(pull * (before / torque_stiffness(settings)) - twist_from(X_SH.q, proxy_.q));
   rejoin_orientation(settings, proxy_.q);
+  brings_ = brings;
+  turning_ = brings && command_turn_.active();
 }
 
 void Guide::rejoin_orientation(const GuideSettings& settings, const Quat& q_proxy) noexcept {
@@ -178,6 +200,7 @@ Guidance Guide::step(const GuideSettings& settings, const Pose& X_SH, double dt)
   command_offset_.decay(settings.catch_up, dt);
   approaching_ = approaching_ && command_offset_.active();
   command_turn_.decay(settings.catch_up_rotation, dt);
+  turning_ = turning_ && command_turn_.active();
   pull_offset_.decay(settings.force_rate / stiffness(settings), dt);
   twist_offset_.decay(settings.catch_up_rotation, dt);
 

@@ -51,13 +51,19 @@ struct Guidance {
 // where the tool is nearest, so that nothing pulls it there. An approach ends when the command has
 // come to the tool, and with any other change of position tools. A hand that a tool held back
 // further than `reach` is taken to be where the command is, once another tool, or none, would let
-// the arm go to it. Orientation tools hold what they find: none turns the arm by itself. Real-time
-// safe; no allocation.
+// the arm go to it.
+//
+// Orientation tools hold what they find, and then none turns the arm by itself. One that has a
+// reference brings the command there, from however far, by at most `catch_up_rotation`. Meanwhile,
+// and afterwards, the hand is taken to be turned as the reference wants: nothing turns it there,
+// and a tool that is dropped then leaves the arm as it stands. Any other change of orientation
+// tools ends the way there. Real-time safe; no allocation.
 class Guide {
  public:
   // Starts afresh at `X_SC`, where hand and command both stand. Active tools stay, their proxies
-  // restart there: with a still hand nothing moves, unless a tool has yet to be reached.
-  void restart(const GuideSettings& settings, const Pose& X_SC) noexcept;
+  // restart there: with a still hand nothing moves, unless a tool has yet to be reached. Returns
+  // where the hand is taken to be: turned as a reference wants that has yet to be reached.
+  Pose restart(const GuideSettings& settings, const Pose& X_SC) noexcept;
 
   // Calls a tool in its slot. `X_SH`: the hand now, in S, and afterwards where it is taken to be:
   // the caller latches it there. `p_ST`: the tip of the arm. Refuses what cannot be anchored or is
@@ -68,7 +74,7 @@ class Guide {
 
   // Drops a tool; kNoSuchTool when the slot is empty. `X_SH` as above.
   Reason drop_position(const GuideSettings& settings, Pose& X_SH) noexcept;
-  Reason drop_orientation(const GuideSettings& settings, const Pose& X_SH) noexcept;
+  Reason drop_orientation(const GuideSettings& settings, Pose& X_SH) noexcept;
 
   // One tick: hand pose in S -> command and pull. dt [s].
   Guidance step(const GuideSettings& settings, const Pose& X_SH, double dt) noexcept;
@@ -79,6 +85,8 @@ class Guide {
   const Pose& proxy() const noexcept { return proxy_; }
   // The command is on its way to a tool it was called for from afar.
   bool approaching() const noexcept { return approaching_; }
+  // The command turns to the reference of an orientation tool, or will once the hand drives.
+  bool turning() const noexcept { return turning_; }
   // Stiffness at the hand of the active position tool; the settings' one without a tool [N/m].
   double stiffness(const GuideSettings& settings) const noexcept;
   double torque_stiffness(const GuideSettings& settings) const noexcept;
@@ -86,8 +94,9 @@ class Guide {
  private:
   void change_position(const GuideSettings& settings, const PositionTool& tool, bool approach,
                        Pose& X_SH) noexcept;
-  void change_orientation(const GuideSettings& settings, const OrientationTool& tool,
-                          const Pose& X_SH) noexcept;
+  // `brings`: the tool has a reference.
+  void change_orientation(const GuideSettings& settings, const OrientationTool& tool, bool brings,
+                          Pose& X_SH) noexcept;
   // Restarts the orientation smoother at `q_proxy`, keeping the command continuous.
   void rejoin_orientation(const GuideSettings& settings, const Quat& q_proxy) noexcept;
 
@@ -103,6 +112,8 @@ class Guide {
   Blend twist_offset_;    // S, rotation vector [rad]
   std::uint32_t next_id_ = 1;
   bool approaching_ = false;
+  bool brings_ = false;  // the orientation tool has a reference
+  bool turning_ = false;
 };
 
 // Anchors `call` at `X_SC` where it does not name its own place and normalises directions.

@@ -105,13 +105,16 @@ void place_command(const HapticSettings& settings, const HapticInput& in, bool c
   }
   const bool driving = may_drive(s.lead.session) && !clutched && s.hand.gap <= kLongestHandGap;
   if (driving && !s.command.driving) {
-    s.command.engagement = Engagement(settings.mapping, s.hand.X_MH, s.command.X_SU);
-    s.command.guide.restart(settings.guide, s.command.X_SU);
+    const Pose X_SH = s.command.guide.restart(settings.guide, s.command.X_SU);
+    s.command.engagement = Engagement(settings.mapping, s.hand.X_MH, X_SH);
   }
+  const bool lets_go = s.command.driving && !driving;
   s.command.driving = driving;
-  // Whoever lets go of the arm, or holds the clutch, stops an approach: it does not go on by
-  // itself.
-  if (!driving && s.command.guide.approaching()) drop_tools(settings, true, false, s);
+  // Whoever lets go of the arm, or holds the clutch, stops an approach, and the way to a reference:
+  // they do not go on by themselves.
+  if (lets_go) {
+    drop_tools(settings, s.command.guide.approaching(), s.command.guide.turning(), s);
+  }
 }
 
 }  // namespace

@@ -98,16 +98,28 @@ Vec3 hear_hand(const HandReading& hand, bool ok, double dt, HandTrack& track) {
   return moved;
 }
 
+// What whoever called the tool hears of it. The command has yet to move.
+void tell_tool(const HapticOrder& order, const Guide& guide, HapticOutput& out) {
+  if (order.kind != OrderKind::kTool) return;
+  const bool position = is_position_tool(order.tool.kind);
+  out.tool_id = (position ? guide.position().definition() : guide.orientation().definition()).id;
+  if (guide.turning() && !position) {
+    out.tool_angle = guide.orientation().deviation(guide.command().q);
+  }
+}
+
 // Orders, presence and session of this tick.
 void decide(const HapticSettings& settings, const HapticInput& in, const LadderStep& ladder,
             double dt, HapticState& s, HapticOutput& out) {
   const std::uint32_t epochs_before = tool_epochs(s);
   see_presence(settings, in, dt, s);
-  out.tool_distance = out.hand_latched = 0.0;
+  out.tool_distance = out.hand_latched = out.tool_angle = 0.0;
+  out.tool_id = 0;
   out.order_result = Reason::kNone;
   if (in.order.kind != OrderKind::kNone) {
     const Vec3 before = s.command.engagement.to_slave(s.hand.X_MH).p;
     out.order_result = carry_out(settings, in, ladder, s, out.tool_distance);
+    if (out.order_result == Reason::kNone) tell_tool(in.order, s.command.guide, out);
     out.hand_latched = (s.command.engagement.to_slave(s.hand.X_MH).p - before).norm();
   }
   if (in.hand.drop_button && !s.hand.button_was_down) drop_tools(settings, true, true, s);
@@ -274,6 +286,7 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
   const Trust trust = !hand_ok || !told || s.lead.session == SessionState::kFault ? Trust::kNone
                       : holds                                                     ? Trust::kTool
                                                                                   : Trust::kBoth;
+  out.turning = s.command.guide.turning();
   give_force(settings, in, wanted, ladder.force_share, motion, hand_ok, trust, before, dt, s, out);
 
   out.reason = s.lead.reason;

@@ -75,8 +75,10 @@ struct HapticOutput {
   Wrench f_H_M;                         // for the device, within its limits, always finite
   MasterState link;                     // for the slave
   Reason order_result = Reason::kNone;  // kNone: the order was carried out (or there was none)
-  double tool_distance = 0.0;     // kTool: of a position tool at its call, as in Guide::call [m]
-  double hand_latched = 0.0;      // how far off the hand was that an order has latched, frame S [m]
+  double tool_distance = 0.0;  // kTool: of a position tool at its call, as in Guide::call [m]
+  double tool_angle = 0.0;     // kTool: to the reference of an orientation tool at its call [rad]
+  std::uint32_t tool_id = 0;   // kTool: of the tool called
+  double hand_latched = 0.0;   // how far off the hand was that an order has latched, frame S [m]
   Reason reason = Reason::kNone;  // why the session is not what is wanted
   // What an engage would be refused with, while off; while in fault, after a reset.
   Reason obstacle = Reason::kNone;
@@ -93,6 +95,7 @@ struct HapticOutput {
   double deviation = 0.0;        // hand from the position tool's proxy, at the hand [m]
   double deviation_angle = 0.0;  // hand from the orientation tool [rad]
   bool blending = false;
+  bool turning = false;  // the orientation tool's reference has yet to be reached
 };
 
 // The hand, and since when it is not heard.

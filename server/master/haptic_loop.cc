@@ -63,7 +63,8 @@ void HapticLoop::tick(Nanos now) noexcept {
   // After the report: whoever has the answer finds a report that shows what the order did.
   if (ticket.id == 0) return;
   const HapticOutput& out = report_.out;
-  (void)boxes_.answers.push({ticket.id, out.order_result, out.tool_distance, out.hand_latched});
+  (void)boxes_.answers.push({ticket.id, out.order_result, out.tool_distance, out.hand_latched,
+                             out.tool_angle, out.tool_id});
   boxes_.doorbell.ring();
 }
 

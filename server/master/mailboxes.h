@@ -33,6 +33,8 @@ struct OrderAnswer {
   Reason result = Reason::kNone;
   double tool_distance = 0.0;  // as in HapticOutput
   double hand_latched = 0.0;   // as in HapticOutput
+  double tool_angle = 0.0;     // as in HapticOutput
+  std::uint32_t tool_id = 0;   // as in HapticOutput
 };
 
 // The hand among the walls of the scene, frame of the walls.

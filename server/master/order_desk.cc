@@ -12,7 +12,6 @@
 #include "server/master/replies.h"
 #include "server/master/set_vector.h"
 #include "server/master/why_report.h"
-#include "server/scene/tool_io.h"
 
 namespace handrail {
 namespace {
@@ -67,6 +66,7 @@ void OrderDesk::obey(const pb::Request& request, const std::string& who, ReplyTo
       *answer.mutable_status() = status_report(options_.identity, *report_, slave_, link_, now_);
       show_scene(*answer.mutable_status());
       show_cursor(*answer.mutable_status());
+      show_named_tools(*answer.mutable_status());
       leases_.show(now_, *answer.mutable_status()->mutable_lease());
       return reply(std::move(answer));
     }
@@ -84,6 +84,8 @@ void OrderDesk::obey(const pb::Request& request, const std::string& who, ReplyTo
       pending_.push_back({std::move(reply), Until::kSlaveReset, now_, {}, false, Place::kHere});
       return send_reset();
     case pb::Request::kTool: return tool(request.tool(), request.approach(), std::move(reply));
+    case pb::Request::kNamedTool:
+      return named_tool(request.named_tool(), request.approach(), std::move(reply));
     case pb::Request::kToolOff: {
       HapticOrder off = plain(OrderKind::kToolOff);
       off.drop_position = request.tool_off().position();
@@ -104,36 +106,6 @@ void OrderDesk::order(HapticOrder wanted, ReplyTo reply, Until until) {
   OrderTicket ticket;
   ticket.order = wanted;
   push(ticket, {std::move(reply), until, now_, wanted.tool});
-}
-
-void OrderDesk::tool(const pb::Tool& wanted, bool approach, ReplyTo reply) {
-  HapticOrder call = plain(OrderKind::kTool);
-  if (const auto problem = tool_call_from(wanted, call.tool)) {
-    return reply(refused(problem->path + ": " + problem->text));
-  }
-  if (approach && !is_position_tool(call.tool.kind)) {
-    return reply(refused("approach: has no meaning for " + pb::Tool::Kind_Name(wanted.kind())));
-  }
-  call.tool.approach = approach;
-  order(call, std::move(reply));
-}
-
-std::string OrderDesk::distance_text(const OrderAnswer& answer, const ToolCall& call) const {
-  const Scene::Guidance& guidance = scene_.guidance;
-  if (answer.result == Reason::kToolFar) {
-    return fmt::format(
-        "the {} is {:.1f} mm from the tip, or from where the hand sends it, at most {:g} mm; "
-        "--approach goes there",
-        name_of(call.kind), answer.tool_distance / kMm, guidance.tool_reach / kMm);
-  }
-  if (answer.result != Reason::kNone) return {};
-  if (!call.approach) {
-    if (answer.hand_latched == 0.0) return {};
-    return fmt::format("the hand was {:.1f} mm off and leads on from where it is",
-                       answer.hand_latched / kMm);
-  }
-  return fmt::format("{:.1f} mm to go, about {:.1f} s; the clutch ends it",
-                     answer.tool_distance / kMm, answer.tool_distance / guidance.catch_up);
 }
 
 void OrderDesk::hand(const pb::HandMove& move, ReplyTo reply) {
@@ -319,6 +291,9 @@ void OrderDesk::settle(const OrderAnswer& answer, Pending order) {
     }
     order.reply(refused(text));
     return;
+  }
+  if (!order.name.empty()) {
+    called_by_name_[is_position_tool(order.tool.kind)] = {answer.tool_id, order.name};
   }
   order.place = Place::kTaken;
   switch (order.until) {

@@ -1,6 +1,7 @@
 // Operators' requests, from arrival to answer.
 #pragma once
 
+#include <array>
 #include <deque>
 #include <functional>
 #include <optional>
@@ -86,6 +87,7 @@ class OrderDesk : public OperatorHandler {
     std::uint64_t id = 0;       // kInLoop: the loop's number of it
     Nanos deadline = kForever;  // kTaken: for what it waits for
     StillWaits waits{};         // kEngaged: somebody for the answer
+    std::string name{};         // of the scene's tool that was called by it; else empty
   };
 
   // The request is its sender's to make.
@@ -99,6 +101,10 @@ class OrderDesk : public OperatorHandler {
   void show_scene(pb::Status& status) const;
   void show_cursor(pb::Status& status) const;
   void tool(const pb::Tool& wanted, bool approach, ReplyTo reply);
+  void named_tool(const std::string& name, bool approach, ReplyTo reply);
+  // Its name is empty if it has none.
+  void call_tool(NamedTool tool, bool approach, ReplyTo reply);
+  void show_named_tools(pb::Status& status) const;
   // How far the tool called is, where that matters; else empty.
   std::string distance_text(const OrderAnswer& answer, const ToolCall& call) const;
   void stage(const std::string& name, ReplyTo reply);
@@ -169,6 +175,12 @@ class OrderDesk : public OperatorHandler {
   bool was_engaged_ = false;
   int scene_tools_ = 0;        // called, not answered yet
   std::string tools_refused_;  // of the scene's own, why
+
+  struct CalledByName {
+    std::uint32_t id = 0;  // as in ToolDefinition; 0: none was
+    std::string name;
+  };
+  std::array<CalledByName, 2> called_by_name_;  // the newest orientation tool, position tool
 
   struct Reading {
     std::string scene, who;

@@ -48,6 +48,7 @@ void set_tool(pb::ToolStatus* out, const ToolDefinition& tool, const HapticOutpu
   out->set_epoch(tool.epoch);
   out->set_hash(hash_of(tool));
   out->set_blending(step.blending);
+  if (is_orientation_tool(tool.kind) && step.turning) out->set_turning(true);
   if (tool.kind != ToolKind::kNone) set_geometry(tool, *out->mutable_geometry());
   if (is_position_tool(tool.kind)) out->set_deviation_mm(step.deviation / kMm);
   if (is_orientation_tool(tool.kind)) out->set_deviation_deg(step.deviation_angle / kDeg);

@@ -7,12 +7,32 @@
 #include "server/base/fnv.h"
 
 namespace handrail {
+namespace {
+
+// What a call says, whatever stands on the other side of it.
+void add_call(const ToolCall& call, Fnv& h) noexcept {
+  h.byte(static_cast<std::uint8_t>(call.kind)).byte(call.at_present).byte(call.has_axis);
+  h.byte(call.has_axis_T).byte(call.has_q_ref).byte(call.one_way).byte(call.has_end);
+  for (const Vec3* v :
+       {&call.p_SA, &call.direction_S, &call.normal_S, &call.axis_S, &call.axis_T, &call.p_SE}) {
+    for (int i = 0; i < 3; ++i) h.f64((*v)[i]);
+  }
+  for (int i = 0; i < 4; ++i) h.f64(call.q_ref.coeffs()[i]);
+  h.f64(call.stiffness);
+}
+
+}  // namespace
 
 SectionHashes section_hashes(const Scene& scene) noexcept {
   Fnv mapping;
   mapping.f64(scene.mapping.scale);
   for (int i = 0; i < 9; ++i) mapping.f64(scene.mapping.R_SM(i / 3, i % 3));
   mapping.f64(scene.guidance.catch_up).f64(scene.guidance.catch_up_rotation);
+  for (const NamedTool& tool : scene.named_tools) {
+    for (const char c : tool.name) mapping.byte(static_cast<std::uint8_t>(c));
+    mapping.byte(0);
+    add_call(tool.call, mapping);
+  }
 
   Fnv limits;
   const JointLimits& joints = scene.limits.joints;

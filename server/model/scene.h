@@ -60,6 +60,7 @@ struct Scene {
   Limits limits;
   double tip_length = 0.301;    // wrist centre to the tip [m]
   std::vector<ToolCall> tools;  // called on loading: at most one position and one orientation tool
+  std::vector<NamedTool> named_tools;  // called by their names only; at most kMostNamedTools
   std::optional<LinearTask> task;      // what the person is asked to do
   std::optional<ScrewTask> screw;      // the same, with a socket and a thread in `simulate`
   std::shared_ptr<const Walls> walls;  // of a two-axis device; null: none
@@ -67,7 +68,11 @@ struct Scene {
   std::optional<Simulate> simulate;    // of the rig, and nothing else; none: as it is configured
 };
 
-// Hashes of what both sides must hold alike: mapping (with the catch-up), limits (with the bumper,
+// Chosen: more than anybody keeps apart by name; they all stand in every status.
+inline constexpr std::size_t kMostNamedTools = 32;
+
+// Hashes of what both sides must hold alike: mapping (with the catch-up and the named
+// tools), limits (with the bumper,
 // which also holds the arm back) and robot, over the SI values. `tools` stays 0: it belongs to the
 // tools active, not to the scene. The task and the walls are the operator's business alone, what is
 // simulated the simulator's.

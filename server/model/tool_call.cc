@@ -28,8 +28,11 @@ Reason check_directions(const ToolCall& call) noexcept {
       const Vec3 across = call.normal_S.normalized().cross(call.direction_S.normalized());
       return across.norm() < 1e-6 ? Reason::kToolDirectionZero : Reason::kNone;
     }
-    case ToolKind::kFRotation:
-      return call.has_axis && is_zero(call.axis_S) ? Reason::kToolDirectionZero : Reason::kNone;
+    case ToolKind::kFRotation: {
+      const bool zero =
+          (call.has_axis && is_zero(call.axis_S)) || (call.has_axis_T && is_zero(call.axis_T));
+      return zero ? Reason::kToolDirectionZero : Reason::kNone;
+    }
     case ToolKind::kPoint:
     case ToolKind::kNRotation: return Reason::kNone;
     case ToolKind::kNone: break;
@@ -55,10 +58,13 @@ bool end_too_far(const ToolCall& call, const Vec3& p_SA) noexcept {
 }
 
 Reason check(const ToolCall& call) noexcept {
-  for (const Vec3* v : {&call.direction_S, &call.normal_S, &call.axis_S}) {
+  for (const Vec3* v : {&call.direction_S, &call.normal_S, &call.axis_S, &call.axis_T}) {
     if (!is_usable(*v)) return Reason::kToolValueInvalid;
   }
   if (!is_place(call.p_SA) || !is_place(call.p_SE)) return Reason::kToolValueInvalid;
+  if (call.has_q_ref && !(is_finite(call.q_ref) && is_unit(call.q_ref))) {
+    return Reason::kToolValueInvalid;
+  }
   if (!std::isfinite(call.stiffness) || call.stiffness < 0.0) return Reason::kToolValueInvalid;
   const Reason direction = check_directions(call);
   if (direction != Reason::kNone) return direction;

@@ -1,6 +1,8 @@
 // An order to call a virtual tool, before it is anchored: what scenes and operators ask for.
 #pragma once
 
+#include <string>
+
 #include "server/model/reason.h"
 #include "server/model/tool.h"
 
@@ -16,11 +18,29 @@ struct ToolCall {
   Vec3 normal_S = Vec3::Zero();     // plane: its normal
   Vec3 axis_S = Vec3::Zero();       // F-rotation with has_axis: the axis kept
   bool has_axis = false;            // else F-rotation keeps the tool's own axis as it points now
-  bool one_way = false;             // line, plane: forward along direction_S only
-  bool has_end = false;             // line, plane: no travel along direction_S past p_SE
-  Vec3 p_SE = Vec3::Zero();         // end point [m]
-  double stiffness = 0.0;           // [N/m] or [N m/rad]; 0: the scene's own
-  bool approach = false;            // position tools: the arm goes there, however far it is
+  // F-rotation with has_axis_T: the tip's axis that is brought onto axis_S; else the one that
+  // lies along it now.
+  Vec3 axis_T = Vec3::Zero();
+  bool has_axis_T = false;
+  Quat q_ref = Quat::Identity();  // N-rotation with has_q_ref: the orientation to keep, q_ST
+  bool has_q_ref = false;         // else N-rotation keeps the present one
+  bool one_way = false;           // line, plane: forward along direction_S only
+  bool has_end = false;           // line, plane: no travel along direction_S past p_SE
+  Vec3 p_SE = Vec3::Zero();       // end point [m]
+  double stiffness = 0.0;         // [N/m] or [N m/rad]; 0: the scene's own
+  bool approach = false;          // position tools: the arm goes there, however far it is
+};
+
+// True when it brings an orientation to where the call says, instead of keeping what it finds.
+inline bool has_reference(const ToolCall& call) noexcept {
+  return (call.kind == ToolKind::kNRotation && call.has_q_ref) ||
+         (call.kind == ToolKind::kFRotation && call.has_axis && call.has_axis_T);
+}
+
+// A scene's tool that is called by its name.
+struct NamedTool {
+  std::string name;  // 1 to 47 letters, digits, '-' and '_'; one of its kind in the scene
+  ToolCall call;
 };
 
 // kNone when the call can be anchored; else why not. With at_present the end point is not compared

@@ -114,7 +114,25 @@ Problem bumper_from(const pb::Bumper& in, BumperSettings& out) {
   return std::nullopt;
 }
 
-Problem tools_from(const pb::Scene& in, std::vector<ToolCall>& out) {
+Problem named_tool_from(const std::string& name, const ToolCall& call, const std::string& path,
+                        std::vector<NamedTool>& out) {
+  if (!is_scene_name(name)) {
+    return FieldProblem{path + ".name",
+                        "'" + name + "', expected 1 to 47 letters, digits, '-' and '_'"};
+  }
+  const auto same = [&](const NamedTool& other) { return other.name == name; };
+  if (std::any_of(out.begin(), out.end(), same)) {
+    return FieldProblem{path + ".name", "a second '" + name + "', expected another name"};
+  }
+  if (out.size() == kMostNamedTools) {
+    return FieldProblem{path, "one tool with a name more than the " +
+                                  std::to_string(kMostNamedTools) + " that a scene may have"};
+  }
+  out.push_back({name, call});
+  return std::nullopt;
+}
+
+Problem tools_from(const pb::Scene& in, Scene& out) {
   bool position = false, orientation = false;
   for (int i = 0; i < in.tool_size(); ++i) {
     const std::string path = "tool[" + std::to_string(i) + "]";
@@ -123,6 +141,14 @@ Problem tools_from(const pb::Scene& in, std::vector<ToolCall>& out) {
       p->path = path + "." + p->path;
       return p;
     }
+    if (in.tool(i).has_name()) {
+      if (Problem p = named_tool_from(in.tool(i).name(), call, path, out.named_tools)) return p;
+      continue;
+    }
+    if (has_reference(call)) {
+      return FieldProblem{path + ".name",
+                          "missing, but a tool that turns the arm by itself is called by its name"};
+    }
     bool& taken = is_position_tool(call.kind) ? position : orientation;
     if (taken) {
       return FieldProblem{path, std::string("a second ") +
@@ -130,7 +156,7 @@ Problem tools_from(const pb::Scene& in, std::vector<ToolCall>& out) {
                                     " tool, at most one can be active"};
     }
     taken = true;
-    out.push_back(call);
+    out.tools.push_back(call);
   }
   return std::nullopt;
 }
@@ -202,7 +228,7 @@ Problem scene_from(const pb::Scene& in, const std::string& path, Scene& out) {
   if (in.has_screw()) {
     if (Problem p = screw_from(in.screw(), out.simulate, out.screw.emplace())) return p;
   }
-  if (Problem p = tools_from(in, out.tools)) return p;
+  if (Problem p = tools_from(in, out)) return p;
   return out_of_reach(out);
 }
 

@@ -4,6 +4,7 @@
 
 #include "server/base/plain_text.h"
 #include "server/base/units.h"
+#include "server/model/linear_task.h"
 #include "server/scene/field_check.h"
 #include "server/scene/numbers.h"
 
@@ -35,6 +36,8 @@ Problem check_meaning(const pb::Tool& t, ToolKind kind) {
       {"axis", t.axis_size() > 0, kind == ToolKind::kFRotation},
       {"end_mm", t.end_mm_size() > 0, line || plane},
       {"one_way", t.one_way(), line || plane},
+      {"turn_deg", t.turn_deg_size() > 0, kind == ToolKind::kNRotation},
+      {"tip_axis", t.tip_axis_size() > 0, kind == ToolKind::kFRotation},
       {"stiffness_n_mm", t.stiffness_n_mm() > 0.0, is_position_tool(kind)},
   };
   for (const auto& use : uses) {
@@ -63,6 +66,20 @@ Problem check_given(const pb::Tool& t, ToolKind kind) {
   return std::nullopt;
 }
 
+// Where the tip of N-rotation's reference points.
+Problem reference_from(const pb::Tool& tool, ToolCall& out) {
+  out.has_q_ref = tool.turn_deg_size() > 0;
+  if (!out.has_q_ref) return std::nullopt;
+  const Vec3 turn = vector_of(tool.turn_deg());
+  constexpr double kHalfTurn = 180.0;  // [deg]; more is the other way round
+  if (turn.norm() > kHalfTurn * (1.0 + 1e-12)) {
+    return FieldProblem{"turn_deg", number_text(std::round(turn.norm() * 10.0) / 10.0) +
+                                        " deg long, expected at most " + number_text(kHalfTurn)};
+  }
+  out.q_ref = (rotation_exp(turn * kDeg) * LinearTask().q_first).normalized();
+  return std::nullopt;
+}
+
 // Names the field behind what the call's own validator refused.
 FieldProblem blame(Reason reason, const ToolCall& call) {
   if (reason == Reason::kToolEndBehindStart) return {"end_mm", describe(reason)};
@@ -72,7 +89,10 @@ FieldProblem blame(Reason reason, const ToolCall& call) {
                           number_text(kFarthest / kMm)};
   }
   if (reason != Reason::kToolDirectionZero) return {"kind", describe(reason)};
-  if (call.kind == ToolKind::kFRotation) return {"axis", describe(reason)};
+  if (call.kind == ToolKind::kFRotation) {
+    const bool own = call.has_axis_T && call.axis_T.norm() < 1e-9;
+    return {own ? "tip_axis" : "axis", describe(reason)};
+  }
   if (call.kind != ToolKind::kPlane) return {"direction", describe(reason)};
   if (call.normal_S.isZero(1e-9)) return {"normal", describe(reason)};
   if (call.direction_S.isZero(1e-9)) return {"direction", describe(reason)};
@@ -93,6 +113,9 @@ Problem tool_call_from(const pb::Tool& tool, ToolCall& call) {
   out.normal_S = vector_of(tool.normal());
   out.has_axis = tool.axis_size() > 0;
   out.axis_S = vector_of(tool.axis());
+  out.has_axis_T = tool.tip_axis_size() > 0;
+  out.axis_T = vector_of(tool.tip_axis());
+  if (Problem p = reference_from(tool, out)) return p;
   out.one_way = tool.one_way();
   out.has_end = tool.end_mm_size() > 0;
   out.p_SE = vector_of(tool.end_mm()) * kMm;

@@ -6,6 +6,7 @@ import { readFile } from 'node:fs/promises';
 import http from 'node:http';
 import https from 'node:https';
 import net from 'node:net';
+import { createInterface } from 'node:readline';
 import { fileURLToPath } from 'node:url';
 import { open, until } from './browser.mjs';
 
@@ -113,7 +114,10 @@ export async function dataAge(browser, url, seconds = 5) {
 
 /** A cookie of a session, by the printed address or a link. */
 export async function cookieOf(url) {
-  const [response] = await once((url.startsWith('https:') ? https : http).get(url, { rejectUnauthorized: false }), 'response');
+  const opened = url.startsWith('https:') // a link, by its button
+    ? https.request(url, { method: 'POST', headers: { origin: new URL(url).origin }, rejectUnauthorized: false }).end()
+    : http.get(url);
+  const [response] = await once(opened, 'response');
   response.resume();
   return response.headers['set-cookie'][0].split(';')[0];
 }
@@ -154,6 +158,23 @@ export async function viewersCost(programs, url, { count = 20, rounds = 6, secon
     slowest.push(Math.min(...await crowd.end()));
   }
   return { without, with: with_, slowest };
+}
+
+/** So many WebSockets at once, again each second: what the first ones and the later ones are told, and the loop's lateness in windows without and with them. */
+export async function crowd(programs, url, { count = 1000, rounds = 3, seconds = 5 } = {}) {
+  const cookie = await cookieOf(url);
+  const script = fileURLToPath(new URL('crowd.mjs', import.meta.url));
+  const without = [], with_ = [], first = [], later = [];
+  for (let i = 0; i < rounds; ++i) {
+    without.push(await lateness(programs, seconds));
+    const child = spawn('nice', ['-n', '19', process.execPath, script, new URL(url).origin, cookie, String(count)], { stdio: ['pipe', 'pipe', 'inherit'] });
+    const lines = createInterface(child.stdout)[Symbol.asyncIterator]();
+    first.push(JSON.parse((await lines.next()).value));
+    with_.push(await lateness(programs, seconds));
+    child.stdin.end();
+    later.push(JSON.parse((await lines.next()).value));
+  }
+  return { without, with: with_, first, later };
 }
 
 const memory = async (pid) => Number(/VmRSS:\s+(\d+)/.exec(await readFile(`/proc/${pid}/status`, 'utf8'))[1]) / 1024;

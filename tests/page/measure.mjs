@@ -1,6 +1,6 @@
 import { loadavg } from 'node:os';
 import { launch } from './browser.mjs';
-import { dataAge, handToForceAndBack, pageReady, quantile, strangers, viewersCost } from './figures.mjs';
+import { crowd, dataAge, handToForceAndBack, pageReady, quantile, strangers, viewersCost } from './figures.mjs';
 import { Programs } from './programs.mjs';
 
 const json = process.argv.includes('--json');
@@ -32,6 +32,10 @@ try {
   row('haptic loop, 99.9 % late, in windows without a viewer', cost.without, 'us', '');
   row('... with 20 viewers', cost.with, 'us', '+ 50 (median)');
   row('statuses a second of the slowest viewer', cost.slowest, '/s', '60');
+  const rush = await crowd(programs, url);
+  row('a thousand pages at once, until the last is answered', rush.first.map(({ slowest }) => slowest), 'ms', '< 2000', 1);
+  row('haptic loop, 99.9 % late, in windows without them', rush.without, 'us', '');
+  row('... while they call again each second', rush.with, 'us', '+ 50 (median)');
   await programs.end('console');
   programs.handrail('keys', 'new', 'operator');
   await programs.console({ remote: true });

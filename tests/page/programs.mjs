@@ -5,6 +5,8 @@ import { createServer } from 'node:net';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
+import { after, before } from 'node:test';
+import { launch } from './browser.mjs';
 
 const BIN = process.env.HANDRAIL_BIN ?? fileURLToPath(new URL('../../build/release/bin', import.meta.url));
 const DIST = fileURLToPath(new URL('../../client/console/page/dist', import.meta.url));
@@ -91,4 +93,19 @@ export class Programs {
     for (const name of [...this.running.keys()].reverse()) await this.end(name);
     await rm(this.folder, { recursive: true, force: true });
   }
+}
+
+/** What the tests of a file share: `browser`, `programs` and the console's `url`, there while they run. */
+export function sharedCell(scene) {
+  const cell = {};
+  before(async () => {
+    cell.browser = await launch();
+    cell.programs = await new Programs().open({ scene });
+    cell.url = await cell.programs.console();
+  });
+  after(async () => {
+    await cell.browser.close();
+    await cell.programs.close();
+  });
+  return cell;
 }

@@ -16,13 +16,19 @@ after(async () => {
   await programs.close();
 });
 const link = (role) => programs.handrail('keys', 'link', role).trim();
+/** A page that has opened the link: by its button. */
+const enter = async (url) => {
+  const page = await open(browser, url, { tls: true });
+  await page.click('text=Open the console');
+  return page;
+};
 
 test('TheBrowserWarnsBeforeAnythingIsSentAndTheLinkIsGoodAfterwards', async () => {
   const url = link('operator');
   const page = await browser.newPage();
   await assert.rejects(page.goto(url), /ERR_CERT_AUTHORITY_INVALID/);
   await page.close();
-  const inside = await open(browser, url, { tls: true });
+  const inside = await enter(url);
   await until(inside, () => /hand only|off/.test(document.querySelector('#state')?.textContent ?? ''));
   assert.equal(new URL(inside.url()).search, '', 'the token is gone from the address');
   assert.deepEqual(inside.faults, []);
@@ -37,16 +43,17 @@ test('ALinkFromAnotherSiteLetsInToo', async () => {
   await page.route('https://mail.example/', (route) => route.fulfill({ contentType: 'text/html', body: `<a href="${url}">open</a>` }));
   await page.goto('https://mail.example/');
   await page.click('a');
+  await page.click('text=Open the console');
   await until(page, () => document.querySelector('#state') && document.querySelector('#state').textContent !== '–');
   await context.close();
 });
 
 test('AnObserversLinkShowsAllAndOrdersNothing', async () => {
   const url = link('observer');
-  const page = await open(browser, url, { tls: true });
+  const page = await enter(url);
   await until(page, () => /observer/.test(document.querySelector('#notice')?.textContent ?? ''));
   assert.equal(await page.locator('#stop').isDisabled(), true);
-  const again = await open(browser, url, { tls: true });
+  const again = await enter(url);
   assert.match(await again.locator('body').textContent(), /opened before/);
   await again.context().close();
   programs.handrail('keys', 'unlink', programs.handrail('keys', 'links').trim().split('\n').at(-1).slice(0, 6));

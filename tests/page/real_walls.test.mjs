@@ -1,25 +1,16 @@
 // The page with a real master and gateway, in a scene of walls.
 import assert from 'node:assert/strict';
-import { after, before, test } from 'node:test';
-import { launch, open, text, until } from './browser.mjs';
-import { Programs } from './programs.mjs';
+import { test } from 'node:test';
+import { open, text, until } from './browser.mjs';
+import { sharedCell } from './programs.mjs';
 
 const GEARS = [['1', -40, 47], ['2', -40, -47], ['3', 0, 47], ['4', 0, -47], ['5', 40, 47], ['R', 40, -47]];
 const is = (page, id, wanted) => until(page, ([node, value]) => new RegExp(value).test(document.getElementById(node).textContent), [id, wanted]);
 
-let browser, programs, url;
-before(async () => {
-  browser = await launch();
-  programs = await new Programs().open({ scene: 'gearshift' });
-  url = await programs.console();
-});
-after(async () => {
-  await browser.close();
-  await programs.close();
-});
+const cell = sharedCell('gearshift');
 
 test('TheLeverGoesThroughEveryGearByTheMouse', async () => {
-  const page = await open(browser, url);
+  const page = await open(cell.browser, cell.url);
   await until(page, () => !document.querySelector('#frame2d').hidden);
   await page.waitForTimeout(1000);
   const box = await page.locator('#canvas2d').boundingBox();

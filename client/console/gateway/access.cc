@@ -28,13 +28,19 @@ constexpr std::string_view kKeyTarget = "/?key=";
 constexpr std::string_view kLinkTarget = "/?once=";
 constexpr std::size_t kLongestToken = 64;  // ours has 32
 
-// A browser that came from elsewhere, such as a message, sends no SameSite=Strict cookie to where
-// it is led on; to where this page leads it does.
-constexpr char kLedOn[] =
-    "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><link rel=\"icon\" href=\"data:,\">"
-    "<meta http-equiv=\"refresh\" content=\"0;url=/\"><title>Handrail</title><p>You are in: <a "
-    "href=\"/\">the console</a>."
-    "</html>\n";
+// It has no word of whoever asks. Without a Referrer-Policy of its own its POST would say Origin
+// null (Fetch, "append a request Origin header").
+constexpr char kLinkPage[] =
+    "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" "
+    "content=\"width=device-width\"><link rel=\"icon\" href=\"data:,\"><title>Handrail</title>"
+    "<style>:root{color-scheme:dark light;font:1rem system-ui}body{margin:20vh "
+    "auto;max-width:24rem;"
+    "padding:0 1rem}button{font:inherit;padding:.7rem 1.2rem}</style><h1>Handrail</h1><p>This link "
+    "opens the console once, in this browser.</p><form method=\"post\"><button autofocus>Open the "
+    "console</button></form></html>\n";
+constexpr char kLinkPolicy[] =
+    "default-src 'none'; style-src 'unsafe-inline'; img-src data:; form-action 'self'; base-uri "
+    "'none'; frame-ancestors 'none'";
 
 }  // namespace
 
@@ -81,9 +87,13 @@ Access::Judged Access::judge(const WebRequest& request, Nanos now) const {
   const std::string shown = cookie_value(request.cookie, cookie_name_);
   const std::string_view target = request.target;
   // Also of who is in already: as an observer, for one.
-  if (place_.encrypted && request.method == "GET" && !request.wants_socket &&
-      target.starts_with(kLinkTarget) && target.size() <= kLinkTarget.size() + kLongestToken) {
-    return {Verdict::kShowsLink, {}, std::string(target.substr(kLinkTarget.size()))};
+  if (place_.encrypted && !request.wants_socket && target.starts_with(kLinkTarget) &&
+      target.size() <= kLinkTarget.size() + kLongestToken) {
+    if (request.method == "GET") return {Verdict::kLooksAtLink, {}, {}};
+    // The button's; a page from elsewhere lets nobody in here.
+    if (request.method == "POST" && own_origin) {
+      return {Verdict::kOpensLink, {}, std::string(target.substr(kLinkTarget.size()))};
+    }
   }
   if (!cookie_.empty() && same(shown, cookie_)) return {Verdict::kIn, {}, {}};
   for (const Session& session : sessions_) {
@@ -107,12 +117,18 @@ WebAnswer Access::welcome() const {
   return out;
 }
 
-WebAnswer Access::let_in(const Guest& guest, std::string secret, Nanos now) {
-  if (sessions_.size() >= kMostSessions) sessions_.erase(sessions_.begin());
-  WebAnswer out = plain_answer(200, kLedOn);
+WebAnswer Access::link_page() {
+  WebAnswer out = plain_answer(200, kLinkPage);
   out.type = "text/html; charset=utf-8";
-  out.more = {cookie_of(secret)};
-  sessions_.push_back({std::move(secret), guest, now + kSessionLife});
+  out.more = {{"Content-Security-Policy", kLinkPolicy}, {"Referrer-Policy", "same-origin"}};
+  return out;
+}
+
+WebAnswer Access::let_in(const Guest& guest, std::string secret, Nanos until) {
+  if (sessions_.size() >= kMostSessions) sessions_.erase(sessions_.begin());
+  WebAnswer out = plain_answer(303, "");
+  out.more = {{"Location", "/"}, cookie_of(secret)};
+  sessions_.push_back({std::move(secret), guest, until});
   return out;
 }
 

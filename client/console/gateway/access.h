@@ -25,16 +25,18 @@ struct GatewayPlace {
 // gateway, and a WebSocket must have one, so that no page from elsewhere speaks. And it must show a
 // secret: the cookie of a session; or, to get one, on this computer the key in the address that was
 // printed, from others the token of a link. Secrets are compared in constant time.
+//
+// A link is good once, and programs that show what is behind an address GET it (RFC 9110, 9.2.1: a
+// GET changes nothing). So it is used up by a POST, of the button of the page that a GET shows.
 class Access {
  public:
-  enum class Verdict { kIn, kShowsKey, kShowsLink, kRefused };
+  enum class Verdict { kIn, kShowsKey, kLooksAtLink, kOpensLink, kRefused };
   struct Judged {
     Verdict verdict = Verdict::kRefused;
     Guest guest = {};   // kIn
-    std::string token;  // kShowsLink: not looked at yet
+    std::string token;  // kOpensLink: not looked at yet
   };
-  static constexpr std::size_t kMostSessions = 64;              // by links; the oldest goes
-  static constexpr Nanos kSessionLife = 12LL * 3600 * kSecond;  // of one by a link: a working day
+  static constexpr std::size_t kMostSessions = 64;  // by links; the oldest goes
 
   // `key`, `cookie`: of the address that was printed; without them there is none.
   Access(GatewayPlace place, std::string key, std::string cookie);
@@ -42,8 +44,10 @@ class Access {
   Judged judge(const WebRequest& request, Nanos now) const;
   // To `/`, with the cookie, for kShowsKey.
   WebAnswer welcome() const;
-  // A page that leads to `/`, with the cookie of a session for `guest`, of that secret.
-  WebAnswer let_in(const Guest& guest, std::string secret, Nanos now);
+  // The page with the button, for kLooksAtLink: the same for whatever token.
+  static WebAnswer link_page();
+  // To `/`, with the cookie of a session for `guest`, of that secret.
+  WebAnswer let_in(const Guest& guest, std::string secret, Nanos until);
   // Whether that guest's session still is.
   bool holds(const Guest& guest, Nanos now) const;
   // Sessions by links that are not among these end.

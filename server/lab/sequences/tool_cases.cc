@@ -15,7 +15,7 @@ constexpr double kHalf = std::numbers::pi;
 const Vec3 kAway = Vec3(0.36, -0.48, 0.8);
 const Vec3 kAbout = Vec3(0.48, 0.6, -0.64);
 
-struct NamedTool {
+struct CaseTool {
   const char* name;
   ToolCall call;
 };
@@ -29,7 +29,7 @@ ToolCall tool_of(ToolKind kind) {
 }
 
 // Each kind, with what it may have; "none" drops.
-std::vector<NamedTool> named_tools() {
+std::vector<CaseTool> named_tools() {
   ToolCall one_way = tool_of(ToolKind::kLine), ended = one_way, aisle = tool_of(ToolKind::kPlane);
   one_way.one_way = true;
   ended.has_end = true;
@@ -48,7 +48,7 @@ std::vector<NamedTool> named_tools() {
           {"f-rotation", tool_of(ToolKind::kFRotation)}};
 }
 
-void change_to(const NamedTool& tool, double away, bool approach, CaseRig& rig) {
+void change_to(const CaseTool& tool, double away, bool approach, CaseRig& rig) {
   ToolCall call = tool.call;
   if (call.kind == ToolKind::kNone) {
     rig.drop(true, true);
@@ -149,10 +149,10 @@ std::vector<ToolCase> tool_change_cases() {
                                  {0.005, 30.0 * kDeg, false},
                                  {0.050, 90.0 * kDeg, false},
                                  {0.050, 90.0 * kDeg, true}};
-  const std::vector<NamedTool> tools = named_tools();
+  const std::vector<CaseTool> tools = named_tools();
   std::vector<ToolCase> out;
-  for (const NamedTool& from : tools) {
-    for (const NamedTool& to : tools) {
+  for (const CaseTool& from : tools) {
+    for (const CaseTool& to : tools) {
       if (from.call.kind == ToolKind::kNone && to.call.kind == ToolKind::kNone) continue;
       for (const Change& change : kChanges) {
         CaseRig rig(fmt::format("{} to {}, {:g} mm away{}, hand turned by {:g} deg", from.name,

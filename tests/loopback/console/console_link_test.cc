@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <regex>
 #include <thread>
 
@@ -44,8 +45,10 @@ class ConsoleLinkTest : public ConsoleCell {
     const std::size_t at = output.find("?once=");
     return at == std::string::npos ? "" : output.substr(at + 6, output.find('\n', at) - at - 6);
   }
+  // As the button does it.
   WebReply open_link(const std::string& token) const {
-    return tls_get(port, "/?once=" + token, host_header());
+    return tls_get(port, "/?once=" + token, host_header() + "Origin: https://" + host() + "\r\n",
+                   "POST");
   }
   WebPage::Asks asks_of(const std::string& with) const {
     return {host(), "https://" + host(), with};
@@ -56,6 +59,16 @@ class ConsoleLinkTest : public ConsoleCell {
     EXPECT_EQ(out->open(port, {asks.host, asks.origin, asks.cookie}), "");
     return out;
   }
+  // The certificate that whoever comes is shown.
+  Certificate shown_certificate() const {
+    boost::asio::io_context io;
+    TlsBytes stream(io, taking_all());
+    beast::error_code error;
+    connect_web(stream, port, error);
+    EXPECT_FALSE(error) << error.message();
+    EXPECT_STREQ(SSL_get_version(stream.native_handle()), "TLSv1.3");
+    return {SSL_get1_peer_certificate(stream.native_handle()), X509_free};
+  }
   std::string keys, last_output;
 };
 
@@ -63,7 +76,8 @@ TEST_F(ConsoleLinkTest, AnOperatorsLinkLetsItsBrowserInOnceAndItDrives) {
   const std::string token = link({"operator"});
   EXPECT_EQ(tls_get(port, "/", host_header()).status, 403u);
   const WebReply in = open_link(token);
-  ASSERT_EQ(in.status, 200u) << in.body;
+  ASSERT_EQ(in.status, 303u) << in.body;
+  EXPECT_EQ(in.location, "/");
   EXPECT_THAT(in.attributes, HasSubstr("; Secure"));
   EXPECT_THAT(in.attributes, HasSubstr("; HttpOnly"));
   EXPECT_EQ(tls_get(port, "/", host_header() + "Cookie: " + in.cookie + "\r\n").body,
@@ -76,6 +90,20 @@ TEST_F(ConsoleLinkTest, AnOperatorsLinkLetsItsBrowserInOnceAndItDrives) {
   EXPECT_EQ(again.status, 403u);
   EXPECT_EQ(again.cookie, "");
   EXPECT_THAT(again.body, HasSubstr("opened before"));
+}
+
+TEST_F(ConsoleLinkTest, AMessagesPreviewUsesNoLinkUp) {
+  const std::string token = link({"operator"});
+  for (int i = 0; i < 3; ++i) {
+    const WebReply preview = tls_get(port, "/?once=" + token, host_header());
+    EXPECT_EQ(preview.status, 200u);
+    EXPECT_THAT(preview.body, HasSubstr("<form method=\"post\">"));
+    EXPECT_EQ(preview.cookie, "");
+  }
+  const std::string foreign = host_header() + "Origin: https://evil.example\r\n";
+  EXPECT_EQ(tls_get(port, "/?once=" + token, foreign, "POST").status, 403u);
+  EXPECT_EQ(tls_get(port, "/?once=" + token, host_header(), "POST").status, 403u);
+  EXPECT_EQ(open_link(token).status, 303u);
 }
 
 TEST_F(ConsoleLinkTest, AnObserversLinkLetsItsBrowserLookAndOrderNothing) {
@@ -99,7 +127,7 @@ TEST_F(ConsoleLinkTest, OfTwoBrowsersAtOnceOneIsLetIn) {
     std::thread other([&] { answers[0] = open_link(token); });
     answers[1] = open_link(token);
     other.join();
-    EXPECT_EQ(answers[0].status + answers[1].status, 200u + 403u)
+    EXPECT_EQ(answers[0].status + answers[1].status, 303u + 403u)
         << answers[0].body << answers[1].body;
     sleep_until(monotonic_now() + kSecond);  // so many are tried in a second and no more
   }
@@ -113,7 +141,7 @@ TEST_F(ConsoleLinkTest, AnUnknownLinkIsToldNothingAndOnlySoManyAreTried) {
   for (int i = 0; i < 12; ++i) told_to_wait += open_link(std::string(32, 'b')).status == 429;
   EXPECT_GE(told_to_wait, 4);
   sleep_until(monotonic_now() + kSecond);
-  EXPECT_EQ(open_link(link({"operator"})).status, 200u) << "and later it goes on";
+  EXPECT_EQ(open_link(link({"operator"})).status, 303u) << "and later it goes on";
 }
 
 TEST_F(ConsoleLinkTest, ALinkThatIsOverIsToldSo) {
@@ -155,18 +183,24 @@ TEST_F(ConsoleLinkTest, ALinkThatIsRemovedTakesItsPagesWithIt) {
   EXPECT_EQ(TlsPage().open(port, {host(), "https://" + host(), cookie_of_it}), "403");
 }
 
+TEST_F(ConsoleLinkTest, AnotherKeyIsShownToWhoComesAndWhoIsInStays) {
+  const auto page = open_by(open_link(link({"operator"})).cookie);
+  const std::string before = fingerprint(shown_certificate());
+  ASSERT_TRUE(std::filesystem::remove(keys + "/key"));
+  ASSERT_EQ(handrail({"keys", "new", "operator"}).first, 0);
+  EXPECT_TRUE(within(kPatience, [&] { return fingerprint(shown_certificate()) != before; }));
+  (void)link({"observer"});
+  EXPECT_THAT(last_output, HasSubstr(fingerprint(shown_certificate())));
+  EXPECT_THAT(last_output, Not(HasSubstr(before)));
+  EXPECT_TRUE(page->ask(lead("TAKE"), 1, kPatience).value().done());
+}
+
 TEST_F(ConsoleLinkTest, TheLinkSaysWhatToCompareWithTheCertificateThatIsShown) {
   (void)link({"operator"});
-  boost::asio::io_context io;
-  TlsBytes stream(io, taking_all());
-  beast::error_code error;
-  connect_web(stream, port, error);
-  ASSERT_FALSE(error) << error.message();
-  EXPECT_STREQ(SSL_get_version(stream.native_handle()), "TLSv1.3");
-  const Certificate shown(SSL_get1_peer_certificate(stream.native_handle()), X509_free);
-  EXPECT_THAT(last_output, HasSubstr(fingerprint(shown)));
-  EXPECT_THAT(last_output, HasSubstr(fingerprint_start(shown)));
+  const Certificate shown = shown_certificate();
   const std::string before = fingerprint(shown);
+  EXPECT_THAT(last_output, HasSubstr(before));
+  EXPECT_THAT(last_output, HasSubstr(fingerprint_start(shown)));
   console->send(SIGTERM);
   EXPECT_EQ(console->finish(), 0);
   start_remote("any:" + std::to_string(port));
@@ -184,8 +218,12 @@ TEST_F(ConsoleLinkTest, PlainBytesOlderTlsAndOtherNamesAreNotServed) {
   EXPECT_TRUE(error) << "TLS 1.3 alone";
   const std::string token = link({"operator"});
   EXPECT_EQ(tls_get(port, "/?once=" + token, "Host: evil.example\r\n").status, 403u);
+  EXPECT_EQ(tls_get(port, "/?once=" + token,
+                    "Host: evil.example\r\nOrigin: https://evil.example\r\n", "POST")
+                .status,
+            403u);
   const WebReply in = open_link(token);
-  EXPECT_EQ(in.status, 200u) << "what came by another name has not used it up";
+  EXPECT_EQ(in.status, 303u) << "what came by another name has not used it up";
   for (const std::string& origin : {std::string("http://"), std::string("https://evil.")}) {
     EXPECT_EQ(TlsPage().open(port, {host(), origin + host(), in.cookie}), "403") << origin;
   }
@@ -204,7 +242,7 @@ TEST_F(ConsoleLinkTest, AThousandHalfGreetingsKeepNobodyOut) {
   }
   const Nanos begin = monotonic_now();
   const WebReply in = open_link(token);
-  EXPECT_EQ(in.status, 200u) << in.body;
+  EXPECT_EQ(in.status, 303u) << in.body;
   EXPECT_LT(monotonic_now() - begin, kSecond);
   // And whoever begins otherwise goes at once.
   tcp::socket other(io);

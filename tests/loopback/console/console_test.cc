@@ -1,6 +1,8 @@
 // The console between pages and a real cell: who is let in, what comes, who is let go.
 #include <gmock/gmock.h>
 
+#include <array>
+#include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
 #include <cstdlib>
 #include <filesystem>
@@ -11,6 +13,7 @@
 namespace handrail {
 namespace {
 
+using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -42,6 +45,7 @@ TEST_F(ConsoleTest, APageGetsTheSceneAndTheArmSixtyTimesASecond) {
   const auto first = page->next_frame(kPatience);
   ASSERT_TRUE(first && first->has_hello());
   EXPECT_EQ(first->hello().role(), pb::Hello::OPERATOR);
+  EXPECT_THAT(first->hello().scene(), Contains("gearshift"));
   const auto scene = page->wait_for(kPatience, [](const pb::ToPage& f) { return f.has_scene(); });
   ASSERT_TRUE(scene);
   EXPECT_EQ(scene->scene().name(), "linear-movement");
@@ -226,6 +230,26 @@ TEST_F(ConsoleTest, AThousandThatNeverSayWhatTheyWantKeepNobodyOut) {
     strangers.back().read_some(boost::asio::buffer(&byte, 1), error);
     return error && error != boost::asio::error::would_block;
   }));
+}
+
+// All at once, and each says at once what it wants.
+TEST_F(ConsoleTest, NineHundredThatSayWhatTheyWantAreAllAnswered) {
+  boost::asio::io_context io;
+  std::vector<tcp::socket> sockets;
+  for (int i = 0; i < 900; ++i) {
+    sockets.emplace_back(io);
+    sockets.back().connect(console_at(port));
+    boost::asio::write(sockets.back(),
+                       boost::asio::buffer("GET / HTTP/1.1\r\n" + host_header() + "\r\n"));
+  }
+  int answered = 0;
+  for (tcp::socket& socket : sockets) {
+    std::array<char, 12> start{};
+    beast::error_code error;
+    boost::asio::read(socket, boost::asio::buffer(start), error);
+    answered += std::string_view(start.data(), start.size()) == "HTTP/1.1 403";
+  }
+  EXPECT_EQ(answered, 900);
 }
 
 TEST_F(ConsoleTest, WhatIsTooLongOrNotUnderstoodEndsItsPageAlone) {

@@ -60,10 +60,11 @@ void connect_web(Bytes& next, int port, beast::error_code& error) {
 
 // One request over `stream`, with headers as given; the answer.
 template <typename Bytes>
-WebReply web_ask(Bytes& stream, int port, const std::string& target, const std::string& headers) {
+WebReply web_ask(Bytes& stream, int port, const std::string& target, const std::string& headers,
+                 const std::string& method = "GET") {
   beast::error_code error;
   connect_web(stream, port, error);
-  const std::string text = "GET " + target + " HTTP/1.1\r\n" + headers + "\r\n";
+  const std::string text = method + " " + target + " HTTP/1.1\r\n" + headers + "\r\n";
   boost::asio::write(stream, boost::asio::buffer(text), error);
   beast::flat_buffer buffer;
   beast::http::response<beast::http::string_body> answer;
@@ -84,10 +85,11 @@ inline WebReply web_get(int port, const std::string& target, const std::string& 
   PlainBytes stream(io);
   return web_ask(stream, port, target, headers);
 }
-inline WebReply tls_get(int port, const std::string& target, const std::string& headers) {
+inline WebReply tls_get(int port, const std::string& target, const std::string& headers,
+                        const std::string& method = "GET") {
   boost::asio::io_context io;
   TlsBytes stream(io, taking_all());
-  return web_ask(stream, port, target, headers);
+  return web_ask(stream, port, target, headers, method);
 }
 
 // A page's WebSocket. Every wait ends.
@@ -122,11 +124,11 @@ class WebPageOver {
         "Upgrade: websocket\r\nConnection: upgrade\r\nSec-WebSocket-Version: 13\r\n"
         "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: ";
     constexpr bool kTls = std::is_same_v<Bytes, TlsBytes>;
-    const auto get = kTls ? tls_get : web_get;
-    return std::to_string(get(port, asks.target,
-                              "Host: " + asks.host + "\r\nOrigin: " + asks.origin + "\r\nCookie: " +
-                                  asks.cookie + "\r\n" + upgrade + asks.protocol + "\r\n")
-                              .status);
+    const std::string head = "Host: " + asks.host + "\r\nOrigin: " + asks.origin +
+                             "\r\nCookie: " + asks.cookie + "\r\n" + upgrade + asks.protocol +
+                             "\r\n";
+    return std::to_string(
+        (kTls ? tls_get(port, asks.target, head) : web_get(port, asks.target, head)).status);
   }
   bool say(const std::string& text) {
     beast::error_code error;

@@ -8,6 +8,7 @@
 namespace handrail {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -196,34 +197,57 @@ TEST_F(RemoteAccessTest, NobodyIsInWithoutALinkAndNoKeyIsPrinted) {
   EXPECT_THAT(*access.refusal().body, HasSubstr("handrail keys link"));
 }
 
-TEST_F(RemoteAccessTest, ATokenIsHandedOnOfAGetOfTheFirstPageAlone) {
-  const auto shows = judged(own(std::string("/?once=") + kToken));
-  EXPECT_EQ(shows.verdict, Verdict::kShowsLink);
-  EXPECT_EQ(shows.token, kToken);
-  WebRequest head = own(std::string("/?once=") + kToken);
+TEST_F(RemoteAccessTest, ALinkIsOpenedByTheButtonOfTheFirstPageAlone) {
+  const std::string target = std::string("/?once=") + kToken;
+  EXPECT_EQ(judged(own(target)).verdict, Verdict::kLooksAtLink) << "a message's preview";
+  WebRequest head = own(target);
   head.method = "HEAD";
-  EXPECT_EQ(judged(head).verdict, Verdict::kRefused) << "one that only looks uses nothing up";
-  WebRequest foreign = own(std::string("/?once=") + kToken);
-  foreign.host = "evil.example:47004";
-  EXPECT_EQ(judged(foreign).verdict, Verdict::kRefused);
-  EXPECT_EQ(judged(own("/?once=" + std::string(65, 'a'))).verdict, Verdict::kRefused);
-  EXPECT_EQ(judged(own(std::string("/x?once=") + kToken)).verdict, Verdict::kRefused);
+  EXPECT_EQ(judged(head).verdict, Verdict::kRefused);
+  WebRequest button = own(target);
+  button.method = "POST";
+  for (const char* origin : {"", "null", "https://evil.example", "http://desk.example.org:47004"}) {
+    button.origin = origin;
+    EXPECT_EQ(judged(button).verdict, Verdict::kRefused) << origin;
+  }
+  button.origin = "https://desk.example.org:47004";
+  EXPECT_EQ(judged(button).verdict, Verdict::kOpensLink);
+  EXPECT_EQ(judged(button).token, kToken);
+  button.target = "/?once=" + std::string(65, 'a');
+  EXPECT_EQ(judged(button).verdict, Verdict::kRefused);
+  button.target = std::string("/x?once=") + kToken;
+  EXPECT_EQ(judged(button).verdict, Verdict::kRefused);
+  button.target = target;
+  button.host = "evil.example:47004";
+  EXPECT_EQ(judged(button).verdict, Verdict::kRefused);
 }
 
-TEST_F(RemoteAccessTest, ASessionHasTheRoleOfItsLinkUntilTheDayIsOver) {
-  const WebAnswer in = access.let_in({true, "aaaaaa"}, "secret1", kNow);
-  EXPECT_EQ(in.status, 200u) << "led on by a page: a cookie of a redirect would not be sent";
+TEST_F(RemoteAccessTest, ThePageOfALinkPostsToItselfAndRunsNothing) {
+  const WebAnswer page = Access::link_page();
+  EXPECT_THAT(*page.body, HasSubstr("<form method=\"post\"><button"));
+  EXPECT_THAT(*page.body, Not(HasSubstr("<script")));
+  EXPECT_THAT(page.more,
+              Contains(Pair("Content-Security-Policy",
+                            AllOf(HasSubstr("default-src 'none'"), HasSubstr("form-action 'self'"),
+                                  HasSubstr("frame-ancestors 'none'")))));
+  EXPECT_THAT(page.more, Contains(Pair("Referrer-Policy", "same-origin")))
+      << "with no-referrer a browser's POST says Origin null";
+}
+
+TEST_F(RemoteAccessTest, ASessionHasTheRoleOfItsLinkUntilItIsOver) {
+  const WebAnswer in = access.let_in({true, "aaaaaa"}, "secret1", kNow + kSecond);
+  EXPECT_EQ(in.status, 303u);
+  EXPECT_THAT(in.more, Contains(Pair("Location", "/")));
   EXPECT_THAT(in.more, Contains(Pair("Set-Cookie",
                                      "handrail-console-47004=secret1; HttpOnly; SameSite=Strict; "
                                      "Path=/; Secure")));
-  (void)access.let_in({false, "bbbbbb"}, "secret2", kNow + kSecond);
+  (void)access.let_in({false, "bbbbbb"}, "secret2", kNow + 2 * kSecond);
   const auto observer = judged(own("/", "secret1"));
   EXPECT_EQ(observer.verdict, Verdict::kIn);
   EXPECT_TRUE(observer.guest.observes);
   EXPECT_EQ(observer.guest.link, "aaaaaa");
   EXPECT_FALSE(judged(own("/", "secret2")).guest.observes);
   EXPECT_EQ(judged(own("/", "secret")).verdict, Verdict::kRefused);
-  const Nanos over = kNow + Access::kSessionLife;
+  const Nanos over = kNow + kSecond;
   EXPECT_EQ(judged(own("/", "secret1"), over).verdict, Verdict::kRefused);
   EXPECT_EQ(judged(own("/", "secret2"), over).verdict, Verdict::kIn);
   EXPECT_FALSE(access.holds({true, "aaaaaa"}, over));
@@ -231,8 +255,8 @@ TEST_F(RemoteAccessTest, ASessionHasTheRoleOfItsLinkUntilTheDayIsOver) {
 }
 
 TEST_F(RemoteAccessTest, ASessionEndsWithItsLink) {
-  (void)access.let_in({false, "aaaaaa"}, "secret1", kNow);
-  (void)access.let_in({false, "bbbbbb"}, "secret2", kNow);
+  (void)access.let_in({false, "aaaaaa"}, "secret1", kNow + kSecond);
+  (void)access.let_in({false, "bbbbbb"}, "secret2", kNow + kSecond);
   access.keep_only({"bbbbbb", "cccccc"});
   EXPECT_EQ(judged(own("/", "secret1")).verdict, Verdict::kRefused);
   EXPECT_FALSE(access.holds({false, "aaaaaa"}, kNow));
@@ -241,14 +265,14 @@ TEST_F(RemoteAccessTest, ASessionEndsWithItsLink) {
 
 TEST_F(RemoteAccessTest, TheOldestSessionGoesWhereThereAreTooMany) {
   for (std::size_t i = 0; i <= Access::kMostSessions; ++i) {
-    (void)access.let_in({}, "secret" + std::to_string(i), kNow);
+    (void)access.let_in({}, "secret" + std::to_string(i), kNow + kSecond);
   }
   EXPECT_EQ(judged(own("/", "secret0")).verdict, Verdict::kRefused);
   EXPECT_EQ(judged(own("/", "secret1")).verdict, Verdict::kIn);
 }
 
 TEST_F(RemoteAccessTest, TheOriginIsTheEncryptedOne) {
-  (void)access.let_in({}, "secret", kNow);
+  (void)access.let_in({}, "secret", kNow + kSecond);
   WebRequest socket = own("/ws", "secret");
   socket.wants_socket = true;
   for (const char* origin : {"", "http://desk.example.org:47004", "https://desk.example.org",

@@ -12,6 +12,7 @@ namespace handrail {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
@@ -45,7 +46,7 @@ class Played : public PageSink, public MasterOrders {
 class PageDeskTest : public ::testing::Test {
  protected:
   explicit PageDeskTest(bool observe = false)
-      : desk(played, played, {observe, "1.2", "console", "/run/op.sock"}) {
+      : desk(played, played, {observe, "1.2", "console", "/run/op.sock", {"gearshift", "plane"}}) {
     desk.opened(1, false, now);
     desk.opened(2, false, now);
   }
@@ -92,6 +93,8 @@ TEST_F(PageDeskTest, GreetsEachPageWithWhoItIsAndWhatTheLimitsAre) {
   EXPECT_EQ(greeting.leader(), 0u);
   EXPECT_EQ(greeting.role(), pb::Hello::OPERATOR);
   EXPECT_EQ(greeting.name(), "console");
+  EXPECT_EQ(greeting.master(), "/run/op.sock");
+  EXPECT_THAT(greeting.scene(), ElementsAre("gearshift", "plane"));
   EXPECT_EQ(greeting.limits().pages_most(), 50u);
   EXPECT_EQ(greeting.limits().status_hz(), 60.0);
 }

@@ -57,9 +57,9 @@ export function whatIsMissing(facts, { retryAt, refusal }) {
   const since = `no news since ${clock(facts.trueAtDate)}`;
   if (!facts.connected) {
     const wait = Math.max(0, Math.ceil((retryAt - performance.now()) / 1000));
-    if (refusal === 403) return `The gateway was started anew, or the link of this page has ended (${since}): open the address that it printed, or a new link.`;
+    if (refusal === 403) return `The gateway was started anew, or the link of this page has ended (${since}): open the address that it printed (READY url=…), or a new link (handrail keys link).`;
     if (refusal >= 200) return `The gateway lets no further page in: close one (${since}). Trying again ${wait > 0 ? `in ${wait} s` : 'now'}.`;
-    return `The gateway does not answer: is handrail-console running? ${since}. Trying again ${wait > 0 ? `in ${wait} s` : 'now'}.`;
+    return `The gateway does not answer (${since}): is handrail-console running? One that was started anew has printed a new address: open that. Trying again ${wait > 0 ? `in ${wait} s` : 'now'}.`;
   }
   if (facts.problem) return `${facts.problem} (${since})`;
   if (facts.hasStatus && facts.age() > OLD_MS) return `N${since.slice(1)}: what you see is old.`;
