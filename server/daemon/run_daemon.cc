@@ -8,6 +8,7 @@
 #include <exception>
 #include <mutex>
 #include <new>
+#include <string>
 
 #include "server/base/output.h"
 #include "server/base/signals.h"
@@ -23,6 +24,24 @@ void complain(const std::string& program, const char* why) {
   std::fprintf(stderr,
                "%s: the system refuses what it needs: %s; `ulimit -a` shows the limits it has\n",
                program.c_str(), why);
+}
+
+// Who says so where an exception can reach no handler.
+std::string running_program;
+std::terminate_handler usual_end = nullptr;
+
+// Functions of libraries that must not throw end the program where they find no memory; protobuf's
+// descriptors are built in one.
+[[noreturn]] void end_by_an_exception() {
+  try {
+    if (const std::exception_ptr thrown = std::current_exception()) std::rethrow_exception(thrown);
+  } catch (const std::bad_alloc&) {
+    complain(running_program, "not enough memory");
+    std::_Exit(kFailed);
+  } catch (...) {
+  }
+  usual_end();
+  std::abort();
 }
 
 // glibc looks for a library the first time that an exception passes one of its own functions, as in
@@ -53,6 +72,8 @@ int fail_start(const std::string& program, const std::string& why) {
 
 int run_daemon(const std::string& program, const std::function<int()>& work) {
   int code = kFailed;
+  running_program = program;
+  usual_end = std::set_terminate(end_by_an_exception);
   try {
     have_exceptions_pass_glibc();
     code = work();

@@ -26,7 +26,8 @@ class Announcement {
 int fail_start(const std::string& program, const std::string& why);
 
 // `work` is all that a daemon does, its log included; its exit code. What the system refuses there
-// (descriptors, memory, threads) is said on standard error, and the code is 1. To be called last in
+// (descriptors, memory, threads) is said on standard error, and the code is 1; memory also where
+// a library cannot hand the refusal on. To be called last in
 // main: may end the process itself.
 int run_daemon(const std::string& program, const std::function<int()>& work);
 
