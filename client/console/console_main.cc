@@ -25,6 +25,7 @@
 #include "server/base/signals.h"
 #include "server/base/version.h"
 #include "server/daemon/daemon_log.h"
+#include "server/daemon/descriptors.h"
 #include "server/daemon/errand.h"
 #include "server/daemon/run_daemon.h"
 #include "server/keys/key_folder.h"
@@ -37,6 +38,8 @@ namespace handrail {
 namespace {
 
 constexpr char kProgram[] = "handrail-console";
+// Beside the connections: its log, its listener, the master's sockets, the files it reads.
+constexpr std::size_t kOwnDescriptors = 64;
 
 Site page_of(const ConsoleArgs& args) {
   std::vector<std::string> folders = {args.page};
@@ -175,6 +178,7 @@ int serve(const ConsoleArgs& args) {
   KeyFollower keys(args);
   auto identity = ConsoleIdentity::of(args);
   if (!identity) return fail_start(kProgram, identity.message());
+  raise_descriptor_limit(WebServer::kMostConnections + kOwnDescriptors);
   boost::asio::io_context io;
   WebServer server(io);
   // What these two have in hand comes while the context runs: the desk is there by then.

@@ -55,7 +55,12 @@ struct WebServer::Parts {
   // False: none, as all have only just come.
   bool make_room();
   void forget(const Connection* connection);
-  void drop(const std::shared_ptr<Connection>& connection);
+  void drop(std::shared_ptr<Connection> connection);
+  // Null: it is gone.
+  std::shared_ptr<Connection> page(PageId id) const {
+    const auto found = pages.find(id);
+    return found == pages.end() ? nullptr : found->second;
+  }
 
   asio::io_context& io;
   WebApplication* application = nullptr;
@@ -178,13 +183,11 @@ void WebServer::Connection::asked(Error error) {
   if (error == http::error::header_limit || error == http::error::buffer_overflow) {
     return answer(plain_answer(431, "the head of a request has at most 8 KiB\n"), "");
   }
-  if (error == http::error::body_limit) {
+  const bool has_body = !error && (parser_.content_length().value_or(0) != 0 || parser_.chunked());
+  if (has_body || error == http::error::body_limit) {
     return answer(plain_answer(413, "a request has no body here\n"), "");
   }
   if (error) return close();
-  if (parser_.content_length().value_or(0) != 0 || parser_.chunked()) {
-    return answer(plain_answer(413, "a request has no body here\n"), "");
-  }
   const WebRequest request = request_of();
   if (!request.wants_socket) {
     return answer(parts_.application->answer(request), request.host);
@@ -252,12 +255,15 @@ void WebServer::Connection::become_page(const WebApplication::Admission& admissi
   socket_->read_message_max(kMostFrame);
   socket_->auto_fragment(false);
   socket_->control_callback([this](websocket::frame_type, beast::string_view) { count_control(); });
-  socket_->async_accept(parser_.get(), [self = shared_from_this(), admission](Error error) {
+  // It counts from here on; its frames wait until it has its answer.
+  page_ = parts_.next_page++;
+  parts_.pages[page_] = shared_from_this();
+  writing_ = true;
+  parts_.application->opened(page_, admission.protocol, from_, admission.guest);
+  socket_->async_accept(parser_.get(), [self = shared_from_this()](Error error) {
     if (error) return self->close();
-    self->page_ = self->parts_.next_page++;
-    self->parts_.pages[self->page_] = self;
-    self->parts_.application->opened(self->page_, admission.protocol, self->from_, admission.guest);
     self->read();
+    self->write();
   });
 }
 
@@ -280,6 +286,8 @@ void WebServer::Connection::read() {
 }
 
 void WebServer::Connection::write() {
+  writing_ = false;
+  if (ending_) return say_end();
   auto item = outbox_.next();
   if (!item || page_ == 0) return;
   writing_ = true;
@@ -288,10 +296,8 @@ void WebServer::Connection::write() {
   limit_time();
   socket_->async_write(asio::buffer(*on_its_way_),
                        [self = shared_from_this()](Error error, std::size_t) {
-                         self->writing_ = false;
                          self->slow_.cancel();
                          if (error) return self->close();
-                         if (self->ending_) return self->say_end();
                          self->write();
                        });
 }
@@ -312,7 +318,10 @@ void WebServer::Parts::accept() {
   if (connections.size() >= kMostConnections && !make_room()) return accept_later();
   acceptor.async_accept([this](Error error, tcp::socket socket) {
     if (error == asio::error::operation_aborted || !acceptor.is_open()) return;
-    if (error) return accept_later();  // no descriptors are left, for one
+    if (error) {  // no descriptors are left, for one
+      (void)make_room();
+      return accept_later();
+    }
     connections.push_back(std::make_shared<Connection>(std::move(socket), *this));
     const auto kept = connections.back();  // it may end at once
     kept->begin();
@@ -340,12 +349,8 @@ bool WebServer::Parts::make_room() {
          drop_first([&](const auto& each) { return each->page() == 0 && each->came() < early; });
 }
 
-void WebServer::Parts::drop(const std::shared_ptr<Connection>& connection) {
-  // It is in the list that closing takes it from.
-  auto kept = connection;
-  kept->close();
-  kept.reset();
-}
+// A copy: closing takes it from the list that it is in.
+void WebServer::Parts::drop(std::shared_ptr<Connection> connection) { connection->close(); }
 
 void WebServer::Parts::forget(const Connection* connection) {
   connections.remove_if([&](const auto& each) { return each.get() == connection; });
@@ -382,17 +387,11 @@ void WebServer::close() {
 }
 
 void WebServer::send(PageId page, SharedText frame, bool binary, FrameWorth worth) {
-  const auto found = parts_->pages.find(page);
-  if (found == parts_->pages.end()) return;
-  const auto kept = found->second;
-  kept->put({std::move(frame), binary, worth});
+  if (const auto found = parts_->page(page)) found->put({std::move(frame), binary, worth});
 }
 
 void WebServer::end(PageId page, std::uint16_t code, const std::string& why) {
-  const auto found = parts_->pages.find(page);
-  if (found == parts_->pages.end()) return;
-  const auto kept = found->second;
-  kept->end(code, why);
+  if (const auto found = parts_->page(page)) found->end(code, why);
 }
 
 std::size_t WebServer::connections() const { return parts_->connections.size(); }

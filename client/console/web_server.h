@@ -24,7 +24,8 @@ namespace handrail {
 // answer a ping, is let go. All methods in the thread that runs the io_context.
 class WebServer final : public PageSink {
  public:
-  static constexpr std::size_t kMostConnections = 512;
+  // A thousand at once, and those that are inside.
+  static constexpr std::size_t kMostConnections = 1200;
   static constexpr std::uint32_t kMostHeader = 8u << 10;  // [bytes]
   static constexpr std::uint32_t kMostFrame = 64u << 10;  // [bytes]
   static constexpr int kMostControls = 20;                // pings and pongs of a page in a second

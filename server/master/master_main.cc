@@ -2,8 +2,6 @@
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <future>
@@ -21,6 +19,7 @@
 #include "server/base/signals.h"
 #include "server/base/units.h"
 #include "server/daemon/daemon_main.h"
+#include "server/daemon/descriptors.h"
 #include "server/daemon/errand.h"
 #include "server/link/secure/secure_transport.h"
 #include "server/link/unix_transport.h"
@@ -47,15 +46,6 @@ const char kWhat[] =
     "The operator's side: haptic device, virtual tools and forces at 1 kHz; sends the command to\n"
     "the slave and takes orders on a Unix socket, and where asked to over TLS. SIGTERM\n"
     "disengages, then exits.";
-
-// A thousand clients need more than the thousand descriptors a shell grants at first.
-void raise_descriptor_limit() {
-  rlimit limit{};
-  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
-  const rlim_t wanted = std::min<rlim_t>(limit.rlim_max, 2 * OperatorServer::kMaxClients);
-  limit.rlim_cur = std::max(limit.rlim_cur, wanted);
-  ::setrlimit(RLIMIT_NOFILE, &limit);
-}
 
 int fail(const std::string& message) { return fail_start("handrail-master", message); }
 
@@ -230,7 +220,7 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
 
   DaemonNews news;
   Errand<Result<Scene>> scenes;
-  raise_descriptor_limit();
+  raise_descriptor_limit(2 * OperatorServer::kMaxClients);
   auto boxes = std::make_unique<MasterMailboxes>();
   OrderDeskOptions desk_options = desk_of(config, capabilities);
   desk_options.identity.log_lost = [&log] { return log.lost(); };

@@ -160,7 +160,7 @@ TEST_F(FullDisk, UnderTheOperatorsCommands) {
   start_master();
   std::set<std::string> listed;
   const std::string at = " --socket " + socket();
-  for (const std::string words : {"status", "why", "lease show", "scene list"}) {
+  for (const std::string words : {"status", "why", "lease show", "scene list", "tool list"}) {
     listed.insert(words);
     expect_told("handrail", words + at);
     expect_told("handrail", words + " --json" + at);

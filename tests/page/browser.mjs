@@ -35,3 +35,17 @@ export async function open(browser, url, { width = 1280, height = 720, theme = '
 export const until = (page, check, argument) => page.waitForFunction(check, argument, { timeout: 20000, polling: 50 });
 
 export const text = (page, id) => page.locator(`#${id}`).textContent();
+
+/** Engages as a person does: the order, then the hand; again, where a busy machine lets the cursor come too late. */
+export async function engage(page) {
+  for (let i = 0; i < 6; ++i) {
+    await page.keyboard.up('Shift');
+    await page.keyboard.press('r'); // refused where nothing is latched
+    await page.waitForTimeout(300);
+    await page.keyboard.press('e');
+    await page.keyboard.down('Shift');
+    const engaged = () => document.querySelector('#state').textContent === 'engaged' && !document.querySelector('.waits');
+    if (await page.waitForFunction(engaged, null, { timeout: 4000 }).catch(() => null)) return;
+  }
+  throw new Error(`not engaged: ${await text(page, 'why')} ${await text(page, 'said')}`);
+}

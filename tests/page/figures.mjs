@@ -8,7 +8,7 @@ import https from 'node:https';
 import net from 'node:net';
 import { createInterface } from 'node:readline';
 import { fileURLToPath } from 'node:url';
-import { open, until } from './browser.mjs';
+import { engage, open, until } from './browser.mjs';
 
 export const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 export const quantile = (values, share) => {
@@ -175,6 +175,28 @@ export async function crowd(programs, url, { count = 1000, rounds = 3, seconds =
     later.push(JSON.parse((await lines.next()).value));
   }
   return { without, with: with_, first, later };
+}
+
+/** Pictures of the arm that are drawn in a second while the hand leads it, without a graphics card: a value each second. */
+export async function pictures(browser, url, seconds = 10) {
+  const page = await open(browser, url);
+  await page.goto(new URL('/?stats', url).href);
+  await until(page, () => document.querySelector('#state').textContent === 'off');
+  await engage(page);
+  await page.keyboard.press('l');
+  const drawn = () => page.evaluate(() => [Number(document.querySelector('#stats').dataset.drawn), performance.now()]);
+  const rates = [];
+  for (let i = 0, last = await drawn(); i < seconds; ++i) {
+    const key = i % 2 ? 'ArrowLeft' : 'ArrowRight';
+    await page.keyboard.down(key);
+    await pause(1000);
+    await page.keyboard.up(key);
+    const [count, at] = await drawn();
+    rates.push((1000 * (count - last[0])) / (at - last[1]));
+    last = [count, at];
+  }
+  await page.context().close();
+  return rates;
 }
 
 const memory = async (pid) => Number(/VmRSS:\s+(\d+)/.exec(await readFile(`/proc/${pid}/status`, 'utf8'))[1]) / 1024;

@@ -1,23 +1,10 @@
 // The page with the real programs, leading the simulated arm; each of them is killed and started again.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { launch, open, text, until } from './browser.mjs';
+import { engage, launch, open, text, until } from './browser.mjs';
 import { Programs } from './programs.mjs';
 
 const is = (page, id, wanted) => until(page, ([node, value]) => new RegExp(value).test(document.getElementById(node).textContent), [id, wanted]);
-/** Engages as a person does: the order, then the hand; again, where a busy machine lets the cursor come too late. */
-const engage = async (page) => {
-  for (let i = 0; i < 6; ++i) {
-    await page.keyboard.up('Shift');
-    await page.keyboard.press('r'); // refused where nothing is latched
-    await page.waitForTimeout(300);
-    await page.keyboard.press('e');
-    await page.keyboard.down('Shift');
-    const engaged = () => document.querySelector('#state').textContent === 'engaged' && !document.querySelector('.waits');
-    if (await page.waitForFunction(engaged, null, { timeout: 4000 }).catch(() => null)) return;
-  }
-  assert.fail(`not engaged: ${await text(page, 'why')} ${await text(page, 'said')}`);
-};
 const tip = (page) => page.evaluate(() => {
   const { tipX, tipY } = document.querySelector('#stats').dataset;
   return [Number(tipX), Number(tipY)];

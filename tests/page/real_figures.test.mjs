@@ -47,10 +47,9 @@ test('AThousandPagesAtOnceAreLetInOrTurnedAway', async (t) => {
   const { first, later, ...loop } = await crowd(cell.programs, cell.url, { rounds: 2, seconds: 3 });
   t.diagnostic(`${JSON.stringify({ first, later, loop })}, load ${loadavg()[0]}`);
   for (const { counts, slowest } of first) {
-    // Where a starved client takes longer than a tenth of a second to say what it wants it is hung up on.
-    const { in: inside = 0, '503 50 pages are open, and more are not served: close one': refused = 0, 'socket hang up': dropped = 0 } = counts;
-    assert.ok(inside >= 50 && refused >= 100 && inside + refused + dropped === 1000, JSON.stringify(counts));
-    assert.ok(slowest < 30000, 'ms: 2 s are asked, by an idle machine');
+    const { in: inside = 0, '503 50 pages are open, and more are not served: close one': refused = 0 } = counts;
+    assert.ok(inside <= 50 && inside >= 40 && inside + refused === 1000, JSON.stringify(counts));
+    assert.ok(slowest < 2000 * BUSY, `${slowest} ms`);
   }
   assert.ok(quantile(loop.with, 0.5) < quantile(loop.without, 0.5) + 5000, 'us');
 });

@@ -29,12 +29,24 @@ const another = async (options = {}) => {
   await until(page, () => document.querySelector('#state')?.textContent !== '–');
   return page;
 };
+/** What `read` says once it says the same for a third of a second, something, and not `other`. */
+const settled = async (read, other) => {
+  let last = await read(), same = 0;
+  for (let i = 0; i < 200 && same < 7; ++i) {
+    await pause(50);
+    const now = await read();
+    same = now && now === last && now !== other ? same + 1 : 0;
+    last = now;
+  }
+  assert.ok(same >= 7, `${last} after ${other}`);
+  return last;
+};
 
 // News.
 
 test('OldDataTurnRedAndSaySinceWhen', async () => {
   const page = await start();
-  assert.equal(await page.locator('#age-fact').getAttribute('data-mood'), 'good');
+  await until(page, () => document.querySelector('#age-fact')?.getAttribute('data-mood') === 'good');
   gateway.silent = true;
   await notice(page, /[Nn]o news since \d\d:\d\d:\d\d/);
   assert.equal(await page.locator('#age-fact').getAttribute('data-mood'), 'bad');
@@ -149,6 +161,29 @@ test('AnotherSceneShowsWithoutAReload', async () => {
   await until(page, () => !document.querySelector('#frame2d')?.hidden);
   assert.equal(await page.locator('#frame3d').isVisible(), false);
   assert.equal(await page.locator('#tools-card').isVisible(), false);
+});
+
+test('AMapThatComesLateDoesNotReplaceTheNextScenes', async () => {
+  const page = await start({ scene: 'gearshift' });
+  const shows = (query) => {
+    const { scene } = gateway.master;
+    for (const each of gateway.pages.keys()) gateway.send(each, { scene: { ...scene, map: { ...scene.map, picture: `/scene/map.png${query}` } } });
+  };
+  const between = () => page.evaluate(() => {
+    const canvas = document.querySelector('#canvas2d');
+    const scale = Number(canvas.dataset.scale);
+    // Between two aisles [mm]; nothing before the first picture.
+    return scale > 0 && canvas.getContext('2d').getImageData(canvas.width / 2 + 20 * scale, canvas.height / 2 - 30 * scale, 1, 1).data.join();
+  });
+  const wall = await settled(between);
+  let release;
+  gateway.holds.set('?late', new Promise((resolve) => (release = resolve)));
+  shows('?late');
+  shows('?blank');
+  const free = await settled(between, wall);
+  release();
+  await pause(500);
+  assert.equal(await between(), free);
 });
 
 test('TheScenesToLoadAreThoseThatTheGatewayFound', async () => {

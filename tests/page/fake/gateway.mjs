@@ -27,6 +27,8 @@ export class FakeGateway {
     this.mute = false;
     /** Lets nobody in, as one that was started anew: with this HTTP status. */
     this.refuses = 0;
+    /** What a picture waits for: its query -> a promise. */
+    this.holds = new Map();
   }
 
   async listen(port = 0) {
@@ -49,9 +51,11 @@ export class FakeGateway {
   }
 
   async serve(request, response) {
-    const { pathname } = new URL(request.url, 'http://x');
+    const { pathname, search } = new URL(request.url, 'http://x');
     if (this.refuses) return response.writeHead(this.refuses).end();
     const headers = { 'Content-Security-Policy': CSP, 'X-Content-Type-Options': 'nosniff' };
+    if (pathname === '/scene/map.png') await this.holds.get(search);
+    if (search === '?blank') return response.writeHead(200, { ...headers, 'Content-Type': 'image/png' }).end(gearshiftPng(() => true));
     if (pathname === '/scene/map.png') return response.writeHead(200, { ...headers, 'Content-Type': 'image/png' }).end(gearshiftPng());
     const name = pathname === '/' ? 'index.html' : pathname.slice(1);
     if (!/^(index\.html|app\.js|app\.css|icon\.svg)$/.test(name)) return response.writeHead(404, headers).end();

@@ -46,13 +46,14 @@ function chunk(name, body) {
   return Buffer.concat([out.subarray(0, 4), typed, out.subarray(4)]);
 }
 
-export function gearshiftPng() {
+/** The picture; or one in which `isFree` says what is free. */
+export function gearshiftPng(isFree = free) {
   const rows = Buffer.alloc(PIXELS * (1 + 3 * PIXELS));
   for (let row = 0, at = 0; row < PIXELS; ++row) {
     rows[at++] = 0;
     for (let column = 0; column < PIXELS; ++column) {
       const x = ((column + 0.5) / PIXELS - 0.5) * SIZE_MM, y = (0.5 - (row + 0.5) / PIXELS) * SIZE_MM;
-      for (const value of free(x, y) ? GATE : WALL) rows[at++] = value;
+      for (const value of isFree(x, y) ? GATE : WALL) rows[at++] = value;
     }
   }
   const head = Buffer.alloc(13);

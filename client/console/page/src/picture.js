@@ -161,6 +161,6 @@ export class Picture {
     const { calls = 0, triangles = 0, drawn = 0 } = this.facts.isWalls ? {} : this.view3d?.cost() ?? {};
     setText(node, `${calls} draw calls, ${triangles} triangles, ${this.times.length} pictures/s, ${drawn} drawn`);
     const { x = 0, y = 0 } = this.view3d?.tipOnScreen() ?? {};
-    Object.assign(node.dataset, { calls, triangles, rate: this.times.length, tipX: x, tipY: y });
+    Object.assign(node.dataset, { calls, triangles, drawn, tipX: x, tipY: y });
   }
 }

@@ -6,6 +6,7 @@
 /** @typedef {import('../link/wire.d.ts').Vec} Vec */
 
 const PERIOD_MS = 10; // 100 a second: the gateway takes 60 to 125
+const LEAST_MS = 8; // between two of these: a move that comes later than this after the last is told at once
 const RETURN_FRAMES = 50; // the device is back within its two lags of 16 ms; the rest is patience
 
 export class Cursor {
@@ -29,6 +30,7 @@ export class Cursor {
     /** Whether a hand that was let go goes back to the middle, as the arm then holds. @type {() => boolean} */
     this.returns = () => false;
     this.timer = 0;
+    this.sentAt = -Infinity;
     deadMan.onChange((held) => (held ? this.take() : this.letGo()));
   }
 
@@ -40,7 +42,7 @@ export class Cursor {
     this.takenAt = performance.now();
     window.clearInterval(this.timer);
     this.send();
-    this.timer = window.setInterval(() => this.send(), PERIOD_MS);
+    this.timer = window.setInterval(() => this.sendWhereDue(), PERIOD_MS);
   }
 
   /** Says so at once; then, where the hand returns, it has all of its work space again when it is taken anew. */
@@ -78,6 +80,7 @@ export class Cursor {
       const most = this.half[i] ?? 0;
       return Math.max(-most, Math.min(most, value));
     });
+    if (this.held) this.sendWhereDue();
   }
 
   /** @param {Vec} by rotation vector [deg], M; small */
@@ -88,7 +91,12 @@ export class Cursor {
     this.rotation = size > most ? sum.map((value) => (value * most) / size) : sum;
   }
 
+  sendWhereDue() {
+    if (performance.now() - this.sentAt >= LEAST_MS) this.send();
+  }
+
   send() {
+    this.sentAt = performance.now();
     this.sequence += 1;
     this.gateway.send({
       hand: {

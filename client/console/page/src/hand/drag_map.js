@@ -1,5 +1,7 @@
 // Dragging the lever of a scene of walls, by mouse, pen or finger: held while pressed.
 
+import { onPointerMove } from './pointer_move.js';
+
 /**
  * @param {HTMLElement} canvas
  * @param {{cursor: import('./cursor.js').Cursor, deadMan: import('./dead_man.js').DeadMan,
@@ -18,7 +20,7 @@ export function dragMap(canvas, { cursor, deadMan, mayHold, scale }) {
     deadMan.hold('pointer');
     drag = { id: event.pointerId, x: event.clientX, y: event.clientY, from: [...cursor.position] };
   });
-  canvas.addEventListener('pointermove', (event) => {
+  onPointerMove(canvas, (event) => {
     if (!drag || event.pointerId !== drag.id || !deadMan.held) return;
     const [x = 0, y = 0, z = 0] = drag.from;
     cursor.moveTo([x + (event.clientX - drag.x) / scale(), y - (event.clientY - drag.y) / scale(), z]);

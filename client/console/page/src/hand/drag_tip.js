@@ -1,6 +1,8 @@
 // Dragging the arm's tip in the picture: across the screen, by the wheel toward the eye and away, with
 // Ctrl to turn. Held while pressed. What is not the tip is left to the camera.
 
+import { onPointerMove } from './pointer_move.js';
+
 /** @typedef {import('../link/wire.d.ts').Vec} Vec */
 
 const GRAB_PX = 30; // a finger's width about the tip
@@ -75,7 +77,7 @@ export function dragTip(frame, { cursor, deadMan, mayHold, view, mapping }) {
     deadMan.letGo('pointer');
   };
   frame.addEventListener('pointerdown', press, { capture: true });
-  frame.addEventListener('pointermove', move, { capture: true });
+  onPointerMove(frame, move, { capture: true });
   frame.addEventListener('wheel', wheel, { capture: true, passive: false });
   for (const kind of ['pointerup', 'pointercancel', 'lostpointercapture']) {
     frame.addEventListener(kind, (event) => end(/** @type {PointerEvent} */ (event)), { capture: true });

@@ -45,7 +45,7 @@ export class View2d {
 
   /** @param {Facts} facts */
   setScene(facts) {
-    this.image = this.painted = null;
+    this.image = this.painted = this.awaited = null;
     this.problem = '';
     this.shown = '';
     const picture = facts.scene.map?.picture;
@@ -55,10 +55,14 @@ export class View2d {
     }
     const image = new Image();
     image.onload = () => {
+      if (this.awaited !== image) return;
       this.image = image;
       this.paint(facts);
     };
-    image.onerror = () => (this.problem = 'this scene cannot be drawn: its map did not load');
+    image.onerror = () => {
+      if (this.awaited === image) this.problem = 'this scene cannot be drawn: its map did not load';
+    };
+    this.awaited = image;
     image.src = picture;
   }
 
