@@ -30,12 +30,13 @@ bool usable(const Vec3& moved, double dt, double most_way) {
 // same way. With 1 it would never catch up. Chosen; with 4 the suite shows the same within 1 %.
 constexpr double kReturn = 2.0;
 
-// `force` with `less` [N] taken from what of it pushes the way the hand goes, `push` [N] along the
-// unit `way`: the smallest change that does so.
-Governed reduced(const Vec3& force, const Vec3& way, double push, double less) {
+// `force` made smaller, so that it pushes the way the hand goes by `less` [N] less than by `push`
+// [N]. Its direction stays: what is taken from a slanted one along that way alone would push the
+// hand to the side.
+Governed reduced(const Vec3& force, double push, double less) {
   Governed out{force};
   if (!(less > 0.0)) return out;
-  out.force -= std::min(less, push) * way;
+  out.force *= 1.0 - std::min(less, push) / push;
   out.acted = true;
   return out;
 }
@@ -91,8 +92,10 @@ Governed EnergyGovernor::govern(const GovernorSettings& settings, const Rendered
   const double push = way > 0.0 ? force.wanted.dot(moved) / way : 0.0;
   if (push > 0.0 && force.stiffness > 0.0) {
     const double left = made_ * force.stiffness / size;  // spread over size / stiffness
-    const double made = (0.5 + settings.delay) * force.stiffness * way;
-    out = reduced(force.wanted, moved / way, push, made + left - taken / way);
+    // A wall's spring changes with the part of the way along its force alone.
+    const double along = push / size;
+    const double made = (0.5 + settings.delay) * force.stiffness * way * along * along;
+    out = reduced(force.wanted, push, made + left - taken / way);
     asked_ = out.force.norm();
   }
   out.made = made_;

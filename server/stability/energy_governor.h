@@ -35,7 +35,7 @@ struct RenderedForce {
 
 // What a tick of the governor came to.
 struct Governed {
-  Vec3 force = Vec3::Zero();  // what was wanted, less along the way the hand goes; no larger [N]
+  Vec3 force = Vec3::Zero();  // what was wanted or less, in its direction [N]
   double made = 0.0;          // energy that was made and not yet taken back, >= 0 [J]
   bool acted = false;
 };
@@ -90,8 +90,9 @@ class HandWay {
 // what a damper takes counts as taken, and what one makes as made. The device takes its own
 // friction and damping of it. The rest is taken back when the hand is next pushed: the force is
 // made smaller, by as much as this tick is about to make, and by what is left over, spread over the
-// spring's way to its rest. It is never larger or turned round, and a hand that presses or stands
-// meets all of it.
+// spring's way to its rest. It is never larger, and never turned: what a slanted way asked for
+// alone would push the hand to the side, and one that counts hunted along a wall by 1 mm. A hand
+// that presses or stands meets all of it.
 //
 // A spring that is touched, or left, within a tick is taken to begin or end on the way; one that
 // the device's limits cut off gives no more than they let pass. Tools and walls that move do work

@@ -213,6 +213,21 @@ test('TheLeverAndTheCursorComeApartAtAWall', async () => {
   await page.mouse.up();
 });
 
+test('ACursorIsToldAHundredAndTwentyFiveTimesASecondAtMostHoweverTheMouseMoves', async () => {
+  const page = await start({ scene: 'gearshift' });
+  const box = await page.locator('#canvas2d').boundingBox();
+  const go = (x) => page.mouse.move(box.x + box.width / 2 + x, box.y + box.height / 2);
+  await go(0);
+  await page.mouse.down();
+  await until(page, () => document.querySelector('#hold').textContent === 'hand held');
+  gateway.frames.length = 0;
+  const started = performance.now();
+  for (let i = 0; performance.now() - started < 2000; ++i) await go(i % 40);
+  const rate = gateway.hands.length / ((performance.now() - started) / 1000);
+  assert.ok(rate > 30 && rate <= 126, `${rate} a second`);
+  await page.mouse.up();
+});
+
 test('AFingerDragsTheLever', async () => {
   const page = await start({ scene: 'gearshift' });
   gateway.master.status.hand.position_mm = [0, 0, 0];

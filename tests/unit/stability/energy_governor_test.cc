@@ -172,6 +172,48 @@ TEST(EnergyGovernor, APressingHandMeetsAllOfTheForce) {
   for (int i = 0; i < 100; ++i) EXPECT_EQ(port.push(10e-3), -10.0);
 }
 
+// What a slanted way asked for alone would push the hand along the wall.
+TEST(EnergyGovernor, AForceThatIsMadeSmallerStaysInItsDirection) {
+  constexpr double kStiffness = 1000.0, kCount = 50e-6;  // [N/m], [m]
+  EnergyGovernor governor;
+  Vec3 at(0.5e-3, 0.0, 0.0), last = at;
+  int acted = 0;
+  for (int i = 0; i < 2000; ++i) {
+    // In counts of an encoder: into the wall and out of it, and along it now and then.
+    at.x() = kCount * std::round((0.5e-3 + 0.3e-3 * std::sin(0.01 * i)) / kCount);
+    at.y() = kCount * std::round(0.4e-3 * std::cos(0.007 * i) / kCount);
+    RenderedForce law;
+    law.springs = law.wanted = Vec3(-kStiffness * at.x(), 0.0, 0.0);
+    law.stiffness = kStiffness;
+    const Governed out = governor.govern(governed(), law, at - last, kTick);
+    last = at;
+    acted += out.acted;
+    EXPECT_EQ(out.force.y(), 0.0) << "tick " << i;
+    EXPECT_EQ(out.force.z(), 0.0) << "tick " << i;
+    governor.told(out.force);
+  }
+  EXPECT_GT(acted, 10);
+}
+
+// The spring changes with the part of the way along the force alone: at a slant of 1 : 10 by 1 % of
+// what it would straight out.
+TEST(EnergyGovernor, AHandThatSlidesAlongAWallIsLeftItsForce) {
+  constexpr double kStiffness = 1000.0, kDepth = 1e-3;  // [N/m], [m]
+  const Vec3 out_and_along = 20e-6 * Vec3(-0.1, 1.0, 0.0).normalized();
+  Vec3 at(kDepth, 0.0, 0.0);
+  EnergyGovernor governor;
+  for (int i = 0; i < 100; ++i) {
+    RenderedForce law;
+    law.springs = law.wanted = Vec3(-kStiffness * at.x(), 0.0, 0.0);
+    law.stiffness = kStiffness;
+    const Governed out =
+        governor.govern(governed(), law, i > 0 ? out_and_along : Vec3::Zero(), kTick);
+    EXPECT_GT(out.force.norm(), 0.99 * law.wanted.norm()) << "tick " << i;
+    governor.told(out.force);
+    at += out_and_along;
+  }
+}
+
 TEST(EnergyGovernor, ADampersWorkIsTakenUpToo) {
   Port port;
   port.settings = governed();
