@@ -161,6 +161,22 @@ for (const key of ['Escape', ' ']) {
   });
 }
 
+test('ToolsThatTheSceneNamesHaveAButtonAndADigitEach', async () => {
+  await start();
+  const node = page.locator('#named-tools button');
+  await until(page, () => document.querySelectorAll('#named-tools button').length === 2);
+  assert.deepEqual(await node.allTextContents(), ['upright1', 'to <b>2'], 'names are text, whatever is in them');
+  await page.keyboard.press('1');
+  await ordered((o) => o.named_tool === 'upright');
+  await until(page, () => document.querySelector('[data-named="upright"]').getAttribute('aria-pressed') === 'true');
+  await node.nth(1).click();
+  await ordered((o) => o.named_tool === 'to <b>');
+  await until(page, () => document.querySelector('#tool-now').textContent === 'line + n-rotation');
+  await page.selectOption('#scene', 'gearshift');
+  await page.locator('#scene-load').click();
+  await until(page, () => document.querySelector('#named-tools').hidden);
+});
+
 test('StopsWhileAnotherOrderWaitsForItsAnswer', async () => {
   await start();
   gateway.mute = true;

@@ -34,6 +34,7 @@ export class FakeMaster {
     this.status = structuredClone(data(this.walls ? 'status_gear.json' : 'status_line.json'));
     Object.assign(this.status, { scene: name, state: 'off', desired: 'off', lease: {}, device: 'page' });
     if (!this.walls) for (const tool of ['position_tool', 'orientation_tool']) this.status[tool] = { kind: 'none' };
+    this.status.named_tool = this.walls ? [] : [{ name: 'upright', kind: 'n-rotation' }, { name: 'to <b>', kind: 'line' }];
   }
 
   /** @returns {string} why not; empty: done */
@@ -45,8 +46,17 @@ export class FakeMaster {
     else if (order.disengage || order.reset) Object.assign(status, { state: 'off', desired: 'off', reason: 'not engaged' });
     else if ('clutch' in order) status.state = status.desired = order.clutch ? 'clutched' : 'engaged';
     else if (order.tool) this.call(order.tool);
+    else if (order.named_tool) return this.callNamed(order.named_tool);
     else if (order.tool_off) status.position_tool = status.orientation_tool = { kind: 'none' };
     else if (order.scene_load) this.load(order.scene_load);
+    return '';
+  }
+
+  callNamed(name) {
+    const tool = this.status.named_tool.find((each) => each.name === name);
+    if (!tool) return `the scene names no tool '${name}'`;
+    this.call({ kind: tool.kind, direction: [0, 1, 0], normal: [0, 0, 1] });
+    this.status[tool.kind.includes('rotation') ? 'orientation_tool' : 'position_tool'].name = name;
     return '';
   }
 

@@ -11,7 +11,7 @@ export interface ToolGeometry {
   one_way?: boolean; quaternion?: Vec; axis_tip?: Vec;
 }
 export interface ToolStatus {
-  kind?: string; id?: number; blending?: boolean;
+  kind?: string; name?: string; id?: number; blending?: boolean;
   deviation_mm?: number; deviation_deg?: number; geometry?: ToolGeometry;
 }
 export interface WallStatus {
@@ -40,6 +40,7 @@ export interface Status {
   walls?: WallStatus; lease?: LeaseStatus; link_quality?: string; peer_quality?: string;
   ledger?: Ledger; peer?: { problem?: string; name?: string };
   joints_deg?: Vec; joints_commanded_deg?: Vec; haptic?: DeviceStatus;
+  named_tool?: { name?: string; kind?: string }[];
 }
 
 export interface StatusNews {
@@ -86,7 +87,7 @@ export interface Order {
   engage?: boolean; disengage?: boolean; clutch?: boolean; stop?: boolean; reset?: boolean;
   tool?: Tool; tool_off?: { position?: boolean; orientation?: boolean };
   scene_load?: string; stage?: string; lease?: { act: 'SHOW' | 'TAKE' | 'GRANT' | 'REFUSE' | 'RELEASE' };
-  hold?: boolean; approach?: boolean;
+  hold?: boolean; approach?: boolean; named_tool?: string;
 }
 export type LeadAct = 'TAKE' | 'TAKE_OVER' | 'RELEASE';
 export interface CursorOrder {

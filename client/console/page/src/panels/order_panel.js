@@ -14,7 +14,7 @@ const ORDER_KEYS = { KeyE: 'engage', KeyD: 'disengage', KeyC: 'clutch', KeyR: 'r
 /** @type {Record<string, Kind>} */
 const TOOL_KEYS = { KeyL: 'LINE', KeyP: 'PLANE', KeyO: 'POINT', KeyN: 'N_ROTATION', KeyF: 'F_ROTATION' };
 
-const all = () => /** @type {NodeListOf<HTMLButtonElement>} */ (document.querySelectorAll('[data-order], [data-tool]'));
+const all = () => /** @type {NodeListOf<HTMLButtonElement>} */ (document.querySelectorAll('[data-order], [data-tool], [data-named]'));
 
 export class OrderPanel {
   /**
@@ -36,6 +36,9 @@ export class OrderPanel {
     const keys = new Map();
     for (const [code, name] of Object.entries(ORDER_KEYS)) keys.set(code, () => this.byKey(`[data-order="${name}"]`));
     for (const [code, kind] of Object.entries(TOOL_KEYS)) keys.set(code, () => this.byKey(`[data-tool="${kind}"]`));
+    for (let i = 1; i <= 9; ++i) keys.set(`Digit${i}`, () => this.byKey(`#named-tools button:nth-child(${i})`));
+    /** The tools that the scene names, as they are shown. */
+    this.namedTools = '';
     orderKeys(keys);
   }
 
@@ -69,6 +72,12 @@ export class OrderPanel {
       case 'tool-off': return { tool_off: { position: true, orientation: true } };
       default:
     }
+    const approach = element('approach', HTMLInputElement).checked;
+    const { named } = node.dataset;
+    if (named) {
+      const turns = this.facts.status.named_tool?.find(({ name }) => name === named)?.kind?.endsWith('rotation');
+      return { named_tool: named, ...(approach && !turns ? { approach } : {}) };
+    }
     const kind = /** @type {Kind} */ (node.dataset.tool);
     const along = element('along', HTMLSelectElement).value;
     const made = toolOrder(this.facts, kind, along, element('one-way', HTMLInputElement).checked);
@@ -76,7 +85,7 @@ export class OrderPanel {
       this.say(made.refused, 'bad');
       return null;
     }
-    return element('approach', HTMLInputElement).checked ? { ...made.order, approach: true } : made.order;
+    return approach ? { ...made.order, approach } : made.order;
   }
 
   /** Directions that this scene offers. */
@@ -95,8 +104,28 @@ export class OrderPanel {
     element('one-way', HTMLInputElement).checked = element('along', HTMLSelectElement).value.startsWith('goal');
   }
 
+  /** A button for each tool that the scene names; the first nine have a digit. */
+  showNamedTools() {
+    const tools = this.facts.status.named_tool ?? [];
+    const names = JSON.stringify(tools);
+    if (names === this.namedTools) return;
+    this.namedTools = names;
+    box('named-tools').replaceChildren(...tools.map(({ name = '', kind = '' }, i) => {
+      const node = document.createElement('button');
+      node.type = 'button';
+      node.dataset.named = name;
+      node.append(name);
+      node.setAttribute('aria-label', `${name}, ${kind}`);
+      if (i < 9) node.append(Object.assign(document.createElement('kbd'), { textContent: String(i + 1) }));
+      node.addEventListener('click', () => this.press(node));
+      return node;
+    }));
+    show(box('named-tools'), tools.length > 0);
+  }
+
   update() {
     const { facts } = this;
+    this.showNamedTools();
     const blocked = whyNoOrders(facts);
     const walls = facts.isWalls ? 'walls for the hand alone: no arm takes part' : '';
     for (const node of all()) block(node, blocked || (node.dataset.order === 'reset' ? '' : walls));
@@ -125,6 +154,10 @@ export class OrderPanel {
     for (const node of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll('[data-tool]'))) {
       const kind = (node.dataset.tool ?? '').toLowerCase().replace('_', '-');
       node.setAttribute('aria-pressed', String(kinds.includes(kind)));
+    }
+    const names = [position?.name, orientation?.name];
+    for (const node of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll('[data-named]'))) {
+      node.setAttribute('aria-pressed', String(names.includes(node.dataset.named)));
     }
     setText(box('tool-now'), kinds.join(' + ') || 'none');
   }
