@@ -38,6 +38,20 @@ class ConsoleCell : public WholeCell {
   static std::string request(std::uint32_t id, const std::string& order) {
     return R"({"request": {"id": )" + std::to_string(id) + ", \"order\": " + order + "}}";
   }
+  // By a page that leads. Empty: engaged. A link that a busy machine disturbed is waited for.
+  template <typename Page>
+  std::string engage_by(Page& page, std::uint32_t id) {
+    for (const Nanos give_up = monotonic_now() + kPatience;;) {
+      const auto reply = page.ask(request(id, R"({"engage": true})"), id, kPatience);
+      if (!reply) return "no answer";
+      if (reply->done()) return "";
+      if (reply->reason().find("the link is not good enough") == std::string::npos ||
+          monotonic_now() > give_up) {
+        return reply->reason();
+      }
+      sleep_until(monotonic_now() + 50 * kMillisecond);
+    }
+  }
   static std::string hand(std::uint64_t sequence, double x, double y, bool held) {
     return R"({"hand": {"sequence": ")" + std::to_string(sequence) + R"(", "position_mm": [)" +
            std::to_string(x) + ", " + std::to_string(y) + R"(, 0], "held": )" +

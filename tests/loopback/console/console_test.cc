@@ -121,9 +121,7 @@ TEST_F(ConsoleTest, TwoPagesAreToldWhoLeadsAndTheMasterKnowsOneOperator) {
   ASSERT_TRUE(other);
   EXPECT_THAT(other->reason(), HasSubstr("TAKE_OVER"));
   EXPECT_FALSE(second->ask(request(2, R"({"engage": true})"), 2, kPatience).value().done());
-  const auto engaged = first->ask(request(3, R"({"engage": true})"), 3, kPatience);
-  ASSERT_TRUE(engaged);
-  EXPECT_TRUE(engaged->done()) << engaged->reason();
+  EXPECT_EQ(engage_by(*first, 3), "");
   ASSERT_TRUE(second->ask(lead("TAKE_OVER"), 1, kPatience).value().done());
   const auto told = first->wait_for(
       kPatience, [](const pb::ToPage& f) { return f.has_hello() && f.hello().leader() == 2; });
@@ -147,7 +145,7 @@ TEST_F(ConsoleTest, AnObserverMayOnlyLookAndTheMasterRefusesToo) {
 TEST_F(ConsoleTest, KilledInTheMiddleOfOrdersItLeavesTheMasterWell) {
   const auto page = open_page();
   ASSERT_TRUE(page->ask(lead("TAKE"), 1, kPatience).value().done());
-  ASSERT_TRUE(page->ask(request(2, R"({"engage": true})"), 2, kPatience).value().done());
+  ASSERT_EQ(engage_by(*page, 2), "");
   page->say(request(3, R"({"lease": {"act": "SHOW"}})"));
   console->kill();
   EXPECT_EQ(status().state(), "engaged") << "another ends what it began";
