@@ -76,9 +76,7 @@ struct WebServer::Parts {
 class WebServer::Connection : public std::enable_shared_from_this<Connection> {
  public:
   Connection(tcp::socket socket, Parts& parts)
-      : stream_(std::move(socket), parts.tls ? &*parts.tls : nullptr),
-        parts_(parts),
-        slow_(parts.io) {}
+      : stream_(std::move(socket)), parts_(parts), slow_(parts.io) {}
 
   void begin() {
     Error error;
@@ -89,7 +87,7 @@ class WebServer::Connection : public std::enable_shared_from_this<Connection> {
     parser_.header_limit(kMostHeader);
     parser_.body_limit(0);
     layer().expires_after(ns(kHeaderPatience));
-    if (stream_.tls() == nullptr) return hear();
+    if (!parts_.tls) return hear();
     give_up_ = monotonic_now() + kHeaderPatience;
     knock(kFirstKnock);
   }
@@ -166,11 +164,11 @@ void WebServer::Connection::knock(Nanos wait) {
   if (greeting == Greeting::kNone || monotonic_now() + wait > give_up_) return close();
   if (greeting == Greeting::kWhole && parts_.handshakes.take(network_, monotonic_now())) {
     layer().expires_after(ns(kHeaderPatience));
-    return stream_.tls()->async_handshake(asio::ssl::stream_base::server,
-                                          [self = shared_from_this()](Error error) {
-                                            if (error) return self->close();
-                                            self->hear();
-                                          });
+    return stream_.encrypt(*parts_.tls)
+        .async_handshake(asio::ssl::stream_base::server, [self = shared_from_this()](Error error) {
+          if (error) return self->close();
+          self->hear();
+        });
   }
   slow_.expires_after(ns(wait));
   slow_.async_wait([self = shared_from_this(), wait](Error ended) {

@@ -23,16 +23,22 @@ class WebStream {
   using next_layer_type = boost::beast::tcp_stream;
   using executor_type = next_layer_type::executor_type;
 
-  // `tls`, null for plain bytes, must outlive the stream.
-  WebStream(boost::asio::ip::tcp::socket socket, boost::asio::ssl::context* tls)
-      : stream_(make(std::move(socket), tls)) {}
+  // Plain bytes, as long as it is not encrypted.
+  explicit WebStream(boost::asio::ip::tcp::socket socket) : stream_(Plain(std::move(socket))) {}
+
+  // To be shaken hands with. What a stream that is encrypted has of its own, 70 KiB, is not there
+  // before. Once, while nothing is under way.
+  boost::beast::ssl_stream<next_layer_type>& encrypt(boost::asio::ssl::context& tls) {
+    Plain plain = std::move(*std::get_if<Plain>(&stream_));
+    return stream_.emplace<Tls>(std::move(plain), tls);
+  }
 
   executor_type get_executor() noexcept { return next_layer().get_executor(); }
   next_layer_type& next_layer() noexcept {
     if (auto* tls = std::get_if<Tls>(&stream_)) return tls->next_layer();
     return *std::get_if<Plain>(&stream_);
   }
-  // Null: plain bytes.
+  // Null: not encrypted.
   boost::beast::ssl_stream<next_layer_type>* tls() noexcept { return std::get_if<Tls>(&stream_); }
 
   template <typename Buffers, typename Handler>
@@ -47,11 +53,6 @@ class WebStream {
  private:
   using Plain = next_layer_type;
   using Tls = boost::beast::ssl_stream<next_layer_type>;
-  static std::variant<Plain, Tls> make(boost::asio::ip::tcp::socket socket,
-                                       boost::asio::ssl::context* tls) {
-    if (tls == nullptr) return Plain(std::move(socket));
-    return Tls(Plain(std::move(socket)), *tls);
-  }
 
   std::variant<Plain, Tls> stream_;
 };
