@@ -51,7 +51,7 @@ inline void add_study(CLI::App& sub, StudyCommand& study, const std::string& blo
   sub.add_option("--figures", study.figures, "folder for the figures (SVG)");
   sub.add_option("--set", study.settings,
                  "KEY=VALUE: a scene's field, rig.FIELD, operator.PARAMETER, haptic.rate_hz, "
-                 "link.delay_ms; all --set together are one variation")
+                 "haptic.torque, link.delay_ms; all --set together are one variation")
       ->allow_extra_args(false)
       ->group(kVary);
   sub.add_option("--sweep", study.sweeps, "KEY=VALUE,VALUE,...: a variation for each value")

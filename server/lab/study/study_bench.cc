@@ -32,7 +32,7 @@ Result<std::unique_ptr<CellOptions>> study_cell(const StudyMachine& machine, con
     return Status::error("scene '" + machine.scene.name + "': the arm cannot stand at " + what);
   }
   run_only_listed(machine.scene, cell->rig);
-  cell->haptic = haptic_settings(machine.scene, omni_capabilities(false));
+  cell->haptic = haptic_settings(machine.scene, omni_capabilities(machine.torque));
   cell->follow = follow_settings(machine.scene, cell->rig.controller.period, true, 1000.0);
   cell->transit = machine.transit;
   cell->tick = machine.tick;
@@ -43,7 +43,7 @@ StudyBench::StudyBench(const StudyMachine& machine, const CellOptions& cell,
                        const OperatorParameters& person, std::uint64_t seed)
     : dt_(to_seconds(machine.tick)),
       cell_(cell),
-      omni_(hand_options(person, seed), false),
+      omni_(hand_options(person, seed), machine.torque),
       mind_(person,
             {machine.scene.mapping.scale, Quat(machine.scene.mapping.R_SM), lag_of(machine)},
             seed + 1),

@@ -20,6 +20,7 @@ struct StudyMachine {
   RigOptions rig;
   Nanos transit = 0;          // one-way time of the link
   Nanos tick = kMillisecond;  // of the haptic loop
+  bool torque = false;        // the device turns the stylus too
 };
 
 // The cell of a machine whose arm stands at `X_ST`; the error says that it cannot, and names `what`

@@ -75,6 +75,25 @@ std::string comparison_heading(const std::string& title, const std::string& rati
                                const std::string& expected = "");
 std::string comparison_row(const std::string& title, const Paired& paired, double expected = 0.0);
 
+// A variation beside the study as it is, the same people in both: of each mode and of the first
+// `figures` measures how large with it against without.
+template <typename Figure, typename Mode, typename Study>
+std::string same_people_table(const std::string& setting, const Study& varied, const Study& study,
+                              int modes, int figures, std::uint64_t seed) {
+  std::string out = comparison_heading("the same people", setting);
+  for (int m = 0; m < modes; ++m) {
+    for (int i = 0; i < figures; ++i) {
+      const auto mode = static_cast<Mode>(m);
+      const auto figure = static_cast<Figure>(i);
+      Random random(seed);
+      out += comparison_row(
+          std::string(name_of(mode)) + " " + info_of(figure).title,
+          compare_paired(values_of(varied, mode, figure), values_of(study, mode, figure), random));
+    }
+  }
+  return out;
+}
+
 // Both ends times `scale`, by a format such as "{:.3g} to {:.3g}".
 std::string text_of(const Interval& interval, double scale, const char* format);
 

@@ -71,6 +71,12 @@ Status set_rate(const Override& setting, StudyMachine& machine) {
   return Status::ok();
 }
 
+Status set_torque(const Override& setting, StudyMachine& machine) {
+  machine.torque = setting.value == "true";
+  if (machine.torque || setting.value == "false") return Status::ok();
+  return wrong(setting, "expected true or false");
+}
+
 bool starts_with(const std::string& text, std::string_view start) {
   return text.compare(0, start.size(), start) == 0;
 }
@@ -118,12 +124,14 @@ Result<StudySetup> study_setup(const std::string& scene, const std::string& popu
                              out.population);
     } else if (setting.key == "haptic.rate_hz") {
       status = set_rate(setting, out.machine);
+    } else if (setting.key == "haptic.torque") {
+      status = set_torque(setting, out.machine);
     } else if (setting.key == "link.delay_ms") {
       status = number_in(setting, 0.0, kLongestDelay, " ms", delay);
       out.machine.transit = std::llround(delay * 1e6);
     } else {
       status = wrong(setting,
-                     "no such key; expected haptic.rate_hz, link.delay_ms, "
+                     "no such key; expected haptic.rate_hz, haptic.torque, link.delay_ms, "
                      "operator.PARAMETER, rig.FIELD or a field of the scene");
     }
     if (!status) return status;

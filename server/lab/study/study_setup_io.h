@@ -19,6 +19,7 @@ struct StudySetup {
 //   rig.FIELD                   of the rig's configuration, rig.servo_spread=0.1
 //   operator.PARAMETER          median of a parameter of the population, operator.speed_mm_s=60
 //   haptic.rate_hz              100 to 5000; the smoother keeps its length in time
+//   haptic.torque               true: a device that turns the stylus too, as N- and F-rotation want
 //   link.delay_ms               one way, 0 to 200
 // The error names the setting or the file's place.
 Result<StudySetup> study_setup(const std::string& scene, const std::string& population,

@@ -31,6 +31,18 @@ TEST(StudySetup, SetsFieldsOfSceneRigOperatorHapticsAndLink) {
   EXPECT_EQ(setup->machine.scene.smoother_samples, 53) << "105 at 1 kHz last as long as 53 here";
 }
 
+TEST(StudySetup, ADeviceThatTurnsTheStylusIsAskedFor) {
+  for (const auto& [value, turns] : {std::pair("true", true), std::pair("false", false)}) {
+    const auto setup = with({std::string("haptic.torque=") + value});
+    ASSERT_TRUE(setup) << setup.message();
+    const LinearTask& task = *setup->machine.scene.task;
+    const auto cell = study_cell(setup->machine, {task.p_SA, task.q_first}, "task.a_mm", 1, 1);
+    ASSERT_TRUE(cell) << cell.message();
+    EXPECT_EQ((*cell)->haptic.has_torque, turns);
+  }
+  EXPECT_FALSE(with({})->machine.torque) << "as in the dissertation";
+}
+
 TEST(StudySetup, AMedianOutsideThePopulationsBoundsWidensThem) {
   const auto setup = with({"operator.pause_s=30"});
   ASSERT_TRUE(setup) << setup.message();
@@ -45,6 +57,7 @@ TEST(StudySetup, ErrorsNameTheSettingAndWhatWasExpected) {
   expect_error({"operator.speed_mm_s=fast"}, "--set operator.speed_mm_s=fast: ", "number");
   expect_error({"operator.speed_mm_s=-4"}, "--set operator.speed_mm_s=-4: ", "outside");
   expect_error({"haptic.rate_hz=20"}, "--set haptic.rate_hz=20: ", "100 to 5000 Hz");
+  expect_error({"haptic.torque=yes"}, "--set haptic.torque=yes: ", "true or false");
   expect_error({"haptic.speed=20"}, "--set haptic.speed=20: ", "haptic.rate_hz");
   expect_error({"link.delay_ms=900"}, "--set link.delay_ms=900: ", "0 to 200 ms");
   expect_error({"smoother.form=LENGTH", "smoother.samples=900", "haptic.rate_hz=5000"},

@@ -106,7 +106,7 @@ std::string variation_row(const std::string& setting, const LinearStudy& study) 
 }
 
 std::string variations_table(const LinearStudy& study,
-                             const std::vector<LinearVariation>& variations) {
+                             const std::vector<LinearVariation>& variations, std::uint64_t seed) {
   std::string out = fmt::format("\n{:40}", "medians side by side");
   std::string units = fmt::format("{:40}", "");
   for (const StudyMode mode : {StudyMode::kFree, StudyMode::kTools}) {
@@ -122,6 +122,10 @@ std::string variations_table(const LinearStudy& study,
   out += '\n' + units + '\n' + variation_row("as the scene and population say", study);
   for (const LinearVariation& variation : variations) {
     out += variation_row(variation.setting, variation.result);
+  }
+  for (const LinearVariation& variation : variations) {
+    out += same_people_table<LinearFigure, StudyMode>(variation.setting, variation.result, study,
+                                                      kStudyModes, kPublishedFigures, seed);
   }
   return out;
 }
@@ -151,7 +155,7 @@ std::string linear_table(const StudyHeader& header, const LinearStudy& study,
       header.operators, header.trials, header.seed, header.scene, header.population);
   out += measures_table(study, header.seed) + comparison_table(study, header.seed) +
          failures_line(study);
-  if (!variations.empty()) out += variations_table(study, variations);
+  if (!variations.empty()) out += variations_table(study, variations, header.seed);
   return out;
 }
 

@@ -153,8 +153,8 @@ std::string variation_row(const std::string& setting, const ScrewStudy& study, S
   return out + fmt::format("{:13.3g}{:8}\n", worst_force(study, mode), study.failures(mode));
 }
 
-std::string variations_table(const ScrewStudy& study,
-                             const std::vector<ScrewVariation>& variations) {
+std::string variations_table(const ScrewStudy& study, const std::vector<ScrewVariation>& variations,
+                             std::uint64_t seed) {
   std::string out;
   for (int i = 0; i < kScrewModes; ++i) {
     const auto mode = static_cast<ScrewMode>(i);
@@ -165,6 +165,10 @@ std::string variations_table(const ScrewStudy& study,
     for (const ScrewVariation& variation : variations) {
       out += variation_row(variation.setting, variation.result, mode);
     }
+  }
+  for (const ScrewVariation& variation : variations) {
+    out += same_people_table<ScrewFigure, ScrewMode>(variation.setting, variation.result, study,
+                                                     kScrewModes, kComparedFigures, seed);
   }
   return out;
 }
@@ -216,7 +220,7 @@ std::string screw_table(const StudyHeader& header, BumperSettings::Form bumper,
       name_of(bumper));
   out += measures_table(study, header.seed) + comparison_table(study, header.seed) +
          failures_table(study);
-  if (!variations.empty()) out += variations_table(study, variations);
+  if (!variations.empty()) out += variations_table(study, variations, header.seed);
   return out + verdict(study, header.seed);
 }
 
