@@ -316,10 +316,8 @@ void WebServer::Parts::accept() {
   if (connections.size() >= kMostConnections && !make_room()) return accept_later();
   acceptor.async_accept([this](Error error, tcp::socket socket) {
     if (error == asio::error::operation_aborted || !acceptor.is_open()) return;
-    if (error) {  // no descriptors are left, for one
-      (void)make_room();
-      return accept_later();
-    }
+    if (error == asio::error::no_descriptors && make_room()) return accept();
+    if (error) return accept_later();
     connections.push_back(std::make_shared<Connection>(std::move(socket), *this));
     const auto kept = connections.back();  // it may end at once
     kept->begin();

@@ -3,9 +3,16 @@
 
 #include <gtest/gtest.h>
 
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/write.hpp>
+#include <cstdlib>
+#include <fstream>
 #include <memory>
 #include <string>
+#include <vector>
 
+#include "server/daemon/descriptors.h"
 #include "tests/loopback/console/web_client.h"
 #include "tests/loopback/whole_cell.h"
 
@@ -31,6 +38,29 @@ class ConsoleCell : public WholeCell {
     auto out = std::make_unique<WebPage>();
     EXPECT_EQ(out->open(port, own_asks()), "");
     return out;
+  }
+  // More than the gateway takes, so that it has to make room.
+  static constexpr int kTooMany = 1500;
+  // Such a crowd, whose sockets are this process's; each has said `first`.
+  static std::vector<boost::asio::ip::tcp::socket> crowd(boost::asio::io_context& io, int port,
+                                                         int count, const std::string& first) {
+    raise_descriptor_limit(kTooMany + 100);
+    std::vector<boost::asio::ip::tcp::socket> out;
+    for (int i = 0; i < count; ++i) {
+      out.emplace_back(io);
+      boost::system::error_code error;
+      out.back().connect(console_at(port), error);
+      if (!error) boost::asio::write(out.back(), boost::asio::buffer(first), error);
+    }
+    return out;
+  }
+  // Resident memory of the console [MiB].
+  double memory() const {
+    std::ifstream status("/proc/" + std::to_string(console->pid()) + "/status");
+    for (std::string line; std::getline(status, line);) {
+      if (line.starts_with("VmRSS:")) return std::atof(line.c_str() + 6) / 1024.0;
+    }
+    return 0.0;
   }
   static std::string lead(const std::string& act) {
     return R"({"lead": {"id": 1, "act": ")" + act + "\"}}";

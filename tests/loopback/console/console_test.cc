@@ -1,5 +1,6 @@
 // The console between pages and a real cell: who is let in, what comes, who is let go.
 #include <gmock/gmock.h>
+#include <sys/resource.h>
 
 #include <array>
 #include <boost/asio/read.hpp>
@@ -28,14 +29,6 @@ class ConsoleTest : public ConsoleCell {
     return page
         .wait_for(kPatience, [&](const pb::ToPage& f) { return f.status().pages() == count; })
         .has_value();
-  }
-  // Resident memory of the console [MiB].
-  double memory() const {
-    std::ifstream status("/proc/" + std::to_string(console->pid()) + "/status");
-    for (std::string line; std::getline(status, line);) {
-      if (line.starts_with("VmRSS:")) return std::atof(line.c_str() + 6) / 1024.0;
-    }
-    return 0.0;
   }
 };
 
@@ -204,17 +197,10 @@ TEST_F(ConsoleTest, MorePagesThanItServesAreToldSo) {
   EXPECT_TRUE(within(kPatience, [&] { return WebPage().open(port, own_asks()).empty(); }));
 }
 
-TEST_F(ConsoleTest, AThousandThatNeverSayWhatTheyWantKeepNobodyOut) {
+TEST_F(ConsoleTest, MoreThanItTakesThatNeverSayWhatTheyWantKeepNobodyOut) {
   const double before = memory();
   boost::asio::io_context io;
-  std::vector<tcp::socket> strangers;
-  for (int i = 0; i < 1000; ++i) {
-    strangers.emplace_back(io);
-    beast::error_code error;
-    strangers.back().connect(console_at(port), error);
-    if (!error)
-      boost::asio::write(strangers.back(), boost::asio::buffer("GET / HTTP/1.1\r\nX: ", 19), error);
-  }
+  auto strangers = crowd(io, port, kTooMany, "GET / HTTP/1.1\r\nX: ");
   const Nanos begin = monotonic_now();
   const auto page = open_page();
   ASSERT_TRUE(page->next_frame(kPatience));
@@ -231,15 +217,9 @@ TEST_F(ConsoleTest, AThousandThatNeverSayWhatTheyWantKeepNobodyOut) {
 }
 
 // All at once, and each says at once what it wants.
-TEST_F(ConsoleTest, NineHundredThatSayWhatTheyWantAreAllAnswered) {
+TEST_F(ConsoleTest, MoreThanItTakesThatSayWhatTheyWantAreAllAnswered) {
   boost::asio::io_context io;
-  std::vector<tcp::socket> sockets;
-  for (int i = 0; i < 900; ++i) {
-    sockets.emplace_back(io);
-    sockets.back().connect(console_at(port));
-    boost::asio::write(sockets.back(),
-                       boost::asio::buffer("GET / HTTP/1.1\r\n" + host_header() + "\r\n"));
-  }
+  auto sockets = crowd(io, port, kTooMany, "GET / HTTP/1.1\r\n" + host_header() + "\r\n");
   int answered = 0;
   for (tcp::socket& socket : sockets) {
     std::array<char, 12> start{};
@@ -247,7 +227,19 @@ TEST_F(ConsoleTest, NineHundredThatSayWhatTheyWantAreAllAnswered) {
     boost::asio::read(socket, boost::asio::buffer(start), error);
     answered += std::string_view(start.data(), start.size()) == "HTTP/1.1 403";
   }
-  EXPECT_EQ(answered, 900);
+  EXPECT_EQ(answered, kTooMany);
+}
+
+// Where the system gives it fewer descriptors than it would use.
+TEST_F(ConsoleTest, WithoutDescriptorsItMakesRoomToo) {
+  const rlimit few{100, 100};
+  ASSERT_EQ(::prlimit(console->pid(), RLIMIT_NOFILE, &few, nullptr), 0);
+  boost::asio::io_context io;
+  const auto strangers = crowd(io, port, 300, "GET / HTTP/1.1\r\nX: ");
+  const Nanos begin = monotonic_now();
+  const auto page = open_page();
+  ASSERT_TRUE(page->next_frame(kPatience));
+  EXPECT_LT(monotonic_now() - begin, 4 * kSecond) << "before the strangers' time is over";
 }
 
 TEST_F(ConsoleTest, WhatIsTooLongOrNotUnderstoodEndsItsPageAlone) {
