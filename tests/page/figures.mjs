@@ -90,6 +90,18 @@ export async function pageReady(browser, url, count = 5) {
   return out;
 }
 
+/** From the address of a small picture of the gateway's to a browser that shows it [ms]: what a browser takes for itself. */
+export async function pictureReady(browser, url, count = 5) {
+  const out = [];
+  for (let i = 0; i < count; ++i) {
+    const begin = monotonic();
+    const page = await open(browser, new URL('/icon.svg', url).href);
+    out.push(monotonic() - begin);
+    await page.context().close();
+  }
+  return out;
+}
+
 /** How far the age that is shown is from the true one, in whole ms, for some seconds; and how well that is known. */
 export async function dataAge(browser, url, seconds = 5) {
   const page = await open(browser, url, { init: listen });
@@ -177,9 +189,15 @@ export async function crowd(programs, url, { count = 1000, rounds = 3, seconds =
   return { without, with: with_, first, later };
 }
 
+/** In a page, before all else: pictures are cleared, and nothing is drawn into them. */
+function drawNothing() {
+  const { prototype } = window.WebGL2RenderingContext;
+  prototype.drawArrays = prototype.drawElements = prototype.drawArraysInstanced = prototype.drawElementsInstanced = () => {};
+}
+
 /** Pictures of the arm that are drawn in a second while the hand leads it, without a graphics card: a value each second. */
-export async function pictures(browser, url, seconds = 10) {
-  const page = await open(browser, url);
+export async function pictures(browser, url, { seconds = 10, empty = false } = {}) {
+  const page = await open(browser, url, empty ? { init: drawNothing } : {});
   await page.goto(new URL('/?stats', url).href);
   await until(page, () => document.querySelector('#state').textContent === 'off');
   await engage(page);

@@ -1,6 +1,6 @@
 import { loadavg } from 'node:os';
 import { launch } from './browser.mjs';
-import { crowd, dataAge, handToForceAndBack, pageReady, pictures, quantile, strangers, viewersCost } from './figures.mjs';
+import { crowd, dataAge, handToForceAndBack, pageReady, pictureReady, pictures, quantile, strangers, viewersCost } from './figures.mjs';
 import { Programs } from './programs.mjs';
 
 const json = process.argv.includes('--json');
@@ -15,16 +15,27 @@ const row = (what, values, unit, asked, share = 0.95) => {
 
 const browser = await launch();
 const arm = await new Programs().open();
-const seen = await arm.console().then((url) => pictures(browser, url)).finally(() => arm.close());
+const seen = [], empty = [];
+try {
+  const url = await arm.console();
+  for (let round = 0; round < 3; ++round) {
+    seen.push(...await pictures(browser, url, { seconds: 6 }));
+    empty.push(...await pictures(browser, url, { seconds: 6, empty: true }));
+  }
+} finally {
+  await arm.close();
+}
 const programs = await new Programs().open({ scene: 'gearshift' });
 try {
   if (!json) console.log(`${''.padEnd(58)} ${'p95'.padStart(8)} ${'median'.padStart(8)} ${''.padEnd(4)} ${'asked'.padEnd(14)} ${'of'.padStart(4)} ${'load'.padStart(5)}`);
   row('pictures of the arm a second (the lowest 5 %)', seen, '/s', '>= 15', 0.05);
+  row('... with nothing drawn into them', empty, '/s', '(31 seen once)', 0.05);
   const url = await programs.console();
   const hand = await handToForceAndBack(browser, url);
   row('a pointer moves, until the page has its cursor', hand.cursor, 'ms', '< 50');
   row('a pointer moves, until the page has its force', hand.force, 'ms', '< 50');
   row('an address is opened, until the page is ready', await pageReady(browser, url), 'ms', '< 2000');
+  row('... and until a small picture is, for comparison', await pictureReady(browser, url), 'ms', '');
   const age = await dataAge(browser, url);
   row(`the age that is shown is wrong by (known to ${age.error.toFixed(1)} ms)`, age.wrong.map(Math.abs), 'ms', '< 20');
   const plain = await strangers(programs, url);

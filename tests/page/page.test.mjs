@@ -91,6 +91,20 @@ test('DrawsWhatTheHandDoesWithoutAGraphicsCard', async () => {
   await until(page, (before) => Number(document.querySelector('#stats').dataset.drawn) > before + 15, first);
 });
 
+test('IsCoarseOnlyWhileItMovesWithoutAGraphicsCard', async () => {
+  await start({ query: '?stats' });
+  for (const key of ['e', 'l']) await page.keyboard.press(key);
+  await ordered((o) => o.tool?.kind === 'LINE');
+  await until(page, () => document.querySelector('#canvas3d').width === document.querySelector('#canvas3d').clientWidth);
+  await page.keyboard.down('Shift');
+  await page.keyboard.down('ArrowRight');
+  await until(page, () => document.querySelector('#canvas3d').width < 0.7 * document.querySelector('#canvas3d').clientWidth);
+  await page.keyboard.up('ArrowRight');
+  await page.keyboard.up('Shift');
+  await page.keyboard.press('d');
+  await until(page, () => document.querySelector('#canvas3d').width === document.querySelector('#canvas3d').clientWidth);
+});
+
 test('DrawsNothingWhileNothingChanges', async () => {
   await start({ query: '?stats' });
   await pause(700);

@@ -13,6 +13,8 @@ import { ForceVectors } from './vectors.js';
 
 const REST = [0, 0, Math.PI / 2, 0, Math.PI / 2, 0]; // before anybody says where the arm is [rad]
 const HEX_KEY = 301; // [mm], where a scene does not say the tip's length
+const COARSE = 0.6; // of the pixels each way, while a picture moves that a processor draws
+const STILL_MS = 250; // a picture that has not moved for so long is drawn with all of them
 const APART_MM = 1.5, APART_COS = Math.cos(0.3 * Math.PI / 180); // a ghost nearer is the arm itself
 
 /** @param {PoseMm | undefined} pose */
@@ -34,9 +36,11 @@ export class View3d {
   /** @param {HTMLCanvasElement} canvas @param {HTMLElement} layer for words; throws without WebGL */
   constructor(canvas, layer) {
     this.canvas = canvas;
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !drawnBySoftware(), alpha: true, powerPreference: 'low-power' });
+    this.coarse = drawnBySoftware() ? COARSE : 1;
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: this.coarse === 1, alpha: true, powerPreference: 'low-power' });
     this.renderer.setPixelRatio(1);
     this.dirty = true;
+    this.movedAt = 0;
     this.drawn = 0;
     this.scene = new THREE.Scene();
     this.eye = new Eye(canvas, () => (this.dirty = true));
@@ -156,9 +160,14 @@ export class View3d {
     return { mm, right: right.toArray(), up: up.toArray(), toward: toward.toArray() };
   }
 
-  /** Draws if anything looks different. @returns {boolean} whether it drew */
+  /** Draws if anything looks different, or could look better. @returns {boolean} whether it drew */
   draw() {
-    if (!this.dirty || !this.size) return false;
+    if (!this.size) return false;
+    const now = performance.now(), sharp = this.renderer.getPixelRatio() === 1;
+    if (!this.dirty && (sharp || now - this.movedAt < STILL_MS)) return false;
+    if (this.dirty) this.movedAt = now;
+    const ratio = this.dirty ? this.coarse : 1;
+    if (ratio !== this.renderer.getPixelRatio()) this.renderer.setPixelRatio(ratio);
     this.dirty = false;
     this.handle.quaternion.copy(this.eye.camera.quaternion);
     this.handle.scale.setScalar(this.eye.camera.position.distanceTo(this.tip) / 900);
