@@ -30,6 +30,10 @@ struct Options {
   std::optional<std::string> roles, key, next;                             // keys trust, after it
   std::optional<std::string> listen, with, code;                           // keys pair
   std::optional<std::string> minutes;                                      // keys link
+  std::optional<std::string> subject, folder, figures, trials;             // experiment
+  bool resume = false;
+  bool simulated = false;
+  bool report = false;
 };
 
 // Where answers and complaints go.
@@ -57,6 +61,7 @@ struct Takes {
   bool entry = false;  // ROLES, KEY and an optional NEXT after the word
   bool pair = false;   // --listen, or --with and --code
   bool life = false;   // --for
+  bool experiment = false;  // --subject and what goes with it
 };
 
 struct Command {

@@ -3,6 +3,7 @@
 #include "client/cli/demo_command.h"
 #include "client/cli/doctor_command.h"
 #include "client/cli/engage_command.h"
+#include "client/cli/experiment_command.h"
 #include "client/cli/hand_command.h"
 #include "client/cli/keys_command.h"
 #include "client/cli/lease_command.h"
@@ -36,6 +37,12 @@ ExitCode run_reset(const Options& o, const Console& c) {
   pb::Request r;
   r.set_reset(true);
   return send_order(o, c, r, "reset");
+}
+
+ExitCode run_mark(const Options& o, const Console& c) {
+  pb::Request r;
+  r.set_mark(o.word.value_or("cli"));
+  return send_order(o, c, r, "marked");
 }
 
 ExitCode run_stage(const Options& o, const Console& c) {
@@ -119,6 +126,10 @@ constexpr Command kCommands[] = {
      {.file = "NAME.scene", .wish = true, .word = "NAME|FILE"}},
     {"scene load", "Load a scene in master and slave", run_scene_load, {.word = "NAME"}},
     {"stage", "Put the walls as they are in a stage of the scene", run_stage, {.word = "NAME"}},
+    {"mark",
+     "Say that something is done now: an experiment's next step",
+     run_mark,
+     {.word = "TEXT", .word_optional = true}},
     {"keys new",
      "Make this user's key, for what it is to be trusted to do; or the next one, to change it",
      run_keys_new,
@@ -153,6 +164,10 @@ constexpr Command kCommands[] = {
      "What hangs on the force sensor: watches while you tilt the tip, moves nothing",
      run_calibrate_payload,
      {.json = true, .calibrate = true}},
+    {"experiment",
+     "One person's trials of an experiment of the dissertation, judged and written down",
+     run_experiment_command,
+     {.json = true, .word = "linear-movement", .experiment = true}},
     {"demo",
      "Drive A to B to C with the simulated hand, without and with tools",
      run_demo,

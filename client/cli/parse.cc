@@ -78,6 +78,16 @@ void add_pair_options(CLI::App& app, Options& o) {
   add_text(app, "--code", o.code, "DIGITS", "its code; without this you are asked for it");
 }
 
+void add_experiment_options(CLI::App& app, Options& o) {
+  add_text(app, "--subject", o.subject, "ID", "who makes it; one file each");
+  add_text(app, "--out", o.folder, "DIR", "where files are written; experiments without it");
+  add_text(app, "--trials", o.trials, "N", "successes that count in each mode, 1 to 20; 2 without it");
+  app.add_flag("--resume", o.resume, "go on where this subject ended");
+  app.add_flag("--simulated", o.simulated, "a simulated operator in place of a person");
+  app.add_flag("--report", o.report, "what all in the folder have done, without a master");
+  add_text(app, "--figures", o.figures, "DIR", "with --report: draw them there");
+}
+
 void add_options(CLI::App& app, const Takes& takes, Options& o) {
   if (takes.json) app.add_flag("--json", o.json, "print JSON");
   if (takes.watch) app.add_flag("--watch", o.watch, "refresh 5 times a second until Ctrl-C");
@@ -85,6 +95,7 @@ void add_options(CLI::App& app, const Takes& takes, Options& o) {
   if (takes.approach) add_approach(app, o);
   if (takes.hold) app.add_flag("--hold", o.hold, "engaged while this runs: Ctrl-C disengages");
   if (takes.hand) add_hand_options(app, o);
+  if (takes.experiment) add_experiment_options(app, o);
   if (takes.pair) add_pair_options(app, o);
   if (takes.life) {
     add_text(app, "--for", o.minutes, "MINUTES", "that it is good for, 1 to 1440; 10 without it");

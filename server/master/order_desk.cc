@@ -41,6 +41,8 @@ void OrderDesk::handle(const pb::Request& request, ReplyTo reply, StillWaits wai
       leases_.handle(request.lease(), who, now_, std::move(reply), std::move(waits));
       return watch_lease();
     case pb::Request::kStatus:
+    case pb::Request::kMark:
+    case pb::Request::kPrompt:
     case pb::Request::kStop: break;  // anybody's, always
     default: {
       const bool was_free = leases_.free();
@@ -67,6 +69,7 @@ void OrderDesk::obey(const pb::Request& request, const std::string& who, ReplyTo
       show_scene(*answer.mutable_status());
       show_cursor(*answer.mutable_status());
       show_named_tools(*answer.mutable_status());
+      show_task(*answer.mutable_status());
       leases_.show(now_, *answer.mutable_status()->mutable_lease());
       return reply(std::move(answer));
     }
@@ -94,6 +97,8 @@ void OrderDesk::obey(const pb::Request& request, const std::string& who, ReplyTo
     }
     case pb::Request::kSceneLoad: return load(request.scene_load(), who, std::move(reply));
     case pb::Request::kStage: return stage(request.stage(), std::move(reply));
+    case pb::Request::kMark: return mark(request.mark(), who, reply);
+    case pb::Request::kPrompt: return prompt(request.prompt(), reply);
     case pb::Request::kHand: return hand(request.hand(), std::move(reply));
     case pb::Request::kCursor: return cursor(request.cursor(), reply);
     case pb::Request::kLease:

@@ -107,6 +107,9 @@ class OrderDesk : public OperatorHandler {
   void show_named_tools(pb::Status& status) const;
   // How far the tool called is, where that matters; else empty.
   std::string distance_text(const OrderAnswer& answer, const ToolCall& call) const;
+  void mark(const std::string& text, const std::string& who, const ReplyTo& reply);
+  void prompt(const std::string& text, const ReplyTo& reply);
+  void show_task(pb::Status& status) const;
   void stage(const std::string& name, ReplyTo reply);
   void name_stage(pb::Status& status) const;
   void load(const std::string& name, const std::string& who, ReplyTo reply);
@@ -166,6 +169,8 @@ class OrderDesk : public OperatorHandler {
   int in_loop_ = 0;                // that it has got and not answered
 
   CursorSample cursor_;  // the newest
+  pb::MarkStatus mark_;  // likewise; without a count: none
+  std::string prompt_;
 
   Nanos retry_at_ = 0;  // an engage refused for the link
   bool hold_ = false;   // the engagement the loop took ends with a running `engage --hold`

@@ -74,29 +74,17 @@ export async function handToForceAndBack(browser, url, count = 60) {
   return { cursor, force };
 }
 
-/** From the address to a page that shows the master's state and a picture [ms]. */
-export async function pageReady(browser, url, count = 5) {
+/** From the address to a page that shows the master's state and a picture, by the page's own clock [ms]. */
+export async function pageReady(browser, url, count = 9) {
   const out = [];
   for (let i = 0; i < count; ++i) {
-    const begin = monotonic();
     const page = await open(browser, url);
-    await page.waitForFunction(() => {
+    const ready = await page.waitForFunction(() => {
       const state = document.querySelector('#state');
-      return state && state.textContent !== '–' && (!document.querySelector('#frame2d').hidden || !document.querySelector('#frame3d').hidden);
+      const drawn = !document.querySelector('#frame2d').hidden || !document.querySelector('#frame3d').hidden;
+      return state && state.textContent !== '–' && drawn && performance.now();
     }, null, { timeout: 20000, polling: 'raf' });
-    out.push(monotonic() - begin);
-    await page.context().close();
-  }
-  return out;
-}
-
-/** From the address of a small picture of the gateway's to a browser that shows it [ms]: what a browser takes for itself. */
-export async function pictureReady(browser, url, count = 5) {
-  const out = [];
-  for (let i = 0; i < count; ++i) {
-    const begin = monotonic();
-    const page = await open(browser, new URL('/icon.svg', url).href);
-    out.push(monotonic() - begin);
+    out.push(await ready.jsonValue());
     await page.context().close();
   }
   return out;
@@ -161,7 +149,7 @@ async function lateness(programs, seconds) {
 }
 
 /** Windows in turn, without and with viewers: lateness of each, and the slowest viewer's frames a second. */
-export async function viewersCost(programs, url, { count = 20, rounds = 6, seconds = 5 } = {}) {
+export async function viewersCost(programs, url, { count = 20, rounds = 9, seconds = 5 } = {}) {
   const without = [], with_ = [], slowest = [];
   for (let i = 0; i < rounds; ++i) {
     without.push(await lateness(programs, seconds));

@@ -1,6 +1,6 @@
 import { loadavg } from 'node:os';
 import { launch } from './browser.mjs';
-import { crowd, dataAge, handToForceAndBack, pageReady, pictureReady, pictures, quantile, strangers, viewersCost } from './figures.mjs';
+import { crowd, dataAge, handToForceAndBack, pageReady, pictures, quantile, strangers, viewersCost } from './figures.mjs';
 import { Programs } from './programs.mjs';
 
 const json = process.argv.includes('--json');
@@ -15,9 +15,10 @@ const row = (what, values, unit, asked, share = 0.95) => {
 
 const browser = await launch();
 const arm = await new Programs().open();
-const seen = [], empty = [];
+const seen = [], empty = [], armReady = [];
 try {
   const url = await arm.console();
+  armReady.push(...await pageReady(browser, url));
   for (let round = 0; round < 3; ++round) {
     seen.push(...await pictures(browser, url, { seconds: 6 }));
     empty.push(...await pictures(browser, url, { seconds: 6, empty: true }));
@@ -34,8 +35,8 @@ try {
   const hand = await handToForceAndBack(browser, url);
   row('a pointer moves, until the page has its cursor', hand.cursor, 'ms', '< 50');
   row('a pointer moves, until the page has its force', hand.force, 'ms', '< 50');
-  row('an address is opened, until the page is ready', await pageReady(browser, url), 'ms', '< 2000');
-  row('... and until a small picture is, for comparison', await pictureReady(browser, url), 'ms', '');
+  row('an address is opened, until the page is ready: an arm', armReady, 'ms', '< 2000');
+  row('... walls', await pageReady(browser, url), 'ms', '< 2000');
   const age = await dataAge(browser, url);
   row(`the age that is shown is wrong by (known to ${age.error.toFixed(1)} ms)`, age.wrong.map(Math.abs), 'ms', '< 20');
   const plain = await strangers(programs, url);

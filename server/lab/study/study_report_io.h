@@ -43,11 +43,14 @@ Child& child(Parent& parent, const char* name) {
 inline void set_number(google::protobuf::Message& parent, const char* name, double value) {
   parent.GetReflection()->SetDouble(&parent, parent.GetDescriptor()->FindFieldByName(name), value);
 }
+inline double number_of(const google::protobuf::Message& parent, const char* name) {
+  return parent.GetReflection()->GetDouble(parent, parent.GetDescriptor()->FindFieldByName(name));
+}
 
 template <typename Proto>
 void fill(const StudyHeader& header, const char* experiment, Proto& out) {
   out.set_experiment(experiment);
-  out.set_simulated(true);
+  out.set_simulated(header.simulated);
   out.set_seed(header.seed);
   out.set_operators(static_cast<std::uint32_t>(header.operators));
   out.set_trials_per_mode(static_cast<std::uint32_t>(header.trials));

@@ -32,6 +32,9 @@ struct StudyPlan {
   const std::atomic<bool>* cancelled = nullptr;
 };
 
+// So many trials are made for one success at most.
+inline constexpr int kAttemptsPerTrial = 3;
+
 template <typename Mode, typename Outcome>
 struct StudyTrial {
   int person = 0;  // from 0
@@ -90,6 +93,7 @@ struct StudyHeader {
   std::uint32_t seed = 1;
   int operators = 0;
   int trials = 0;  // successful ones wanted of each operator in each mode
+  bool simulated = true;  // the operators are; else people
 };
 
 // A study made again with something varied.
@@ -117,7 +121,6 @@ inline std::vector<int> shuffled(int count, Random& random) {
 template <typename Study, typename Trial, typename RunTrial>
 Result<Study> run_person(const StudyPlan& plan, int modes, const Population& population,
                          Trial trial, const RunTrial& run_trial, int index) {
-  constexpr int kAttemptsPerTrial = 3;
   Study out;
   const std::uint64_t own = seed_of(plan.seed, 0, static_cast<std::uint64_t>(index));
   Random random(own);

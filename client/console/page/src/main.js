@@ -89,6 +89,8 @@ const hand = { cursor, deadMan, mayHold, engage };
 handKeys(hand);
 const pad = new Pad({ ...hand, stop, say: (text) => said.say(text) });
 
+gateway.connect(); // answers while the browser makes ready what is drawn
+
 // What is drawn.
 const picture = new Picture(facts, hand);
 const panel = new OrderPanel(facts, engage, { stop, say: (text, mood) => said.say(text, mood) });
@@ -131,6 +133,8 @@ function updatePanels() {
   leads.update();
   charts.update(facts);
   notice(noticeText(), wayOn());
+  setText(box('prompt-text'), facts.status.prompt ?? '');
+  show(box('prompt'), !!facts.status.prompt);
 }
 
 function frame() {
@@ -141,4 +145,3 @@ function frame() {
 show(box('stats'), new URLSearchParams(location.search).has('stats'));
 setInterval(updatePanels, PANELS_MS);
 requestAnimationFrame(frame);
-gateway.connect();

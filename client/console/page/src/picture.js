@@ -21,8 +21,8 @@ export class Picture {
     this.hand = hand;
     /** Why there is no picture of an arm; empty: there is. */
     this.noWebGl = '';
-    /** @type {View3d | null} */
-    this.view3d = this.make3d();
+    /** Made for the first scene of an arm: it takes a browser longer than all the rest of the page. @type {View3d | null} */
+    this.view3d = null;
     this.view2d = new View2d(element('canvas2d', HTMLCanvasElement), hand.cursor);
     this.view2d.canvas.addEventListener('contextmenu', (event) => event.preventDefault()); // a long press is a grip
     dragMap(this.view2d.canvas, { ...hand, scale: () => this.view2d.frame(facts).scale });
@@ -34,7 +34,9 @@ export class Picture {
     this.setScene();
   }
 
+  /** The view of an arm, and why there is none. */
   make3d() {
+    if (this.view3d || this.noWebGl) return;
     try {
       const view = new View3d(element('canvas3d', HTMLCanvasElement), box('labels'));
       const mapping = () => {
@@ -52,10 +54,11 @@ export class Picture {
         view.dirty = true;
         this.setScene();
       });
-      return view;
+      const { clientWidth: width, clientHeight: height } = box('frame3d');
+      if (width > 0) view.resize(width, height);
+      this.view3d = view;
     } catch {
       this.noWebGl = 'This browser has no WebGL, so the arm cannot be drawn. Scenes of walls, all orders, charts and the stop work.';
-      return null;
     }
   }
 
@@ -89,7 +92,10 @@ export class Picture {
   setScene() {
     const { facts } = this;
     if (facts.isWalls) this.view2d.setScene(facts);
-    else if (facts.isArm) this.view3d?.setScene(facts);
+    else if (facts.isArm) {
+      this.make3d();
+      this.view3d?.setScene(facts);
+    }
     this.choose();
   }
 

@@ -23,18 +23,22 @@ const LinearFigureInfo& info_of(LinearFigure figure) noexcept {
   return kLinearInfo[static_cast<int>(figure)];
 }
 
+double TrialResult::* field_of(LinearFigure figure) noexcept {
+  switch (figure) {
+    case LinearFigure::kTime: break;
+    case LinearFigure::kPath: return &TrialResult::path;
+    case LinearFigure::kPosition: return &TrialResult::position_error;
+    case LinearFigure::kOrientation: return &TrialResult::orientation_error;
+    case LinearFigure::kPositionOnLines: return &TrialResult::position_error_on_lines;
+    case LinearFigure::kOrientationToReference: return &TrialResult::orientation_error_to_reference;
+    case LinearFigure::kOrientationToNominal: return &TrialResult::orientation_error_to_nominal;
+  }
+  return &TrialResult::execution_time;
+}
+
 double value_of(const TrialResult& result, LinearFigure figure) noexcept {
   if (result.end != TrialEnd::kDone) return std::numeric_limits<double>::infinity();
-  switch (figure) {
-    case LinearFigure::kTime: return result.execution_time;
-    case LinearFigure::kPath: return result.path;
-    case LinearFigure::kPosition: return result.position_error;
-    case LinearFigure::kOrientation: return result.orientation_error;
-    case LinearFigure::kPositionOnLines: return result.position_error_on_lines;
-    case LinearFigure::kOrientationToReference: return result.orientation_error_to_reference;
-    case LinearFigure::kOrientationToNominal: return result.orientation_error_to_nominal;
-  }
-  return 0.0;
+  return result.*field_of(figure);
 }
 
 ByPerson values_of(const LinearStudy& study, StudyMode mode, LinearFigure figure) {

@@ -45,17 +45,6 @@ void fill(const LinearStudy& study, std::uint64_t seed, pb::LinearModes& modes,
   }
 }
 
-void fill(const LinearStudyTrial& trial, pb::LinearTrial& out) {
-  fill_trial(trial, out);
-  // What a failed trial did is told too; it just does not count.
-  TrialResult measured = trial.result;
-  measured.end = TrialEnd::kDone;
-  for (int i = 0; i < kLinearFigures; ++i) {
-    const auto figure = static_cast<LinearFigure>(i);
-    set_number(out, info_of(figure).name, value_of(measured, figure) * info_of(figure).per_si);
-  }
-}
-
 std::string measures_table(const LinearStudy& study, std::uint64_t seed) {
   std::string out = measures_heading("published");
   for (int i = 0; i < kLinearFigures; ++i) {
@@ -130,7 +119,44 @@ std::string variations_table(const LinearStudy& study,
   return out;
 }
 
+std::string heading(const StudyHeader& header) {
+  if (!header.simulated) {
+    return fmt::format(
+        "Linear movement with fixed orientation: {} {}, {} successful trials wanted each and mode, "
+        "scene {}.\nNV without tools, V with them. Published: 7 people.\n\n",
+        header.operators, header.operators == 1 ? "person" : "people", header.trials, header.scene);
+  }
+  return fmt::format(
+      "Linear movement with fixed orientation: {} simulated operators, {} successful trials each "
+      "and mode,\nseed {}, scene {}, population {}. NV without tools, V with them; the population "
+      "was fitted to the\npublished NV medians alone. Published: 7 people.\n\n",
+      header.operators, header.trials, header.seed, header.scene, header.population);
+}
+
 }  // namespace
+
+void fill(const LinearStudyTrial& trial, pb::LinearTrial& out) {
+  fill_trial(trial, out);
+  // What a failed trial did is told too; it just does not count.
+  TrialResult measured = trial.result;
+  measured.end = TrialEnd::kDone;
+  for (int i = 0; i < kLinearFigures; ++i) {
+    const auto figure = static_cast<LinearFigure>(i);
+    set_number(out, info_of(figure).name, value_of(measured, figure) * info_of(figure).per_si);
+  }
+}
+
+TrialResult result_of(const pb::LinearTrial& trial) {
+  TrialResult out;
+  for (int i = 0; i < kTrialEnds; ++i) {
+    if (trial.end() == name_of(static_cast<TrialEnd>(i))) out.end = static_cast<TrialEnd>(i);
+  }
+  for (int i = 0; i < kLinearFigures; ++i) {
+    const LinearFigureInfo& info = info_of(static_cast<LinearFigure>(i));
+    out.*field_of(static_cast<LinearFigure>(i)) = number_of(trial, info.name) / info.per_si;
+  }
+  return out;
+}
 
 std::string linear_json(const StudyHeader& header, const LinearStudy& study,
                         const std::vector<LinearVariation>& variations) {
@@ -148,11 +174,7 @@ std::string linear_json(const StudyHeader& header, const LinearStudy& study,
 
 std::string linear_table(const StudyHeader& header, const LinearStudy& study,
                          const std::vector<LinearVariation>& variations) {
-  std::string out = fmt::format(
-      "Linear movement with fixed orientation: {} simulated operators, {} successful trials each "
-      "and mode,\nseed {}, scene {}, population {}. NV without tools, V with them; the population "
-      "was fitted to the\npublished NV medians alone. Published: 7 people.\n\n",
-      header.operators, header.trials, header.seed, header.scene, header.population);
+  std::string out = heading(header);
   out += measures_table(study, header.seed) + comparison_table(study, header.seed) +
          failures_line(study);
   if (!variations.empty()) out += variations_table(study, variations, header.seed);

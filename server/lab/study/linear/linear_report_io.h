@@ -8,6 +8,10 @@
 
 namespace handrail {
 
+namespace pb {
+class LinearTrial;
+}  // namespace pb
+
 using LinearVariation = StudyVariation<LinearStudy>;
 
 // Deterministic: the bootstrap is seeded with the study's seed.
@@ -15,5 +19,9 @@ std::string linear_json(const StudyHeader& header, const LinearStudy& study,
                         const std::vector<LinearVariation>& variations);
 std::string linear_table(const StudyHeader& header, const LinearStudy& study,
                          const std::vector<LinearVariation>& variations);
+
+// One trial, to JSON and back; its trace and the simulated time are not told.
+void fill(const LinearStudyTrial& trial, pb::LinearTrial& out);
+TrialResult result_of(const pb::LinearTrial& trial);
 
 }  // namespace handrail

@@ -46,21 +46,6 @@ std::array<HapticOrder, kOrders> orders_of(const LinearTask& task, LinearPhase p
   return {};
 }
 
-OperatorAim aim_of(const LinearTask& task, LinearPhase phase, bool tools) {
-  OperatorAim aim;
-  aim.X_SG = {phase == LinearPhase::kToC ? task.p_SC : task.p_SB,
-              phase == LinearPhase::kToB ? task.q_first : task.q_second()};
-  aim.p_S0 = phase == LinearPhase::kToB ? task.p_SA : task.p_SB;
-  aim.path = phase != LinearPhase::kTurn;
-  aim.stop = aim.path && tools;
-  if (!tools) return aim;
-  // A line and N-rotation leave the way along the line, a point the turn.
-  const Vec3 along = (aim.X_SG.p - aim.p_S0).normalized();
-  aim.minds_place = aim.path ? Mat3(along * along.transpose()) : Mat3(Mat3::Zero());
-  if (aim.path) aim.minds_turn.setZero();
-  return aim;
-}
-
 // A trial on the bench.
 class LinearTrialRun : TimedTrial<TrialResult> {
  public:
@@ -77,12 +62,7 @@ class LinearTrialRun : TimedTrial<TrialResult> {
       ok = decide() && start_clock() && wait(call) && call_tools(tools) && act(tools);
     }
     result_.execution_time = elapsed();
-    result_.path = measure_.path();
-    result_.position_error = measure_.position_error();
-    result_.position_error_on_lines = measure_.position_error_on_lines();
-    result_.orientation_error = measure_.orientation_error();
-    result_.orientation_error_to_reference = measure_.orientation_error_to_reference();
-    result_.orientation_error_to_nominal = measure_.orientation_error_to_nominal();
+    fill_measured(measure_, result_);
     return finish();
   }
 
@@ -137,6 +117,30 @@ const char* name_of(TrialEnd end) noexcept {
     case TrialEnd::kSession: return "session lost";
   }
   return "?";
+}
+
+OperatorAim aim_of(const LinearTask& task, LinearPhase phase, bool tools) {
+  OperatorAim aim;
+  aim.X_SG = {phase == LinearPhase::kToC ? task.p_SC : task.p_SB,
+              phase == LinearPhase::kToB ? task.q_first : task.q_second()};
+  aim.p_S0 = phase == LinearPhase::kToB ? task.p_SA : task.p_SB;
+  aim.path = phase != LinearPhase::kTurn;
+  aim.stop = aim.path && tools;
+  if (!tools) return aim;
+  // A line and N-rotation leave the way along the line, a point the turn.
+  const Vec3 along = (aim.X_SG.p - aim.p_S0).normalized();
+  aim.minds_place = aim.path ? Mat3(along * along.transpose()) : Mat3(Mat3::Zero());
+  if (aim.path) aim.minds_turn.setZero();
+  return aim;
+}
+
+void fill_measured(const LinearMeasure& measure, TrialResult& out) noexcept {
+  out.path = measure.path();
+  out.position_error = measure.position_error();
+  out.position_error_on_lines = measure.position_error_on_lines();
+  out.orientation_error = measure.orientation_error();
+  out.orientation_error_to_reference = measure.orientation_error_to_reference();
+  out.orientation_error_to_nominal = measure.orientation_error_to_nominal();
 }
 
 Result<TrialResult> run_linear_trial(const StudyMachine& machine, const TrialOptions& options) {

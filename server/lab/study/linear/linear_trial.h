@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "devices/hand/operator_model.h"
 #include "server/base/status.h"
 #include "server/lab/study/study_bench.h"
 #include "server/task/linear_measure.h"
@@ -16,6 +17,7 @@ const char* name_of(StudyMode mode) noexcept;
 
 // How a trial ended. Everything but kDone is a failure.
 enum class TrialEnd : std::uint8_t { kDone, kTimeOut, kOffTarget, kSession };
+inline constexpr int kTrialEnds = 4;
 const char* name_of(TrialEnd end) noexcept;
 
 struct TrialOptions : TrialPlan<StudyMode> {
@@ -41,6 +43,12 @@ struct TrialResult {
   double simulated_time = 0.0;                  // of the whole run [s]
   std::vector<TracePoint> trace;                // at the robot's rate, with keep_trace
 };
+
+// What an operator tries to do in a phase, with its tools or without.
+OperatorAim aim_of(const LinearTask& task, LinearPhase phase, bool tools);
+
+// All that `measure` has, but no end, no times and no trace.
+void fill_measured(const LinearMeasure& measure, TrialResult& out) noexcept;
 
 inline constexpr double kTrialLimit = 60.0;  // a trial that takes longer has failed [s]
 inline constexpr double kOffTarget = 10e-3;  // as has one that calls this far off reached [m]

@@ -40,7 +40,7 @@ export interface Status {
   walls?: WallStatus; lease?: LeaseStatus; link_quality?: string; peer_quality?: string;
   ledger?: Ledger; peer?: { problem?: string; name?: string };
   joints_deg?: Vec; joints_commanded_deg?: Vec; haptic?: DeviceStatus;
-  named_tool?: { name?: string; kind?: string }[];
+  named_tool?: { name?: string; kind?: string }[]; prompt?: string;
 }
 
 export interface StatusNews {
@@ -87,7 +87,7 @@ export interface Order {
   engage?: boolean; disengage?: boolean; clutch?: boolean; stop?: boolean; reset?: boolean;
   tool?: Tool; tool_off?: { position?: boolean; orientation?: boolean };
   scene_load?: string; stage?: string; lease?: { act: 'SHOW' | 'TAKE' | 'GRANT' | 'REFUSE' | 'RELEASE' };
-  hold?: boolean; approach?: boolean; named_tool?: string;
+  hold?: boolean; approach?: boolean; named_tool?: string; mark?: string;
 }
 export type LeadAct = 'TAKE' | 'TAKE_OVER' | 'RELEASE';
 export interface CursorOrder {

@@ -10,7 +10,7 @@ import { block, box, button, element, setData, setText, show } from './dom.js';
 /** @typedef {import('../link/wire.d.ts').Tool['kind']} Kind */
 
 /** @type {Record<string, string>} */
-const ORDER_KEYS = { KeyE: 'engage', KeyD: 'disengage', KeyC: 'clutch', KeyR: 'reset', KeyX: 'tool-off' };
+const ORDER_KEYS = { KeyE: 'engage', KeyD: 'disengage', KeyC: 'clutch', KeyR: 'reset', KeyX: 'tool-off', KeyM: 'mark' };
 /** @type {Record<string, Kind>} */
 const TOOL_KEYS = { KeyL: 'LINE', KeyP: 'PLANE', KeyO: 'POINT', KeyN: 'N_ROTATION', KeyF: 'F_ROTATION' };
 
@@ -69,6 +69,7 @@ export class OrderPanel {
       case 'disengage': return { disengage: true };
       case 'reset': return { reset: true };
       case 'clutch': return { clutch: !this.clutched };
+      case 'mark': return { mark: 'page' };
       case 'tool-off': return { tool_off: { position: true, orientation: true } };
       default:
     }
@@ -128,7 +129,7 @@ export class OrderPanel {
     this.showNamedTools();
     const blocked = whyNoOrders(facts);
     const walls = facts.isWalls ? 'walls for the hand alone: no arm takes part' : '';
-    for (const node of all()) block(node, blocked || (node.dataset.order === 'reset' ? '' : walls));
+    for (const node of all()) block(node, blocked || (['reset', 'mark'].includes(node.dataset.order ?? '') ? '' : walls));
     block(button('stop'), whyNoStop(facts));
     setText(box('blocked'), blocked || walls ? sentence(blocked || walls) : '');
     this.seeClutch();

@@ -1,0 +1,35 @@
+// From what was written down of people to the study's results, and from trials to lines.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "client/experiment/experiment_file_io.h"
+#include "server/base/time.h"
+#include "server/lab/study/linear/linear_study.h"
+
+namespace handrail {
+
+// A trial as it stands in the file before it has ended.
+pb::ExperimentTrial trial_line(const TrialNext& next, const std::string& began);
+// What it has come to.
+void fill_ended(const TrialNext& next, const TrialResult& result, pb::ExperimentTrial& out);
+
+// What next_trial() asks for.
+std::vector<TrialMade> trials_made(const ExperimentRecord& record);
+
+// The counted trials of these people, in their order: practice and interrupted trials are left out.
+LinearStudy study_of(const std::vector<ExperimentRecord>& people);
+// How the study was made. All people are simulated, or none.
+StudyHeader header_of(const std::vector<ExperimentRecord>& people);
+
+// The study's own table or JSON of them.
+std::string results_text(const std::vector<ExperimentRecord>& people, bool json);
+
+// The same for one subject always.
+std::uint64_t seed_of_subject(const std::string& subject);
+
+// "2026-11-27T12:24:53Z", of a time since 1970.
+std::string calendar_text(Nanos since_1970);
+
+}  // namespace handrail

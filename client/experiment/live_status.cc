@@ -1,0 +1,81 @@
+#include "client/experiment/live_status.h"
+
+#include "server/base/units.h"
+
+namespace handrail {
+namespace {
+
+// Zeros and the identity where the master says nothing.
+Pose pose_in(const pb::PoseMm& pose) {
+  Pose X;
+  if (pose.position_mm_size() != 3 || pose.quaternion_size() != 4) return X;
+  X.p = kMm * Vec3(pose.position_mm(0), pose.position_mm(1), pose.position_mm(2));
+  X.q = Quat(pose.quaternion(0), pose.quaternion(1), pose.quaternion(2), pose.quaternion(3));
+  return X;
+}
+
+Vec3 force_in(const pb::ForceShare& share) {
+  if (share.force_n_size() != 3) return Vec3::Zero();
+  return {share.force_n(0), share.force_n(1), share.force_n(2)};
+}
+
+bool has_tool(const pb::ToolStatus& slot) { return slot.has_geometry(); }
+
+// A clutch holds the arm, and a link for a moment: both belong to driving.
+bool drives_in(const pb::Status& now) {
+  return now.state() == "engaged" || now.state() == "clutched" || now.state() == "hold";
+}
+
+}  // namespace
+
+Result<pb::Status> status_of(OperatorClient& client, Nanos patience) {
+  pb::Request request;
+  request.set_status(true);
+  const Result<pb::Reply> reply = client.call(request, patience);
+  if (!reply) return reply.status();
+  if (!reply->done()) return Status::error("refused: " + reply->reason());
+  return reply->status();
+}
+
+LiveSample sample_of(const pb::Status& now) {
+  LiveSample out;
+  out.X_ST = pose_in(now.tip());
+  out.q_command = pose_in(now.command()).q;
+  out.drives = drives_in(now) && now.has_tip();
+  out.clutched = now.state() == "clutched";
+  out.position_tool = has_tool(now.position_tool());
+  out.orientation_tool = has_tool(now.orientation_tool());
+  out.marks = now.mark().count();
+  out.marked = now.mark().time_s();
+  out.time = now.time_s();
+  return out;
+}
+
+SubjectSight sight_of(const pb::Status& now) {
+  SubjectSight out;
+  out.X_ST = pose_in(now.tip());
+  out.X_MH = pose_in(now.hand());
+  out.f_H_M = force_in(now.device_force());
+  out.drives = drives_in(now);
+  out.fault = now.state() == "fault" || now.slave_state() == "fault";
+  return out;
+}
+
+StartSight start_of(const pb::Status& now) {
+  StartSight out;
+  out.X_ST = pose_in(now.tip());
+  out.drives = drives_in(now) && now.has_tip();
+  out.clutched = now.state() == "clutched";
+  out.tool = has_tool(now.position_tool()) || has_tool(now.orientation_tool());
+  out.at_a = now.position_tool().name() == "at-A";
+  out.down = now.orientation_tool().name() == "down";
+  out.turning = now.orientation_tool().turning();
+  return out;
+}
+
+TraceRow row_of(const pb::Status& now, LinearPhase phase) {
+  return {now.time_s(),           pose_in(now.tip()),           pose_in(now.command()),
+          pose_in(now.hand()).p,  force_in(now.device_force()), phase};
+}
+
+}  // namespace handrail

@@ -1,0 +1,30 @@
+// How the arm comes to where a trial begins: it goes there by itself, and waits with the clutch
+// closed, as in the simulated studies. The hand is free meanwhile.
+#pragma once
+
+#include <optional>
+
+#include "proto/operator.pb.h"
+#include "server/base/spatial.h"
+
+namespace handrail {
+
+// So near to A, and so near to upright, the arm has come.
+inline constexpr double kNearA = 1e-3;         // [m]
+inline constexpr double kNearUpright = 0.017;  // 1 deg [rad]
+
+// What the status says of that.
+struct StartSight {
+  Pose X_ST;  // measured
+  bool drives = false, clutched = false;
+  bool tool = false;            // any is called
+  bool at_a = false;            // the tool of that name is
+  bool down = false;            // likewise
+  bool turning = false;         // it still turns the tip
+};
+
+// The next order on the way, or none: the arm is there, or is not there yet, or nobody drives it.
+// Asked again once the order has been answered. Pure.
+std::optional<pb::Request> order_to_a(const StartSight& now, const Pose& X_SA);
+
+}  // namespace handrail
