@@ -58,9 +58,9 @@ struct Takes {
   bool calibrate = false;      // --poses, --from, --record and an optional --out
   const char* word = nullptr;  // name of the positional argument
   bool word_optional = false;
-  bool entry = false;  // ROLES, KEY and an optional NEXT after the word
-  bool pair = false;   // --listen, or --with and --code
-  bool life = false;   // --for
+  bool entry = false;       // ROLES, KEY and an optional NEXT after the word
+  bool pair = false;        // --listen, or --with and --code
+  bool life = false;        // --for
   bool experiment = false;  // --subject and what goes with it
 };
 

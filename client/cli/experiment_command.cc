@@ -34,8 +34,8 @@ ExitCode run_experiment_command(const Options& options, const Console& console) 
   words.json = options.json;
   if (options.trials) words.rules.trials = count_in(*options.trials, kMostTrials);
   if (words.rules.trials == 0) {
-    return complain(console, "experiment: --trials '" + shown(*options.trials) +
-                                 "', expected 1 to 20");
+    return complain(console,
+                    "experiment: --trials '" + shown(*options.trials) + "', expected 1 to 20");
   }
   const ExperimentPlace place{options.master, options.as, console.out, console.err, interrupted};
   if (options.report) return report_experiment(words, options.figures.value_or(""), place);

@@ -81,7 +81,8 @@ void add_pair_options(CLI::App& app, Options& o) {
 void add_experiment_options(CLI::App& app, Options& o) {
   add_text(app, "--subject", o.subject, "ID", "who makes it; one file each");
   add_text(app, "--out", o.folder, "DIR", "where files are written; experiments without it");
-  add_text(app, "--trials", o.trials, "N", "successes that count in each mode, 1 to 20; 2 without it");
+  add_text(app, "--trials", o.trials, "N",
+           "successes that count in each mode, 1 to 20; 2 without it");
   app.add_flag("--resume", o.resume, "go on where this subject ended");
   app.add_flag("--simulated", o.simulated, "a simulated operator in place of a person");
   app.add_flag("--report", o.report, "what all in the folder have done, without a master");

@@ -53,7 +53,9 @@ std::string experiment_file(const std::string& folder, const std::string& experi
   return folder + "/" + experiment + "." + subject + kExperimentExtension;
 }
 
-std::string line_of(const pb::ExperimentLine& line) { return json_of_set_fields(line, false) + '\n'; }
+std::string line_of(const pb::ExperimentLine& line) {
+  return json_of_set_fields(line, false) + '\n';
+}
 
 Result<ExperimentRecord> parse_experiment(const std::string& file, const std::string& text) {
   ExperimentRecord out;
@@ -64,9 +66,9 @@ Result<ExperimentRecord> parse_experiment(const std::string& file, const std::st
       break;
     }
     pb::ExperimentLine line;
-    const auto read =
-        google::protobuf::util::JsonStringToMessage(text.substr(at, end - at), &line);
-    std::string problem = read.ok() ? std::string() : "no such line: " + std::string(read.message());
+    const auto read = google::protobuf::util::JsonStringToMessage(text.substr(at, end - at), &line);
+    std::string problem =
+        read.ok() ? std::string() : "no such line: " + std::string(read.message());
     if (problem.empty()) problem = take(line, number == 1, out);
     if (!problem.empty()) {
       return Status::error(fmt::format("{}:{}: {}", shown(file, 200), number, shown(problem, 160)));

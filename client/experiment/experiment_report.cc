@@ -55,7 +55,8 @@ ExitCode report_experiment(const ExperimentWords& words, const std::string& figu
   place.out << results_text(*people, words.json);
   if (figures.empty()) return kExitDone;
   const Result<Scene> scene = SceneLibrary().load(words.experiment);
-  if (!scene || !scene->task) return problem(scene ? "the scene has no task block" : scene.message());
+  if (!scene || !scene->task)
+    return problem(scene ? "the scene has no task block" : scene.message());
   if (Status s = make_folder(figures); !s) return problem(s.message());
   if (Status s = draw_linear(figures, header_of(*people), study_of(*people), *scene->task); !s)
     return problem(s.message());

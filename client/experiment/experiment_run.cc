@@ -22,8 +22,9 @@
 namespace handrail {
 namespace {
 
-constexpr Nanos kSample = 7 * kMillisecond;  // the robot's rate, 141 Hz
-constexpr Nanos kAnswer = 5 * kSecond;       // an order's
+constexpr Nanos kSample = 7 * kMillisecond;        // the robot's rate, 141 Hz
+constexpr Nanos kAnswer = 5 * kSecond;             // an order's
+constexpr Nanos kOrderPause = 100 * kMillisecond;  // until the status shows what came of it
 constexpr Nanos kRetry = 500 * kMillisecond;  // of a master that does not answer, of a full disk
 
 // Everything that lasts as long as one run of the program.
@@ -68,7 +69,9 @@ class Experiment {
   Status order(const pb::Request& request);
   bool make(const TrialNext& next);
   bool live(LinearLive& trial, std::vector<TraceRow>& trace);
+  void speak_for_driver(const pb::Status& now, pb::Request& request) const;
   void to_a(const pb::Status& now);
+  void open_clutch(const pb::Status& now);
   void act(const LinearLive& trial, const pb::Status& now);
   bool write(const pb::ExperimentLine& line);
   ExitCode finish();
@@ -84,7 +87,8 @@ class Experiment {
   ExperimentRecord record_;
   std::string prompted_;
   Nanos again_at_ = 0;
-  std::string refused_;
+  bool closed_ = false;   // the clutch, for who waits at A
+  bool refused_ = false;  // and that was said
   std::unique_ptr<CursorSender> cursor_;
   std::unique_ptr<SimulatedSubject> subject_;
 };
@@ -114,8 +118,9 @@ Status Experiment::suits(const pb::Status& now) const {
                          "' does not say how the hand is turned: give the master another device");
   }
   if (words_.simulated && !now.haptic().has_cursor()) {
-    return Status::error("a simulated subject leads the page's cursor, and the master's device is '" +
-                         now.device() + "': start it with device { kind: PAGE }");
+    return Status::error(
+        "a simulated subject leads the page's cursor, and the master's device is '" + now.device() +
+        "': start it with device { kind: PAGE }");
   }
   return Status::ok();
 }
@@ -174,16 +179,38 @@ bool Experiment::write(const pb::ExperimentLine& line) {
   }
 }
 
+// What is ordered for a person is ordered in the name of who drives, as both sit at one machine.
+void Experiment::speak_for_driver(const pb::Status& now, pb::Request& request) const {
+  if (!subject_ && place_.as.empty() && now.lease().has_holder())
+    request.set_as(now.lease().holder());
+}
+
 // An order that is refused is said once, and made again: what stands against it may go.
 void Experiment::to_a(const pb::Status& now) {
   if (monotonic_now() < again_at_) return;
-  const auto wanted = order_to_a(start_of(now), {scene_.task->p_SA, scene_.task->q_first});
+  auto wanted = order_to_a(start_of(now), {scene_.task->p_SA, scene_.task->q_first});
   if (!wanted) return;
+  speak_for_driver(now, *wanted);
   const Status given = order(*wanted);
-  if (given) return;
+  again_at_ = monotonic_now() + kOrderPause;
+  if (given) {
+    if (wanted->has_clutch()) closed_ = wanted->clutch();
+    refused_ = false;
+    return;
+  }
   again_at_ = monotonic_now() + kRetry;
-  if (given.message() != refused_) say("  the arm does not go to A by itself: " + given.message());
-  refused_ = given.message();
+  if (!refused_) say("  the arm does not go to A by itself: " + given.message());
+  refused_ = true;
+}
+
+// Who leads by the page lets the hand go at A, and the arm stays: the clutch that was closed for
+// them is not needed any more, and the next hold leads on.
+void Experiment::open_clutch(const pb::Status& now) {
+  if (!closed_ || subject_ || !now.haptic().has_cursor() || now.haptic().cursor().held()) return;
+  pb::Request open;
+  open.set_clutch(false);
+  speak_for_driver(now, open);
+  closed_ = !order(open);
 }
 
 // One sample for the orders of a simulated person.
@@ -215,6 +242,10 @@ bool Experiment::live(LinearLive& trial, std::vector<TraceRow>& trace) {
     told = !now;
     if (now) {
       sample = sample_of(*now);
+      if (now->haptic().has_cursor() && !subject_) {
+        sample.frees = "hold the hand";
+        sample.lets_go = now->haptic().cursor().held();
+      }
     } else {
       sample.drives = false;
     }
@@ -223,6 +254,7 @@ bool Experiment::live(LinearLive& trial, std::vector<TraceRow>& trace) {
     prompt(trial.prompt());
     if (sample.drives && trial.timed()) trace.push_back(row_of(*now, trial.phase()));
     if (!trial.timed()) to_a(*now);
+    open_clutch(*now);
     act(trial, *now);
   }
   return true;

@@ -10,9 +10,9 @@
 namespace handrail {
 
 struct ExperimentWords {
-  std::string experiment;             // linear-movement
-  std::string subject;                // the person, or what a simulated one is called
-  std::string folder = "experiments"; // where files are written
+  std::string experiment;              // linear-movement
+  std::string subject;                 // the person, or what a simulated one is called
+  std::string folder = "experiments";  // where files are written
   bool resume = false;
   bool simulated = false;  // nobody is there: a simulated operator leads the page's cursor
   bool json = false;       // of what is told at the end

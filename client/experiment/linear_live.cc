@@ -36,7 +36,7 @@ void LinearLive::see(const LiveSample& now) {
   if (stage_ == Stage::kEnded) return;
   if (!seen_) marks_ = now.marks;  // those of before are no declaration
   seen_ = true;
-  drives_ = now.drives;
+  now_ = now;
   if (timed()) {
     if (!now.drives) return end(TrialEnd::kSession, now.time);
     measure_.add(now.X_ST);
@@ -109,13 +109,16 @@ std::string LinearLive::prompt() const {
   const bool tools = mode_ == StudyMode::kTools;
   switch (stage_) {
     case Stage::kToA:
-      return drives_ ? "The arm goes to A by itself." : "Engage (E): the arm goes to A by itself.";
+      if (!now_.drives) return "Engage (E), and hold the hand: the arm goes to A by itself.";
+      return now_.clutched ? "Hold the hand: the arm goes to A by itself."
+                           : "The arm goes to A by itself.";
     case Stage::kAtA:
-      return tools ? "At A. M starts the clock; then A-to-B (1), N-rotation (N), and C frees the arm."
-                   : "At A. M starts the clock; then C frees the arm. No tools.";
+      if (now_.lets_go) return "At A. Let the hand go.";
+      return fmt::format("At A. M starts the clock; then {}{} and go to B.",
+                         tools ? "A-to-B (1), N-rotation (N), " : "", now_.frees);
     case Stage::kToB:
-      return tools ? "A-to-B (1), N-rotation (N), C: to B, then M."
-                   : "C: straight to B without turning, then M.";
+      if (tools) return fmt::format("A-to-B (1), N-rotation (N), {}: to B, then M.", now_.frees);
+      return fmt::format("{}: straight to B without turning, then M.", now_.frees);
     case Stage::kTurn:
       return fmt::format("{}urn the tip by {}, staying at B, then M.",
                          tools ? "Drop the tools (X), at-B (2): t" : "T", turn_text(task_.turn));

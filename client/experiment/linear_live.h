@@ -13,20 +13,23 @@ namespace handrail {
 
 // What the master says at one moment.
 struct LiveSample {
-  Pose X_ST;                              // the tip, measured
-  Quat q_command = Quat::Identity();      // the orientation commanded
-  bool drives = false;                    // the hand leads the arm, or a clutch or the link holds it
+  Pose X_ST;                          // the tip, measured
+  Quat q_command = Quat::Identity();  // the orientation commanded
+  bool drives = false;                // the hand leads the arm, or a clutch or the link holds it
   bool clutched = false;
   bool position_tool = false, orientation_tool = false;  // is called
-  std::uint64_t marks = 0;                // set so far
-  double marked = 0.0;                    // when the newest was [s]
-  double time = 0.0;                      // now, on the same clock [s]
+  const char* frees = "C";  // what lets the arm follow the hand after the clutch
+  bool lets_go = false;     // the hand has to be let go before that
+  std::uint64_t marks = 0;  // set so far
+  double marked = 0.0;      // when the newest was [s]
+  double time = 0.0;        // now, on the same clock [s]
 };
 
-// One trial, from wherever the tip is. With the arm at A and the clutch closed a mark starts the clock, each further one says that B,
-// the turn and C are reached, as the simulated operators declare it; the same code judges. A mark
-// elsewhere than at A, before the clock runs, counts for nothing. Errors of a phase are taken from
-// its mark on; with tools from when they are called, as calling them is no part of it.
+// One trial, from wherever the tip is. With the arm at A and the clutch closed a mark starts the
+// clock, each further one says that B, the turn and C are reached, as the simulated operators
+// declare it; the same code judges. A mark elsewhere than at A, before the clock runs, counts for
+// nothing. Errors of a phase are taken from its mark on; with tools from when they are called, as
+// calling them is no part of it.
 class LinearLive {
  public:
   enum class Stage : std::uint8_t { kToA, kAtA, kToB, kTurn, kToC, kEnded };
@@ -65,10 +68,10 @@ class LinearLive {
   Stage stage_ = Stage::kToA;
   bool seen_ = false;
   std::uint64_t marks_ = 0;
-  LinearMeasure at_mark_;            // before the phase that runs
-  std::vector<Pose> since_mark_;     // until its tools are called
+  LinearMeasure at_mark_;         // before the phase that runs
+  std::vector<Pose> since_mark_;  // until its tools are called
   bool waits_for_tools_ = false;
-  bool drives_ = false;
+  LiveSample now_;
   double off_ = 0.0;      // [m]
   double started_ = 0.0;  // [s]
   TrialResult result_;

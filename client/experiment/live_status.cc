@@ -74,8 +74,8 @@ StartSight start_of(const pb::Status& now) {
 }
 
 TraceRow row_of(const pb::Status& now, LinearPhase phase) {
-  return {now.time_s(),           pose_in(now.tip()),           pose_in(now.command()),
-          pose_in(now.hand()).p,  force_in(now.device_force()), phase};
+  return {now.time_s(),          pose_in(now.tip()),           pose_in(now.command()),
+          pose_in(now.hand()).p, force_in(now.device_force()), phase};
 }
 
 }  // namespace handrail

@@ -16,9 +16,9 @@ namespace handrail {
 
 // What it sees and feels.
 struct SubjectSight {
-  Pose X_ST;                   // the tip
-  Pose X_MH;                   // the device
-  Vec3 f_H_M = Vec3::Zero();   // on the hand [N]
+  Pose X_ST;                  // the tip
+  Pose X_MH;                  // the device
+  Vec3 f_H_M = Vec3::Zero();  // on the hand [N]
   bool drives = false;
   bool fault = false;
 };

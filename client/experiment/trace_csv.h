@@ -11,11 +11,11 @@
 namespace handrail {
 
 struct TraceRow {
-  double time = 0.0;              // the master's clock [s]
-  Pose X_ST;                      // measured
-  Pose X_SU;                      // commanded
-  Vec3 p_MH = Vec3::Zero();       // the hand [m]
-  Vec3 f_H_M = Vec3::Zero();      // the force on it [N]
+  double time = 0.0;          // the master's clock [s]
+  Pose X_ST;                  // measured
+  Pose X_SU;                  // commanded
+  Vec3 p_MH = Vec3::Zero();   // the hand [m]
+  Vec3 f_H_M = Vec3::Zero();  // the force on it [N]
   LinearPhase phase = LinearPhase::kToB;
 };
 

@@ -46,8 +46,8 @@ std::optional<TrialNext> next_trial(const ExperimentRules& rules, const std::vec
     next.mode = mode;
     next.practice = in.practised < rules.practice;
     next.attempt = next.practice ? 0 : in.counted + 1;
-    if (next.practice || (in.succeeded < rules.trials &&
-                          in.counted < kAttemptsPerTrial * rules.trials)) {
+    if (next.practice ||
+        (in.succeeded < rules.trials && in.counted < kAttemptsPerTrial * rules.trials)) {
       return next;
     }
   }

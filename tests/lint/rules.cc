@@ -60,24 +60,24 @@ Table program_rows() {
   const Folders daemons = kModel + Folders{"server/daemon",      "server/keys",   "server/link",
                                            "server/link/secure", "server/record", "server/scene",
                                            "server/session",     "proto",         "devices"};
-  return {{"server/master", daemons + Folders{"server/haptic", "server/stability",
-                                              "server/constraint", "server/kinematics"}},
-          {"server/slave", daemons + Folders{"server/follow", "devices/melfa", "devices/net_ft"}},
-          {"client/api", kBase + Folders{"proto", "server/keys", "server/link/secure"}},
-          {"client/doctor", kModel + Folders{"proto", "server/keys", "server/link", "client/api"}},
-          {"client/experiment",
-           kModel + Folders{"proto", "server/task", "server/scene", "server/lab/study",
-                            "server/lab/study/linear", "devices/hand", "client/api"}},
-          {"client/cli", kModel + Folders{"proto", "server/keys", "server/keys/pairing",
-                                          "server/link", "server/link/secure", "server/task",
-                                          "server/scene", "client/api", "client/doctor",
-                                          "client/experiment"}},
-          {"client/console/gateway", kBase + Folders{"proto"}},
-          {"client/console/scene", kModel + Folders{"proto", "server/kinematics", "server/scene",
-                                                    "server/constraint/drawn"}},
-          {"client/console/viewer", kConsole},
-          {"client/console", kConsole + Folders{"server/daemon", "server/keys", "server/scene",
-                                                "client/api", "client/console/viewer"}}};
+  return {
+      {"server/master", daemons + Folders{"server/haptic", "server/stability", "server/constraint",
+                                          "server/kinematics"}},
+      {"server/slave", daemons + Folders{"server/follow", "devices/melfa", "devices/net_ft"}},
+      {"client/api", kBase + Folders{"proto", "server/keys", "server/link/secure"}},
+      {"client/doctor", kModel + Folders{"proto", "server/keys", "server/link", "client/api"}},
+      {"client/experiment",
+       kModel + Folders{"proto", "server/task", "server/scene", "server/lab/study",
+                        "server/lab/study/linear", "devices/hand", "client/api"}},
+      {"client/cli", kModel + Folders{"proto", "server/keys", "server/keys/pairing", "server/link",
+                                      "server/link/secure", "server/task", "server/scene",
+                                      "client/api", "client/doctor", "client/experiment"}},
+      {"client/console/gateway", kBase + Folders{"proto"}},
+      {"client/console/scene",
+       kModel + Folders{"proto", "server/kinematics", "server/scene", "server/constraint/drawn"}},
+      {"client/console/viewer", kConsole},
+      {"client/console", kConsole + Folders{"server/daemon", "server/keys", "server/scene",
+                                            "client/api", "client/console/viewer"}}};
 }
 
 Table lab_rows() {

@@ -8,7 +8,7 @@ import { fileURLToPath } from 'node:url';
 import { after, before } from 'node:test';
 import { launch } from './browser.mjs';
 
-const BIN = process.env.HANDRAIL_BIN ?? fileURLToPath(new URL('../../build/release/bin', import.meta.url));
+export const BIN = process.env.HANDRAIL_BIN ?? fileURLToPath(new URL('../../build/release/bin', import.meta.url));
 const DIST = fileURLToPath(new URL('../../client/console/page/dist', import.meta.url));
 const START_MS = 30000;
 

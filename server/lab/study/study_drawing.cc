@@ -25,7 +25,8 @@ Status make_folder(const std::string& folder) {
 }
 
 std::string origin_of(const StudyHeader& header, const std::string& fitted) {
-  if (!header.simulated) return fmt::format("People ({}), at the running programs", header.operators);
+  if (!header.simulated)
+    return fmt::format("People ({}), at the running programs", header.operators);
   return fmt::format(
       "Simulated operators ({}, seed {}), simulated device and arm; fitted to {} only",
       header.operators, header.seed, fitted);

@@ -92,7 +92,7 @@ struct StudyHeader {
   std::string population;
   std::uint32_t seed = 1;
   int operators = 0;
-  int trials = 0;  // successful ones wanted of each operator in each mode
+  int trials = 0;         // successful ones wanted of each operator in each mode
   bool simulated = true;  // the operators are; else people
 };
 

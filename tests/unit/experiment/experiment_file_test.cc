@@ -37,7 +37,9 @@ TrialResult result(double time) {
 
 class ExperimentFileTest : public ::testing::Test {
  protected:
-  std::string path() const { return experiment_file(folder_.path() + "/x", "linear-movement", "anna"); }
+  std::string path() const {
+    return experiment_file(folder_.path() + "/x", "linear-movement", "anna");
+  }
   Status open(ExperimentFile& file, bool resume = false) {
     return file.open(path(), somebody(), resume, record_);
   }
@@ -102,8 +104,8 @@ TEST_F(ExperimentFileTest, AFileThatIsCutAnywhereGoesOn) {
     ExperimentFile file;
     const Status opened = open(file, true);
     ASSERT_TRUE(opened) << size << ": " << opened.message();
-    const std::size_t lines =
-        static_cast<std::size_t>(std::count(whole.begin(), whole.begin() + static_cast<long>(size), '\n'));
+    const std::size_t lines = static_cast<std::size_t>(
+        std::count(whole.begin(), whole.begin() + static_cast<long>(size), '\n'));
     EXPECT_EQ(record_.trials.size(), lines / 2) << size;
     write(file, {0, true, 3, 0}, true);
     const auto read = read_experiment(path());
@@ -122,25 +124,53 @@ TEST_F(ExperimentFileTest, OneRunnerAtATime) {
 }
 
 TEST_F(ExperimentFileTest, WhatIsThereIsGoneOnWithOnlyIfAsked) {
-  { ExperimentFile file; ASSERT_TRUE(open(file)); }
-  { ExperimentFile file; EXPECT_THAT(open(file).message(), HasSubstr("--resume goes on with it")); }
-  { ExperimentFile file; EXPECT_TRUE(open(file, true)); }
+  {
+    ExperimentFile file;
+    ASSERT_TRUE(open(file));
+  }
+  {
+    ExperimentFile file;
+    EXPECT_THAT(open(file).message(), HasSubstr("--resume goes on with it"));
+  }
+  {
+    ExperimentFile file;
+    EXPECT_TRUE(open(file, true));
+  }
   ExperimentFile file;
   ExperimentRecord record;
-  EXPECT_THAT(file.open(path(), somebody("anna", true), true, record).message(),
-              HasSubstr("is of the person 'anna' in linear-movement, expected the simulated 'anna'"));
+  EXPECT_THAT(
+      file.open(path(), somebody("anna", true), true, record).message(),
+      HasSubstr("is of the person 'anna' in linear-movement, expected the simulated 'anna'"));
 }
 
 TEST_F(ExperimentFileTest, FilesThatAreNoneAreRefusedWithTheirPlace) {
   const std::pair<std::string, std::string> cases[] = {
       {"{}\n", ":1: expected the subject in the first line"},
       {"nonsense\n", ":1: no such line"},
-      {line_of([] { pb::ExperimentLine l; *l.mutable_subject() = somebody(); return l; }()) + "{\"ended\": {}}\n",
+      {line_of([] {
+         pb::ExperimentLine l;
+         *l.mutable_subject() = somebody();
+         return l;
+       }()) +
+           "{\"ended\": {}}\n",
        ":2: a trial ends that did not begin"},
-      {line_of([] { pb::ExperimentLine l; *l.mutable_subject() = somebody(); return l; }()) + "{}\n",
+      {line_of([] {
+         pb::ExperimentLine l;
+         *l.mutable_subject() = somebody();
+         return l;
+       }()) +
+           "{}\n",
        ":2: expected subject, began or ended"},
-      {line_of([] { pb::ExperimentLine l; *l.mutable_subject() = somebody(); return l; }()) +
-           line_of([] { pb::ExperimentLine l; *l.mutable_subject() = somebody(); return l; }()),
+      {line_of([] {
+         pb::ExperimentLine l;
+         *l.mutable_subject() = somebody();
+         return l;
+       }()) +
+           line_of([] {
+             pb::ExperimentLine l;
+             *l.mutable_subject() = somebody();
+             return l;
+           }()),
        ":2: a second subject"},
       {"{\"subject\": {\"colour\": \"red\"}}\n", "colour"},
   };

@@ -63,7 +63,6 @@ class LinearLiveTest : public ::testing::Test {
   LiveSample now_;
 };
 
-
 TEST_F(LinearLiveTest, AStraightWayIsJudgedAsTheTaskSays) {
   LinearLive live = trial();
   see(live, 10);

@@ -52,8 +52,7 @@ TEST(TrialOrder, FailedPracticeIsMadeAgainFailedTrialsThriceAtMost) {
 TEST(TrialOrder, InterruptedTrialsCountForNothing) {
   const ExperimentRules rules;
   const std::vector<int> order = {0, 1};
-  const auto whole =
-      all_of(rules, order, [](std::size_t, TrialMade& trial) { trial.done = true; });
+  const auto whole = all_of(rules, order, [](std::size_t, TrialMade& trial) { trial.done = true; });
   auto torn = all_of(rules, order, [](std::size_t i, TrialMade& trial) {
     trial.interrupted = i % 2 == 0;
     trial.done = !trial.interrupted;

@@ -43,8 +43,7 @@ TEST(WayToA, FromAnywhereTheArmComesAndWaitsWithoutTools) {
     const Vec3 off(random.normal(), random.normal(), random.normal());
     const Vec3 turn(random.normal(), random.normal(), random.normal());
     arm.sight.X_ST.p = kStart.p + (i % 4 == 0 ? 0.0 : 0.05) * off;
-    arm.sight.X_ST.q =
-        (rotation_exp((i % 3 == 0 ? 0.0 : 0.3) * turn) * kStart.q).normalized();
+    arm.sight.X_ST.q = (rotation_exp((i % 3 == 0 ? 0.0 : 0.3) * turn) * kStart.q).normalized();
     int orders = 0;
     for (int k = 0; k < 200; ++k) {
       if (const auto order = order_to_a(arm.sight, kStart)) {

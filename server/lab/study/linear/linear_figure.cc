@@ -23,7 +23,7 @@ const LinearFigureInfo& info_of(LinearFigure figure) noexcept {
   return kLinearInfo[static_cast<int>(figure)];
 }
 
-double TrialResult::* field_of(LinearFigure figure) noexcept {
+double TrialResult::*field_of(LinearFigure figure) noexcept {
   switch (figure) {
     case LinearFigure::kTime: break;
     case LinearFigure::kPath: return &TrialResult::path;

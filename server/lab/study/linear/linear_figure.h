@@ -29,7 +29,7 @@ struct LinearFigureInfo {
 const LinearFigureInfo& info_of(LinearFigure figure) noexcept;
 
 // Where a trial's result has it [SI].
-double TrialResult::* field_of(LinearFigure figure) noexcept;
+double TrialResult::*field_of(LinearFigure figure) noexcept;
 
 // The measure of one trial [SI]; infinity for a failed one.
 double value_of(const TrialResult& result, LinearFigure figure) noexcept;

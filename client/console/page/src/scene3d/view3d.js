@@ -13,7 +13,7 @@ import { ForceVectors } from './vectors.js';
 
 const REST = [0, 0, Math.PI / 2, 0, Math.PI / 2, 0]; // before anybody says where the arm is [rad]
 const HEX_KEY = 301; // [mm], where a scene does not say the tip's length
-const COARSE = 0.5; // of the pixels each way, while a picture moves that a processor draws
+const COARSE = 0.6; // of the pixels each way, while a picture moves that a processor draws
 const STILL_MS = 250; // a picture that has not moved for so long is drawn with all of them
 const APART_MM = 1.5, APART_COS = Math.cos(0.3 * Math.PI / 180); // a ghost nearer is the arm itself
 
