@@ -51,15 +51,15 @@ Table part_rows() {
           {"server/painting", kModel},
           {"server/scene", kModel + Folders{"server/kinematics", "server/painting", "proto"}},
           {"server/link", kModel + Folders{"proto"}},
-          {"server/link/secure", kModel + Folders{"server/daemon", "server/link", "server/keys"}},
-          {"server/record", kModel + Folders{"proto"}}};
+          {"server/link/secure", kModel + Folders{"server/daemon", "server/link", "server/keys"}}};
 }
 
 // The daemons, and who drives them.
 Table program_rows() {
-  const Folders daemons = kModel + Folders{"server/daemon",      "server/keys",   "server/link",
-                                           "server/link/secure", "server/record", "server/scene",
-                                           "server/session",     "proto",         "devices"};
+  const Folders text = kModel + Folders{"proto", "server/scene"};
+  const Folders daemons = text + Folders{"server/daemon",      "server/keys",    "server/link",
+                                         "server/link/secure", "server/session", "devices"};
+  const Folders task = text + Folders{"server/task", "client/api"};
   return {
       {"server/master", daemons + Folders{"server/haptic", "server/stability", "server/constraint",
                                           "server/kinematics"}},
@@ -67,14 +67,11 @@ Table program_rows() {
       {"client/api", kBase + Folders{"proto", "server/keys", "server/link/secure"}},
       {"client/doctor", kModel + Folders{"proto", "server/keys", "server/link", "client/api"}},
       {"client/experiment",
-       kModel + Folders{"proto", "server/task", "server/scene", "server/lab/study",
-                        "server/lab/study/linear", "devices/hand", "client/api"}},
-      {"client/cli", kModel + Folders{"proto", "server/keys", "server/keys/pairing", "server/link",
-                                      "server/link/secure", "server/task", "server/scene",
-                                      "client/api", "client/doctor", "client/experiment"}},
+       task + Folders{"server/lab/study", "server/lab/study/linear", "devices/hand"}},
+      {"client/cli", task + Folders{"server/keys", "server/keys/pairing", "server/link",
+                                    "server/link/secure", "client/doctor", "client/experiment"}},
       {"client/console/gateway", kBase + Folders{"proto"}},
-      {"client/console/scene",
-       kModel + Folders{"proto", "server/kinematics", "server/scene", "server/constraint/drawn"}},
+      {"client/console/scene", text + Folders{"server/kinematics", "server/constraint/drawn"}},
       {"client/console/viewer", kConsole},
       {"client/console", kConsole + Folders{"server/daemon", "server/keys", "server/scene",
                                             "client/api", "client/console/viewer"}}};
@@ -161,9 +158,8 @@ const Table& table() {
 // What a folder's library is called in CMake.
 std::string target_of(const std::string& folder) {
   if (folder == "devices") return "registry";
-  if (folder == "proto" || starts_with(folder, "client/cli")) {
-    return folder == "proto" ? "proto" : "cli";
-  }
+  if (folder == "proto") return folder;
+  if (starts_with(folder, "client/cli")) return "cli";
   std::string name = starts_with(folder, "client/") ? folder : folder.substr(folder.find('/') + 1);
   std::replace(name.begin(), name.end(), '/', '_');
   return name;
@@ -179,8 +175,7 @@ bool is_project_path(const std::string& path) {
 bool is_test(const std::string& path) { return starts_with(path, "tests/"); }
 
 std::string stem_of(const std::string& path) {
-  const std::size_t slash = path.rfind('/');
-  const std::string name = slash == std::string::npos ? path : path.substr(slash + 1);
+  const std::string name = path.substr(path.rfind('/') + 1);
   return name.substr(0, name.find('.'));
 }
 

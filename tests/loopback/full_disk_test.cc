@@ -198,6 +198,15 @@ TEST_F(FullDisk, UnderTheOperatorsCommands) {
     expect_told("handrail", "calibrate payload --from " + samples() + more);
   }
   listed.insert("calibrate payload");
+  folder.write("made/linear-movement.anna.jsonl",
+               "{\"subject\":{\"experiment\":\"linear-movement\",\"subject\":\"anna\"}}\n"
+               "{\"began\":{\"linear\":{\"mode\":\"V\"}}}\n"
+               "{\"ended\":{\"linear\":{\"mode\":\"V\",\"end\":\"done\"}}}\n");
+  for (const char* more : {"", " --json"}) {
+    expect_told("handrail",
+                "experiment linear-movement --report --out " + folder.path() + "/made" + more);
+  }
+  listed.insert("experiment");
   listed.insert("demo");  // drives an arm for a minute, and ends as all of them do
   for (const Command& command : commands()) {
     EXPECT_TRUE(!command.takes.json || listed.count(command.name) > 0) << command.name;

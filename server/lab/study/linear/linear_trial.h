@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "devices/hand/operator_model.h"
 #include "server/base/status.h"
 #include "server/lab/study/study_bench.h"
 #include "server/task/linear_measure.h"
