@@ -76,8 +76,8 @@ ExitCode run_experiment_command(const Options& options, const Console& console) 
   words.resume = options.resume;
   words.simulated = options.simulated;
   words.json = options.json;
-  if (options.trials) words.rules.trials = count_in(*options.trials, kMostTrials);
-  if (words.rules.trials == 0) {
+  if (options.trials) words.trials = count_in(*options.trials, kMostTrials);
+  if (options.trials && words.trials == 0) {
     return complain(console,
                     "experiment: --trials '" + shown(*options.trials) + "', expected 1 to 20");
   }

@@ -140,7 +140,7 @@ Status ExperimentFile::append(const pb::ExperimentLine& line) {
     written += static_cast<std::size_t>(n);
   }
   if (written == text.size() && ::fdatasync(fd_) == 0) return Status::ok();
-  const Status failed = failure(path_, "cannot be written");
+  Status failed = failure(path_, "cannot be written");
   // Nothing of a line, rather than half of it.
   if (before >= 0 && ::ftruncate(fd_, before) != 0) errno = 0;
   return failed;

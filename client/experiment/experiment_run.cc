@@ -25,6 +25,7 @@ namespace {
 constexpr Nanos kSample = 7 * kMillisecond;        // the robot's rate, 141 Hz
 constexpr Nanos kAnswer = 5 * kSecond;             // an order's
 constexpr Nanos kOrderPause = 100 * kMillisecond;  // until the status shows what came of it
+constexpr Nanos kPromptAgain = kSecond;            // the master forgets one that is not renewed
 constexpr Nanos kRetry = 500 * kMillisecond;  // of a master that does not answer, of a full disk
 
 // Everything that lasts as long as one run of the program.
@@ -35,8 +36,7 @@ class Experiment {
 
   ExitCode run() {
     if (Status s = prepare(); !s) return fail(s.message());
-    while (const std::optional<TrialNext> next =
-               next_trial(words_.rules, order_, trials_made(record_))) {
+    while (const std::optional<TrialNext> next = next_trial(rules_, order_, trials_made(record_))) {
       if (!make(*next)) return finish();
     }
     say("All trials are made.");
@@ -55,12 +55,14 @@ class Experiment {
     if (!words_.json) place_.out << text << std::endl;
   }
   void prompt(const std::string& text) {
-    if (text == prompted_) return;
+    const bool is_new = text != prompted_;
+    if (!is_new && monotonic_now() < prompt_at_) return;
     prompted_ = text;
+    prompt_at_ = monotonic_now() + kPromptAgain;
     pb::Request request;
     request.set_prompt(text);
     (void)client_.call(request, kAnswer);
-    if (!text.empty()) say("  " + text);
+    if (is_new && !text.empty()) say("  " + text);
   }
 
   Status prepare();
@@ -81,11 +83,12 @@ class Experiment {
   OperatorClient client_;
   ExitCode code_ = kExitDone;
   Scene scene_;
-  std::uint64_t scene_epoch_ = 0;
   std::vector<int> order_;
+  ExperimentRules rules_;
   ExperimentFile file_;
   ExperimentRecord record_;
   std::string prompted_;
+  Nanos prompt_at_ = 0;  // from when on it is said again
   Nanos again_at_ = 0;
   bool closed_ = false;   // the clutch, for who waits at A
   bool refused_ = false;  // and that was said
@@ -138,12 +141,20 @@ Status Experiment::prepare() {
   subject.set_simulated(words_.simulated);
   order_ = order_of_modes(words_.subject, kStudyModes);
   for (const int mode : order_) subject.add_modes(name_of(static_cast<StudyMode>(mode)));
-  subject.set_practice(static_cast<std::uint32_t>(words_.rules.practice));
-  subject.set_trials(static_cast<std::uint32_t>(words_.rules.trials));
+  if (words_.trials != 0) rules_.trials = words_.trials;
+  subject.set_practice(static_cast<std::uint32_t>(rules_.practice));
+  subject.set_trials(static_cast<std::uint32_t>(rules_.trials));
   subject.set_version(program_version());
   subject.set_began(calendar_text(calendar_now()));
   const std::string file = experiment_file(words_.folder, words_.experiment, words_.subject);
   if (Status s = file_.open(file, subject, words_.resume, record_); !s) return s;
+  // Who goes on goes on by the rules they began with.
+  const auto begun = static_cast<int>(record_.subject.trials());
+  if (words_.trials != 0 && begun != words_.trials) {
+    return Status::error(fmt::format("{}: was begun with --trials {}, expected the same, not {}",
+                                     shown(file, 200), begun, words_.trials));
+  }
+  rules_ = {static_cast<int>(record_.subject.practice()), begun};
   say("writing to " + file);
   if (!words_.simulated) return Status::ok();
   const Result<std::string> people = find_population(words_.experiment);

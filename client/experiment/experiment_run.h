@@ -16,7 +16,7 @@ struct ExperimentWords {
   bool resume = false;
   bool simulated = false;  // nobody is there: a simulated operator leads the page's cursor
   bool json = false;       // of what is told at the end
-  ExperimentRules rules;
+  int trials = 0;          // successes wanted in each mode; 0: as usual, or as was begun with
 };
 
 struct ExperimentPlace {

@@ -27,6 +27,8 @@ bool read_vector(const google::protobuf::RepeatedField<double>& from, double uni
 // What is 180 deg in degrees may be more in radians.
 bool is_within(const Vec3& v, double most) { return v.norm() <= most * (1.0 + 1e-12); }
 
+// Who prompts says so again within this, or the prompt goes with them.
+constexpr Nanos kPromptLasts = 5 * kSecond;
 constexpr std::size_t kLongestMark = 32, kLongestPrompt = 200;  // [bytes]
 
 // Why that text cannot be shown to others; empty: it can.
@@ -371,12 +373,13 @@ void OrderDesk::prompt(const std::string& text, const ReplyTo& reply) {
   const std::string problem = problem_of("prompt", text, 0, kLongestPrompt);
   if (!problem.empty()) return reply(refused(problem));
   prompt_ = text;
+  prompted_ = now_;
   reply(done());
 }
 
 void OrderDesk::show_task(pb::Status& status) const {
   if (mark_.has_count()) *status.mutable_mark() = mark_;
-  if (!prompt_.empty()) status.set_prompt(prompt_);
+  if (!prompt_.empty() && now_ - prompted_ < kPromptLasts) status.set_prompt(prompt_);
 }
 
 }  // namespace handrail

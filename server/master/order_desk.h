@@ -171,6 +171,7 @@ class OrderDesk : public OperatorHandler {
   CursorSample cursor_;  // the newest
   pb::MarkStatus mark_;  // likewise; without a count: none
   std::string prompt_;
+  Nanos prompted_ = -kForever;
 
   Nanos retry_at_ = 0;  // an engage refused for the link
   bool hold_ = false;   // the engagement the loop took ends with a running `engage --hold`

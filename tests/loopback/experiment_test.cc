@@ -61,6 +61,11 @@ TEST_F(ExperimentTest, NoTrialThatWasFinishedIsLost) {
   const auto [code, answer] = run({"--subject", "sim1", "--simulated", "--resume"});
   EXPECT_EQ(code, 1);
   EXPECT_THAT(answer, HasSubstr("another `handrail experiment` has it open"));
+  // Longer than a prompt lasts that nobody renews.
+  first->send(SIGSTOP);
+  EXPECT_TRUE(eventually([](const pb::Status& s) { return !s.has_prompt(); }));
+  first->send(SIGCONT);
+  EXPECT_TRUE(eventually([](const pb::Status& s) { return s.has_prompt(); }));
   first->kill();
   const std::string killed = file("sim1");
   EXPECT_THAT(killed, HasSubstr("\"end\":\"done\"")) << killed;
@@ -73,6 +78,10 @@ TEST_F(ExperimentTest, NoTrialThatWasFinishedIsLost) {
   EXPECT_EQ(second->finish(), 130) << second->output();
   EXPECT_THAT(second->output(), HasSubstr("--resume goes on"));
   EXPECT_THAT(file("sim1"), HasSubstr("\"interrupted\":true"));
+  const auto [rules, problem] =
+      run({"--subject", "sim1", "--simulated", "--resume", "--trials", "3"});
+  EXPECT_EQ(rules, 1);
+  EXPECT_THAT(problem, HasSubstr("was begun with --trials 2, expected the same, not 3"));
   EXPECT_EQ(file("sim1").substr(0, killed.size()), killed);
   // It leaves the cell as it found it.
   const pb::Status after = status();
@@ -149,6 +158,9 @@ TEST_F(ExperimentTest, MarksAndPromptsAreOneLineOfText) {
   EXPECT_THAT(refusal("mark: 'x' observer: true"), HasSubstr("only looks"));
   order("prompt: 'Turn the key.'");
   EXPECT_EQ(status().prompt(), "Turn the key.");
+  // It goes with who does not say it again.
+  EXPECT_TRUE(eventually([](const pb::Status& s) { return !s.has_prompt(); }));
+  order("prompt: 'Turn the key.'");
   order("prompt: ''");
   EXPECT_FALSE(status().has_prompt());
   EXPECT_EQ(handrail({"mark", "here"}).first, 0);
