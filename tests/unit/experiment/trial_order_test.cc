@@ -69,6 +69,18 @@ TEST(TrialOrder, InterruptedTrialsCountForNothing) {
   }
 }
 
+// Nor for the most attempts that are given.
+TEST(TrialOrder, NobodyIsInterruptedOutOfTheirTrials) {
+  const ExperimentRules rules;
+  std::vector<TrialMade> made(static_cast<std::size_t>(rules.practice), {0, true, false, true});
+  made.insert(made.end(), 20, {0, false, true, false});
+  const auto next = next_trial(rules, {0, 1}, made);
+  ASSERT_TRUE(next);
+  EXPECT_EQ(next->mode, 0);
+  EXPECT_EQ(next->attempt, 1);
+  EXPECT_EQ(next->number, 3);
+}
+
 TEST(TrialOrder, ModesComeInEveryOrderAndAlwaysTheSameForOnePerson) {
   int first[2] = {};
   for (int i = 0; i < 200; ++i) {
