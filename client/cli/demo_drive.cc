@@ -52,14 +52,6 @@ Vec3 to_device(const Vec3& v_S) { return Vec3(-v_S.y(), v_S.z(), -v_S.x()); }
 
 }  // namespace
 
-Pose pose_of(const pb::PoseMm& pose) {
-  Pose X;
-  if (pose.position_mm_size() != 3 || pose.quaternion_size() != 4) return X;
-  X.p = kMm * Vec3(pose.position_mm(0), pose.position_mm(1), pose.position_mm(2));
-  X.q = Quat(pose.quaternion(0), pose.quaternion(1), pose.quaternion(2), pose.quaternion(3));
-  return X;
-}
-
 void DemoDriver::fail(const std::string& problem, ExitCode code) {
   if (code_ != kExitDone) return;
   code_ = code;

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "client/api/operator_client.h"
+#include "client/api/status_pose.h"
 #include "client/cli/interrupt.h"
 #include "client/doctor/machine_cost.h"
 #include "server/base/spatial.h"
@@ -65,8 +66,5 @@ class DemoDriver {
   int losses_ = 0, losses_of_move_ = 0;
   std::string why_lost_;
 };
-
-// Zeros and the identity where the master says nothing.
-Pose pose_of(const pb::PoseMm& pose);
 
 }  // namespace handrail

@@ -22,17 +22,14 @@ class CursorSender {
 
   // Where the hand is from now on, frame M, turned from how the device is held at first.
   void set(const Pose& X_MC);
-  // Why the newest cursor was not taken; empty: it was.
-  std::string problem() const;
 
  private:
   void run();
 
   OperatorClient client_;
-  mutable std::mutex mutex_;
+  std::mutex mutex_;
   Pose X_MC_;
   bool set_ = false;
-  std::string problem_;
   std::atomic<bool> ends_ = false;
   std::thread thread_;
 };

@@ -46,8 +46,6 @@ class LinearLive {
   LinearPhase phase() const;
   // Once it has ended; without a trace.
   const TrialResult& result() const { return result_; }
-  // How far the tip is from where this stage ends [m].
-  double off() const { return off_; }
 
   // The clock runs.
   bool timed() const { return stage_ >= Stage::kToB && stage_ != Stage::kEnded; }

@@ -1,18 +1,9 @@
 #include "client/experiment/live_status.h"
 
-#include "server/base/units.h"
+#include "client/api/status_pose.h"
 
 namespace handrail {
 namespace {
-
-// Zeros and the identity where the master says nothing.
-Pose pose_in(const pb::PoseMm& pose) {
-  Pose X;
-  if (pose.position_mm_size() != 3 || pose.quaternion_size() != 4) return X;
-  X.p = kMm * Vec3(pose.position_mm(0), pose.position_mm(1), pose.position_mm(2));
-  X.q = Quat(pose.quaternion(0), pose.quaternion(1), pose.quaternion(2), pose.quaternion(3));
-  return X;
-}
 
 Vec3 force_in(const pb::ForceShare& share) {
   if (share.force_n_size() != 3) return Vec3::Zero();
@@ -39,8 +30,8 @@ Result<pb::Status> status_of(OperatorClient& client, Nanos patience) {
 
 LiveSample sample_of(const pb::Status& now) {
   LiveSample out;
-  out.X_ST = pose_in(now.tip());
-  out.q_command = pose_in(now.command()).q;
+  out.X_ST = pose_of(now.tip());
+  out.q_command = pose_of(now.command()).q;
   out.drives = drives_in(now) && now.has_tip();
   out.clutched = now.state() == "clutched";
   out.position_tool = has_tool(now.position_tool());
@@ -53,8 +44,8 @@ LiveSample sample_of(const pb::Status& now) {
 
 SubjectSight sight_of(const pb::Status& now) {
   SubjectSight out;
-  out.X_ST = pose_in(now.tip());
-  out.X_MH = pose_in(now.hand());
+  out.X_ST = pose_of(now.tip());
+  out.X_MH = pose_of(now.hand());
   out.f_H_M = force_in(now.device_force());
   out.drives = drives_in(now);
   out.fault = now.state() == "fault" || now.slave_state() == "fault";
@@ -63,7 +54,7 @@ SubjectSight sight_of(const pb::Status& now) {
 
 StartSight start_of(const pb::Status& now) {
   StartSight out;
-  out.X_ST = pose_in(now.tip());
+  out.X_ST = pose_of(now.tip());
   out.drives = drives_in(now) && now.has_tip();
   out.clutched = now.state() == "clutched";
   out.tool = has_tool(now.position_tool()) || has_tool(now.orientation_tool());
@@ -74,8 +65,8 @@ StartSight start_of(const pb::Status& now) {
 }
 
 TraceRow row_of(const pb::Status& now, LinearPhase phase) {
-  return {now.time_s(),          pose_in(now.tip()),           pose_in(now.command()),
-          pose_in(now.hand()).p, force_in(now.device_force()), phase};
+  return {now.time_s(),          pose_of(now.tip()),           pose_of(now.command()),
+          pose_of(now.hand()).p, force_in(now.device_force()), phase};
 }
 
 }  // namespace handrail
