@@ -17,6 +17,8 @@ namespace handrail {
 //
 // The lock closes within r/2 and opens beyond r, both of the proxy: a hand that presses a lever
 // past its gear, into the wall at the aisle's end, is still in gear.
+//
+// A stage may give a place another peak, which comes within 20 ms; one of 0 N does not lock.
 class Detent {
  public:
   static constexpr EffectKind kKind = EffectKind::kDetent;
@@ -39,6 +41,7 @@ class Detent {
   void restart(const Vec2&) noexcept {}
 
   Vec2 force(const EffectInput& in, EffectTick& tick) noexcept {
+    if (in.detent_peaks != nullptr || changed_) change(in);
     move_lock(in.proxy, tick);
     tick.locked = locked_ >= 0;
     tick.place = locked_;
@@ -63,21 +66,39 @@ class Detent {
   struct Place {
     Vec2 at = Vec2::Zero();
     double radius = 0.0;  // [m]
-    double slope = 0.0;   // [N/m]
+    double slope = 0.0;   // in force [N/m]
+    double listed = 0.0;  // as the scene lists it [N/m]
+    bool locks = true;
   };
 
   void add(const Vec2& at, double radius, double peak) noexcept {
     if (count_ == kMostDetents) return;
     const double slope = peak / (0.5 * radius);
-    places_[static_cast<std::size_t>(count_++)] = {at, radius, slope};
+    places_[static_cast<std::size_t>(count_++)] = {at, radius, slope, slope};
     stiffness_ = std::max(stiffness_, slope);
+  }
+  void change(const EffectInput& in) noexcept {
+    constexpr double kSame = 1e-9;  // of what is listed
+    changed_ = in.detent_peaks != nullptr;
+    stiffness_ = 0.0;
+    for (int i = 0; i < count_; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      Place& place = places_[k];
+      const bool own = in.detent_peaks != nullptr && k < in.detent_peaks->size();
+      const double wanted = own ? (*in.detent_peaks)[k] / (0.5 * place.radius) : place.listed;
+      place.locks = wanted > 0.0;
+      place.slope += changed_in(in.dt) * (wanted - place.slope);
+      if (std::abs(wanted - place.slope) <= kSame * place.listed) place.slope = wanted;
+      if (place.slope != place.listed) changed_ = true;
+      stiffness_ = std::max(stiffness_, place.slope);
+    }
   }
   void move_lock(const Vec2& proxy, EffectTick& tick) noexcept {
     // Closer to place i than this share of its radius.
     const auto within = [&](int i, double share) {
       const Place& place = places_[static_cast<std::size_t>(i)];
       const double reach = share * place.radius;
-      return (place.at - proxy).squaredNorm() <= reach * reach;
+      return place.locks && (place.at - proxy).squaredNorm() <= reach * reach;
     };
     if (locked_ >= 0 && !within(locked_, 1.0)) {
       tick.tell({EffectEvent::Kind::kUnlocked, locked_});
@@ -94,6 +115,7 @@ class Detent {
   int count_ = 0;
   double stiffness_ = 0.0;
   int locked_ = -1;
+  bool changed_ = false;  // not all are as listed
 };
 
 }  // namespace handrail

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "server/base/plane.h"
 #include "server/model/effect_list.h"
@@ -17,8 +18,19 @@ struct EffectInput {
   Vec2 proxy = Vec2::Zero();           // in free space [m]
   const WallRegion* region = nullptr;  // that the proxy is in; never null in a step
   const WallRegion* wall = nullptr;    // that is touched; null while the hand is free
-  double dt = 1e-3;                    // [s]
+  // Of each place of the detent [N]; null: as the scene lists them.
+  const std::vector<double>* detent_peaks = nullptr;
+  double dt = 1e-3;  // [s]
 };
+
+// Time constant with which what a wall, a region or a place is to the hand becomes what another is,
+// where the hand goes there or a stage changes it [s]. Chosen: shorter is felt as a step.
+inline constexpr double kEffectChange = 0.020;
+
+// The share of such a change that `dt` brings [s].
+inline double changed_in(double dt) noexcept {
+  return dt < kEffectChange ? dt / kEffectChange : 1.0;
+}
 
 // The least that effects may count on about device and hand. All > 0 but the lag.
 struct Plant {

@@ -23,10 +23,9 @@ class ViscousAisle {
   void restart(const Vec2& hand) noexcept { slider_.restart(hand); }
 
   Vec2 force(const EffectInput& in, EffectTick& tick) noexcept {
-    constexpr double kChange = 0.020;  // time constant [s]
     constexpr double kNothing = 1e-3;  // [N s/m]
     if (law_.viscosity == 0.0) slider_.restart(in.hand);
-    law_.viscosity += std::min(in.dt / kChange, 1.0) * (in.region->viscosity - law_.viscosity);
+    law_.viscosity += changed_in(in.dt) * (in.region->viscosity - law_.viscosity);
     if (law_.viscosity < kNothing) {
       law_.viscosity = 0.0;
       return Vec2::Zero();

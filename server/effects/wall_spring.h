@@ -13,8 +13,8 @@ namespace handrail {
 // (after Hunt and Crossley 1975), so that the force of contact begins at zero, and never pulls the
 // hand in. B is kept under what a force held for a period can do, B / (1 + B h / m), with h the
 // period and the velocity's lag and m the least mass: over a tick the damper can stop the hand but
-// not throw it back, whatever B. Where the wall's stiffness changes along it, the change is spread
-// over 20 ms.
+// not throw it back, whatever B. Where the wall's stiffness or damping changes, along it or with a
+// stage, the change is spread over 20 ms.
 class WallSpring {
  public:
   static constexpr EffectKind kKind = EffectKind::kWall;
@@ -28,20 +28,20 @@ class WallSpring {
       stiffness_ = 0.0;
       return Vec2::Zero();
     }
-    constexpr double kChange = 0.020;  // [s]
     constexpr double kOnset = 0.5e-3;  // [m]
-    const double wanted = in.wall->stiffness;
-    stiffness_ = stiffness_ == 0.0
-                     ? wanted
-                     : stiffness_ + std::min(in.dt / kChange, 1.0) * (wanted - stiffness_);
+    if (stiffness_ == 0.0) {
+      stiffness_ = in.wall->stiffness;
+      damping_ = in.wall->damping;
+    }
+    stiffness_ += changed_in(in.dt) * (in.wall->stiffness - stiffness_);
+    damping_ += changed_in(in.dt) * (in.wall->damping - damping_);
     const Vec2 out = in.proxy - in.hand;
     Vec2 spring = stiffness_ * out;
     tick.by_spring(spring, stiffness_);
     const double depth = out.norm();
-    if (in.wall->damping == 0.0 || depth == 0.0) return spring;
+    if (damping_ == 0.0 || depth == 0.0) return spring;
     const double damping =
-        in.wall->damping /
-        (1.0 + in.wall->damping * (in.dt + plant_.velocity_lag) / plant_.least_mass);
+        damping_ / (1.0 + damping_ * (in.dt + plant_.velocity_lag) / plant_.least_mass);
     const double speed_out = in.velocity.dot(out) / depth;
     const double drag = damping * std::min(depth / kOnset, 1.0) * speed_out;
     return (std::max(stiffness_ * depth - drag, 0.0) / depth) * out;
@@ -50,6 +50,7 @@ class WallSpring {
  private:
   Plant plant_;
   double stiffness_ = 0.0;  // in force; 0: nothing touched [N/m]
+  double damping_ = 0.0;    // in force [N s/m]
 };
 
 }  // namespace handrail

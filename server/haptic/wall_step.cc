@@ -15,7 +15,6 @@ Vec3 in_space(const Vec2& v) { return {v.x(), v.y(), 0.0}; }
 
 // Puts the walls as they are in `stage`. True when the hand is elsewhere among them than before.
 bool enter_stage(const Walls& walls, int stage, WallState& s) {
-  s.stage = stage;
   Pose2 pose;
   std::uint64_t gone = 0;
   if (!walls.stages.empty()) {
@@ -30,9 +29,24 @@ bool enter_stage(const Walls& walls, int stage, WallState& s) {
   return moved;
 }
 
-const WallRegion* region_of(const Walls& walls, std::uint8_t index) {
+const WallRegion* region_of(const Walls& walls, int stage, std::uint8_t index) {
   static const WallRegion nothing;
-  return index < walls.regions.size() ? &walls.regions[index] : &nothing;
+  if (index >= walls.regions.size()) return &nothing;
+  return &walls.region(static_cast<std::size_t>(stage), index);
+}
+
+const std::vector<double>* detent_peaks(const Walls& walls, int stage) {
+  const auto i = static_cast<std::size_t>(stage);
+  const bool own = i < walls.stages.size() && !walls.stages[i].detent_peaks.empty();
+  return own ? &walls.stages[i].detent_peaks : nullptr;
+}
+
+StageSigns signs_of(const EffectStack& effects, const WallOutput& out) {
+  StageSigns signs;
+  signs.region = out.contact.region;
+  if (const auto* turned = effects.find<ProgressiveFriction>()) signs.turned = turned->alpha();
+  signs.place = out.effects.place;
+  return signs;
 }
 
 // What the hand's motion of this tick may change the force by [N]: twice the springs' slope, for
@@ -57,10 +71,10 @@ void wall_step(const WallSettings& settings, const WallInput& in, double dt, Wal
   const Vec2 hand = in_plane(in.hand.X_MH.p);
   const Vec2 velocity = in_plane(in.hand.v_MH);
   const bool hand_ok = in.hand.valid && within(hand, kFarthest) && within(velocity, kFastestHand);
-  const int last = std::max(static_cast<int>(walls.stages.size()) - 1, 0);
-  const int stage = std::clamp(in.stage, 0, last);
-  if (stage != s.stage && enter_stage(walls, stage, s)) s.started = false;
-  out.stage = s.stage;
+  const int before = s.stages.stage();
+  const int stage = s.stages.now(walls, in.stage, in.stage_orders, dt);
+  if (stage != before && enter_stage(walls, stage, s)) s.started = false;
+  out.stage = stage;
 
   double allowed = 0.0;
   Vec2 force = Vec2::Zero();
@@ -83,10 +97,12 @@ void wall_step(const WallSettings& settings, const WallInput& in, double dt, Wal
     effect.hand = there;
     effect.velocity = s.turn.transpose() * velocity;
     effect.proxy = out.contact.proxy;
-    effect.region = region_of(walls, out.contact.region);
-    effect.wall = out.contact.touching ? region_of(walls, out.contact.wall) : nullptr;
+    effect.region = region_of(walls, stage, out.contact.region);
+    effect.wall = out.contact.touching ? region_of(walls, stage, out.contact.wall) : nullptr;
+    effect.detent_peaks = detent_peaks(walls, stage);
     effect.dt = dt;
     out.effects = s.effects.step(effect);
+    s.stages.see(walls, signs_of(s.effects, out));
     force = settings.share * (s.turn * out.effects.force);
     if (effect.wall != nullptr) s.wall_stiffness = effect.wall->stiffness;
     const Vec2 motion = hand - s.hand;

@@ -9,6 +9,7 @@
 #include "server/haptic/arbiter.h"
 #include "server/haptic/hand_reading.h"
 #include "server/haptic/ledger.h"
+#include "server/haptic/stage_watch.h"
 #include "server/model/reason_set.h"
 #include "server/stability/energy_governor.h"
 
@@ -25,8 +26,9 @@ struct WallSettings {
 
 struct WallInput {
   HandReading hand;
-  int stage = 0;         // of Walls::stages; outside them: the nearest
-  bool release = false;  // the force goes, as after a stop
+  int stage = 0;                   // of Walls::stages, as ordered; outside them: the nearest
+  std::uint32_t stage_orders = 0;  // counts the orders: one for the same stage is one, too
+  bool release = false;            // the force goes, as after a stop
 };
 
 struct WallOutput {
@@ -38,7 +40,7 @@ struct WallOutput {
   ForceLedger ledger;        // the same, stage by stage
   double energy_made = 0.0;  // at the hand, that the governor has yet to take back, >= 0 [J]
   ReasonSet reasons;         // every intervention of this tick
-  int stage = 0;
+  int stage = 0;             // in force
 };
 
 // What a step remembers. `proxy` and `effects` are the scene's, put here before the first step.
@@ -47,7 +49,7 @@ struct WallState {
   EffectStack effects;
   EnergyGovernor governor;
   Arbiter arbiter;
-  int stage = -1;                                      // in force; -1: none yet
+  StageWatch stages;
   Pose2 pose;                                          // of the walls in M
   Eigen::Matrix2d turn = Eigen::Matrix2d::Identity();  // of the walls in M
   Vec2 hand = Vec2::Zero();                            // last valid, in M [m]
@@ -73,10 +75,12 @@ struct WallRun {
 //
 // The governor keeps what walls and effects ask for from making energy, before the limits.
 //
+// The stage in force is the one ordered last, or one whose condition has become true since.
+//
 // The hand's X and Y in M are taken to the walls' frame of the stage; there the proxy advances, the
 // effects give their force, and it goes back to M through the limits of the device. Whatever makes
-// the force jump (walls that come, move or turn with a stage, a region's edge), it changes by at
-// most `force.step` a millisecond beside what the hand's motion over the springs explains. A
+// the force jump (walls that come, move, turn or harden with a stage, a region's edge), it changes
+// by at most `force.step` a millisecond beside what the hand's motion over the springs explains. A
 // reading that is invalid or no place (not finite, beyond 10 m or 100 m/s) cuts the force for its
 // tick and moves nothing; after 20 ms of them the proxy starts anew where the hand comes back.
 void wall_step(const WallSettings& settings, const WallInput& in, double dt, WallState& state,

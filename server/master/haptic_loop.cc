@@ -53,6 +53,7 @@ void HapticLoop::tick(Nanos now) noexcept {
       input_.order.stage >= 0 &&
       static_cast<std::size_t>(input_.order.stage) < scene_.walls->settings.walls->stages.size()) {
     wall_in_.stage = input_.order.stage;
+    ++wall_in_.stage_orders;
     input_.order = HapticOrder();
   }
   haptic_step(scene_.haptic, input_, dt, state_, report_.out);

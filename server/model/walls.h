@@ -63,11 +63,32 @@ struct WallShape {
   std::uint8_t region = 0;      // index into Walls::regions, not a wall
 };
 
+// What puts a stage in force by itself, at the moment it becomes true.
+struct StageCondition {
+  enum class Kind : std::uint8_t {
+    kNone,         // only an order does
+    kInside,       // the hand's place is in region `index`
+    kTurnedOver,   // progressive friction has been turned by more than `angle`
+    kTurnedUnder,  // by less
+    kLocked,       // place `index` of the detent has locked
+    kUnlocked,     // it holds no longer
+  };
+  Kind kind = Kind::kNone;
+  std::uint8_t index = 0;
+  double angle = 0.0;  // [rad]
+};
+
+// Most stages of a scene.
+inline constexpr int kMostStages = 64;
+
 // The walls as they are from one stage of the task on.
 struct WallStage {
   std::string name;
-  Pose2 pose;                      // of the map in M
-  std::vector<std::uint8_t> gone;  // wall regions that are not there in this stage
+  Pose2 pose;                        // of the map in M
+  std::vector<std::uint8_t> gone;    // wall regions that are not there in this stage
+  std::vector<WallRegion> regions;   // as they are in this stage; empty: as the walls list them
+  std::vector<double> detent_peaks;  // of each place, 0: not there [N]; empty: as listed
+  StageCondition when;
 };
 
 struct Walls {
@@ -82,6 +103,12 @@ struct Walls {
   Vec2 start = Vec2::Zero();          // a point of free space, map frame [m]
   std::vector<WallStage> stages;      // at least one; the first is in force at the start
   std::vector<std::string> warnings;  // one sentence each: allowed, but likely to surprise
+
+  // Region `index` as it is in `stage`. Both must be there. Real-time safe.
+  const WallRegion& region(std::size_t stage, std::uint8_t index) const noexcept {
+    const bool own = stage < stages.size() && !stages[stage].regions.empty();
+    return (own ? stages[stage].regions : regions)[index];
+  }
 };
 
 }  // namespace handrail

@@ -16,6 +16,7 @@
 #include "server/scene/simulate_io.h"
 #include "server/scene/text_io.h"
 #include "server/scene/tool_io.h"
+#include "server/scene/wall_stages_io.h"
 #include "server/scene/walls_io.h"
 #include "server/scene/workpiece_reach.h"
 
@@ -238,6 +239,7 @@ Problem complete(const pb::Scene& in, const std::string& path, Scene& out) {
   auto walls = std::make_shared<Walls>(*out.walls);
   Problem problem = complete_walls(in.walls(), path, *walls);
   if (!problem) problem = paint_detents(*walls, out.effects);
+  if (!problem) problem = stage_effects_from(in.walls(), out.effects, *walls);
   out.walls = std::move(walls);
   return problem;
 }

@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <set>
 #include <vector>
 
 #include "server/base/plain_text.h"
@@ -15,6 +14,7 @@
 #include "server/scene/field_check.h"
 #include "server/scene/numbers.h"
 #include "server/scene/wall_shapes_io.h"
+#include "server/scene/wall_stages_io.h"
 
 namespace handrail {
 namespace {
@@ -140,31 +140,6 @@ Problem method_from(const pb::Walls& in, Walls& out) {
                : method == pb::Walls::SUBPIXEL ? WallMethod::kSubpixel
                                                : WallMethod::kPublished;
   out.search_radius = in.search_radius_px();
-  return std::nullopt;
-}
-
-Problem stages_from(const pb::Walls& in, Walls& out) {
-  std::set<std::string> names;
-  for (int i = 0; i < in.stage_size(); ++i) {
-    const pb::WallStage& s = in.stage(i);
-    if (s.name().empty()) return FieldProblem{at("stage", i, "name"), "is empty"};
-    if (!names.insert(s.name()).second) {
-      return FieldProblem{at("stage", i, "name"), "a second stage '" + s.name() + "'"};
-    }
-    WallStage& stage = out.stages.emplace_back();
-    stage.name = s.name();
-    stage.pose = {plane_vector_of(s.at_mm()) * kMm, s.turn_deg() * kDeg};
-    for (int k = 0; k < s.without_size(); ++k) {
-      const std::string field = at("stage", i, "without") + "[" + std::to_string(k) + "]";
-      const RegionLookup region = find_region(out, s.without(k));
-      if (!region.problem.empty()) return FieldProblem{field, region.problem};
-      if (out.regions[region.index].kind != RegionKind::kWall) {
-        return FieldProblem{field, "'" + s.without(k) + "' is not a WALL"};
-      }
-      stage.gone.push_back(region.index);
-    }
-  }
-  if (out.stages.empty()) out.stages.emplace_back();
   return std::nullopt;
 }
 

@@ -124,21 +124,58 @@ std::optional<Rendering> rendering_of(const EffectSpec& e, double period) {
   }
 }
 
+std::optional<Rendering> rendering_of(const WallRegion& region, const std::string& stage,
+                                      const RenderingLoop& loop) {
+  if (region.kind != RegionKind::kWall) return std::nullopt;
+  const double h = loop.period + loop.velocity_lag;
+  return make("wall '" + region.name + "'" + (stage.empty() ? "" : " in stage '" + stage + "'"),
+              region.stiffness, region.damping / (1.0 + region.damping * h / loop.least_mass));
+}
+
+// Each wall, and each that a stage makes another.
+std::vector<Rendering> of_regions(const Walls& walls, const RenderingLoop& loop) {
+  std::vector<Rendering> out;
+  const auto add = [&](const WallRegion& region, const std::string& stage) {
+    if (const auto wall = rendering_of(region, stage, loop)) out.push_back(*wall);
+  };
+  for (const WallRegion& region : walls.regions) add(region, "");
+  for (const WallStage& stage : walls.stages) {
+    for (std::size_t i = 0; i < stage.regions.size(); ++i) {
+      const WallRegion &now = stage.regions[i], &listed = walls.regions[i];
+      const bool same = now.stiffness == listed.stiffness && now.damping == listed.damping;
+      if (!same) add(now, stage.name);
+    }
+  }
+  return out;
+}
+
+// With the largest peak that a stage gives each place.
+EffectSpec hardest(const EffectSpec& e, const Walls& walls) {
+  EffectSpec out = e;
+  if (e.kind != EffectKind::kDetent) return out;
+  for (const WallStage& stage : walls.stages) {
+    if (stage.detent_peaks.size() != e.places.size()) continue;
+    out.radii.resize(e.places.size(), e.radius);
+    out.peaks.resize(e.places.size(), e.peak);
+    for (std::size_t i = 0; i < e.places.size(); ++i) {
+      out.peaks[i] = std::max(out.peaks[i], stage.detent_peaks[i]);
+    }
+  }
+  return out;
+}
+
 std::vector<Rendering> of_walls(const Scene& scene, const RenderingLoop& loop) {
   std::vector<Rendering> out;
   Rendering most;
   const bool rendered =
       std::any_of(scene.effects.begin(), scene.effects.end(),
                   [](const EffectSpec& e) { return e.kind == EffectKind::kWall; });
-  for (const WallRegion& region : scene.walls->regions) {
-    if (region.kind != RegionKind::kWall || !rendered) continue;
-    const double h = loop.period + loop.velocity_lag;
-    out.push_back(make("wall '" + region.name + "'", region.stiffness,
-                       region.damping / (1.0 + region.damping * h / loop.least_mass)));
-    if (out.back().stiffness >= most.stiffness) most = out.back();
+  if (rendered) out = of_regions(*scene.walls, loop);
+  for (const Rendering& wall : out) {
+    if (wall.stiffness >= most.stiffness) most = wall;
   }
   for (const EffectSpec& e : scene.effects) {
-    const std::optional<Rendering> effect = rendering_of(e, loop.period);
+    const std::optional<Rendering> effect = rendering_of(hardest(e, *scene.walls), loop.period);
     if (!effect) continue;
     out.push_back(*effect);
     most.own_velocity = most.own_velocity || (most.damping == 0.0 && effect->own_velocity);

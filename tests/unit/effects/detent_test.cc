@@ -172,5 +172,29 @@ TEST(ReturnSpring, TellsOnceThatTheHandIsBack) {
   EXPECT_FALSE(events(0.002)) << "it was not twice as far";
 }
 
+TEST(Detent, AStagesPeakComesWithinAFewTimeConstantsAndNoneLocksNothing) {
+  Detent detent = gears();
+  const std::vector<double> peaks = {4.0, 1.0}, none = {4.0, 0.0};
+  const auto feel_by = [&](const std::vector<double>* by) {
+    EffectInput in = test::at({1e-3, 0.03}, kFreeSpace);
+    in.detent_peaks = by;
+    EffectTick tick;
+    tick.force = detent.force(in, tick);
+    return tick;
+  };
+  EXPECT_NEAR(feel_by(nullptr).force.x(), -2.0, 1e-9);
+  // 1 / 20 of what is missing each millisecond.
+  EXPECT_NEAR(feel_by(&peaks).force.x(), -2.0 + 1.5 / 20.0, 1e-9);
+  for (int i = 0; i < 1000; ++i) (void)feel_by(&peaks);
+  EXPECT_NEAR(feel_by(&peaks).force.x(), -0.5, 1e-9);
+  EXPECT_NEAR(detent.stiffness(), 4.0 / 2e-3, 1e-6) << "of the steepest";
+  EXPECT_EQ(detent.locked(), 1);
+  EXPECT_EQ(feel_by(&none).event_count, 1);
+  EXPECT_EQ(detent.locked(), -1);
+  for (int i = 0; i < 1000; ++i) (void)feel_by(nullptr);
+  EXPECT_EQ(feel_by(nullptr).force.x(), feel(detent, {1e-3, 0.03}).force.x());
+  EXPECT_NEAR(feel(detent, {1e-3, 0.03}).force.x(), -2.0, 1e-9);
+}
+
 }  // namespace
 }  // namespace handrail

@@ -108,5 +108,20 @@ TEST(WallSpring, BouncingGivesBackAtMostWhatCameIn) {
   }
 }
 
+TEST(WallSpring, ADamperThatAStageChangesComesWithin20Ms) {
+  const WallRegion bare = test::wall(5000.0, 0.0), damped = test::wall(5000.0, 40.0);
+  Plant heavy;
+  heavy.least_mass = 1e9;
+  WallSpring spring(heavy);
+  const auto push = [&](const WallRegion& wall) {
+    EffectTick tick;
+    return spring.force(against(wall, {2e-3, 0.0}, {0.1, 0.0}), tick).x();
+  };
+  EXPECT_NEAR(push(bare), -10.0, 1e-9);
+  EXPECT_NEAR(push(damped), -10.0 - 4.0 / 20.0, 1e-6);
+  for (int i = 0; i < 400; ++i) (void)push(damped);
+  EXPECT_NEAR(push(damped), -14.0, 1e-5);
+}
+
 }  // namespace
 }  // namespace handrail

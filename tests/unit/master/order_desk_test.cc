@@ -38,7 +38,9 @@ TEST_F(OrderDeskTest, StagesAreThoseOfTheSceneByName) {
   tick();
   ask("scene_load: 'second'");
   EXPECT_EQ(refusal("stage: ''"), "refused: scene 'second' has no stages");
-  walls->stages = {{"shut", {}, {}}, {"open", {}, {}}};
+  walls->stages.assign(2, {});
+  walls->stages[0].name = "shut";
+  walls->stages[1].name = "open";
   EXPECT_EQ(refusal("stage: 'ajar'"),
             "refused: scene 'second' has no stage 'ajar', expected one of 'shut', 'open'");
   EXPECT_EQ(at_once("stage: 'open'"), "done: ");

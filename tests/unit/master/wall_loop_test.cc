@@ -141,6 +141,21 @@ TEST_F(WallLoop, StagesChangeOnOrderAndWrongOnesAreRefused) {
   EXPECT_EQ(report.walls.stage, 1);
 }
 
+TEST_F(WallLoop, AnOrderForAStageThatWasLeftByItselfGoesBackToIt) {
+  Scene scene = room();
+  auto walls = std::make_shared<Walls>(*scene.walls);
+  walls->stages[1].when.kind = StageCondition::Kind::kInside;
+  scene.walls = walls;
+  LoopScene led = with_walls();
+  led.walls = runs.make(scene, joystick());
+  boxes.scene.publish(led);
+  ticks(200);
+  EXPECT_EQ(report.walls.stage, 1);
+  EXPECT_EQ(order(OrderKind::kStage, 0), Reason::kNone);
+  ticks(200);
+  EXPECT_EQ(report.walls.stage, 0);
+}
+
 TEST_F(WallLoop, AStopTakesTheForceUntilReset) {
   go_to(0.022);
   ASSERT_GT(device.written.force.norm(), 5.0);

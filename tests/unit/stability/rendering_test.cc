@@ -197,5 +197,37 @@ TEST(Rendering, AnArmsSpringIsAsLateAsItsSmoother) {
   EXPECT_NEAR(all[2].delay, 99.5e-3, 1e-12);
 }
 
+TEST(Rendering, WallsAndDetentsCountAsTheirHardestStageMakesThem) {
+  Scene scene;
+  auto walls = std::make_shared<Walls>();
+  WallRegion wall;
+  wall.name = "rim";
+  wall.kind = RegionKind::kWall;
+  wall.stiffness = 2000.0;
+  walls->regions = {wall};
+  walls->stages.resize(3);
+  walls->stages[1].name = "hard";
+  walls->stages[1].regions = walls->regions;
+  walls->stages[1].regions[0].stiffness = 9000.0;
+  walls->stages[2].regions = walls->regions;
+  walls->stages[2].detent_peaks = {5.0};
+  scene.walls = walls;
+  EffectSpec spring, detent;
+  detent.kind = EffectKind::kDetent;
+  detent.places = {Vec2::Zero()};
+  detent.radius = 4e-3;
+  detent.peak = 1.0;
+  scene.effects = {spring, detent};
+  std::vector<std::string> names;
+  std::vector<double> stiffness;
+  for (const Rendering& r : renderings_of(scene, {})) {
+    names.push_back(r.name);
+    stiffness.push_back(r.stiffness);
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"wall 'rim'", "wall 'rim' in stage 'hard'",
+                                             "effect 'detent'", "all together"}));
+  EXPECT_EQ(stiffness, (std::vector<double>{2000.0, 9000.0, 2500.0, 11500.0}));
+}
+
 }  // namespace
 }  // namespace handrail
