@@ -14,11 +14,13 @@ namespace handrail {
 // hand in. B is kept under what a force held for a period can do, B / (1 + B h / m), with h the
 // period and the velocity's lag and m the least mass: over a tick the damper can stop the hand but
 // not throw it back, whatever B. Where the wall's stiffness or damping changes, along it or with a
-// stage, the change is spread over 20 ms.
+// stage, the change is spread over 20 ms. Or the damper is that of (2.1) to the letter: against all
+// of the motion, from the first touch on, and as large as it is written, though it may be unstable.
 class WallSpring {
  public:
   static constexpr EffectKind kKind = EffectKind::kWall;
-  WallSpring(const EffectSpec&, const Plant& plant) noexcept : WallSpring(plant) {}
+  WallSpring(const EffectSpec& e, const Plant& plant) noexcept
+      : plant_(plant), published_damper_(e.published_damper) {}
   explicit WallSpring(const Plant& plant) noexcept : plant_(plant) {}
 
   void restart(const Vec2&) noexcept { stiffness_ = 0.0; }
@@ -38,6 +40,7 @@ class WallSpring {
     const Vec2 out = in.proxy - in.hand;
     Vec2 spring = stiffness_ * out;
     tick.by_spring(spring, stiffness_);
+    if (published_damper_) return spring - damping_ * in.velocity;
     const double depth = out.norm();
     if (damping_ == 0.0 || depth == 0.0) return spring;
     const double damping =
@@ -49,6 +52,7 @@ class WallSpring {
 
  private:
   Plant plant_;
+  bool published_damper_ = false;
   double stiffness_ = 0.0;  // in force; 0: nothing touched [N/m]
   double damping_ = 0.0;    // in force [N s/m]
 };

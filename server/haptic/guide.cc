@@ -71,6 +71,7 @@ Pose Guide::restart(const GuideSettings& settings, const Pose& X_SC) noexcept {
   command_turn_.clear();
   pull_offset_.clear();
   twist_offset_.clear();
+  chasing_ = false;
   command_ = X_SC;
   proxy_.p = position_.start(X_SC.p, X_SC.p);
   proxy_.q = orientation_.start(X_SC.q);
@@ -187,6 +188,17 @@ void Guide::change_orientation(const GuideSettings& settings, const OrientationT
   rejoin_orientation(settings, proxy_.q);
   brings_ = brings;
   turning_ = brings && command_turn_.active();
+  chasing_ = settings.chase && !tool.active();
+  if (chasing_) command_turn_.clear();
+}
+
+// One tick of the way from `q_SC` to the hand's orientation.
+Quat Guide::chase(const GuideSettings& settings, const Quat& q_SC, const Quat& q_wanted,
+                  double dt) noexcept {
+  const Vec3 way = rotation_log(q_SC.conjugate() * q_wanted);
+  const double left = way.norm(), most = settings.catch_up_rotation * dt;
+  chasing_ = left > most;
+  return chasing_ ? (q_SC * rotation_exp((most / left) * way)).normalized() : q_wanted;
 }
 
 void Guide::rejoin_orientation(const GuideSettings& settings, const Quat& q_proxy) noexcept {
@@ -213,20 +225,24 @@ Guidance Guide::step(const GuideSettings& settings, const Pose& X_SH, double dt)
     command_.p *= kFarthestCommand / far;
     out.beyond = true;
   }
+  const Quat before = command_.q;
   const Quat mean = orientation_mean_.push(proxy_.q);
   if (orientation_mean_.scattered()) rejoin_orientation(settings, proxy_.q);
   command_.q = mean;
   if (command_turn_.active()) {
     command_.q = (command_.q * rotation_exp(command_turn_.offset())).normalized();
   }
+  const Quat wanted = command_.q;
+  if (chasing_) command_.q = chase(settings, before, wanted, dt);
   out.X_SC = command_;
   out.X_SP = proxy_;
   out.pull = proxy_.p - X_SH.p + pull_offset_.offset();
   out.twist_pull = twist_offset_.offset();
   if (orientation_.active()) out.twist_pull += twist_from(X_SH.q, proxy_.q);
   out.offset = command_offset_.offset();
-  out.offset_angle = command_turn_.offset().norm();
-  out.blending = command_offset_.active() || command_turn_.active() || pull_offset_.active();
+  out.offset_angle = chasing_ ? angle_between(command_.q, wanted) : command_turn_.offset().norm();
+  out.blending =
+      command_offset_.active() || command_turn_.active() || pull_offset_.active() || chasing_;
   return out;
 }
 

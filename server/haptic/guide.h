@@ -18,6 +18,7 @@ struct GuideSettings {
   double torque_stiffness = 0.5;     // K_N, K_F where a tool does not say [N m/rad]
   double catch_up = 0.060;           // bound on letting go of a position offset [m/s]
   double catch_up_rotation = 0.262;  // the same for orientation [rad/s]
+  bool chase = false;                // a released orientation goes to the hand at most so fast
   double reach = 0.020;              // furthest that a change of position tools moves the arm [m]
   // Bound on easing a tool's pull in after a change, at the hand, times the mapping's scale: the
   // pull is in S [N/s]. With the arbiter's step limit (0.05 N a millisecond) it leaves room for the
@@ -57,7 +58,11 @@ struct Guidance {
 // reference brings the command there, from however far, by at most `catch_up_rotation`. Meanwhile,
 // and afterwards, the hand is taken to be turned as the reference wants: nothing turns it there,
 // and a tool that is dropped then leaves the arm as it stands. Any other change of orientation
-// tools ends the way there. Real-time safe; no allocation.
+// tools ends the way there.
+//
+// With `chase` a released orientation is let go as published: the command follows the hand at
+// `catch_up_rotation` at most until it has caught up, and winds up behind a hand that turns faster.
+// Real-time safe; no allocation.
 class Guide {
  public:
   // Starts afresh at `X_SC`, where hand and command both stand. Active tools stay, their proxies
@@ -97,6 +102,8 @@ class Guide {
   // `brings`: the tool has a reference.
   void change_orientation(const GuideSettings& settings, const OrientationTool& tool, bool brings,
                           Pose& X_SH) noexcept;
+  Quat chase(const GuideSettings& settings, const Quat& q_SC, const Quat& q_wanted,
+             double dt) noexcept;
   // Restarts the orientation smoother at `q_proxy`, keeping the command continuous.
   void rejoin_orientation(const GuideSettings& settings, const Quat& q_proxy) noexcept;
 
@@ -114,6 +121,7 @@ class Guide {
   bool approaching_ = false;
   bool brings_ = false;  // the orientation tool has a reference
   bool turning_ = false;
+  bool chasing_ = false;  // a released orientation has not caught up with the hand
 };
 
 // Anchors `call` at `X_SC` where it does not name its own place and normalises directions.

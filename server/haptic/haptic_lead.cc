@@ -13,6 +13,13 @@ constexpr double kLongestAligning = 10.0;  // [s], chosen: an operator waits no 
 // A slave silent for longer is lost: what it said last is no fault that an operator sees.
 constexpr Nanos kInSight = 200 * kMillisecond;
 
+// The hand may not lead an arm that stands at `X_ST`.
+bool elsewhere(const HapticSettings& settings, const HapticState& s, const Pose& X_ST) {
+  if (!settings.mapping.absolute) return false;
+  const HandOff off = hand_off(settings, s, X_ST);
+  return !(off.distance <= kAgree && off.angle <= kAgreeTurned);
+}
+
 // The slave holds another definition of a tool it says it has taken.
 bool tools_differ(const HapticState& s, const SlaveState& slave) {
   return slave.position_tool_epoch == s.command.guide.position().definition().epoch &&
@@ -106,7 +113,9 @@ void place_command(const HapticSettings& settings, const HapticInput& in, bool c
   const bool driving = may_drive(s.lead.session) && !clutched && s.hand.gap <= kLongestHandGap;
   if (driving && !s.command.driving) {
     const Pose X_SH = s.command.guide.restart(settings.guide, s.command.X_SU);
-    s.command.engagement = Engagement(settings.mapping, s.hand.X_MH, X_SH);
+    s.command.engagement = settings.mapping.absolute
+                               ? Engagement::absolute(settings.mapping)
+                               : Engagement(settings.mapping, s.hand.X_MH, X_SH);
   }
   const bool lets_go = s.command.driving && !driving;
   s.command.driving = driving;
@@ -118,6 +127,11 @@ void place_command(const HapticSettings& settings, const HapticInput& in, bool c
 }
 
 }  // namespace
+
+HandOff hand_off(const HapticSettings& settings, const HapticState& s, const Pose& X_ST) noexcept {
+  const Pose asked = Engagement::absolute(settings.mapping).to_slave(s.hand.X_MH);
+  return {(asked.p - X_ST.p).norm(), angle_between(asked.q, X_ST.q)};
+}
 
 void begin_epochs(std::uint64_t unique, HapticState& state) noexcept {
   if (!kept(Check::kEpochs)) return;
@@ -131,6 +145,9 @@ Reason obstacle_after_reset(const HapticSettings& settings, const HapticInput& i
   if (tools_differ(s, in.slave)) return Reason::kHashTools;
   const Reason difference = first_difference(settings, in.slave);
   if (difference != Reason::kNone) return difference;
+  if (in.slave.has_pose && elsewhere(settings, s, in.slave.X_ST_command)) {
+    return Reason::kHandElsewhere;
+  }
   return s.lead.present ? Reason::kNone : Reason::kPresence;  // last: given while engaging
 }
 
@@ -205,7 +222,10 @@ void see_presence(const HapticSettings& settings, const HapticInput& in, double 
 
 void advance_session(const HapticSettings& settings, const HapticInput& in,
                      const LadderStep& ladder, double dt, HapticState& s) noexcept {
-  const bool clutched = s.lead.want_clutched || in.hand.clutch_button || !s.lead.present;
+  s.lead.hand_elsewhere =
+      s.command.has_command && !s.command.driving && elsewhere(settings, s, s.command.X_SU);
+  const bool clutched =
+      s.lead.want_clutched || in.hand.clutch_button || !s.lead.present || s.lead.hand_elsewhere;
   const MasterSessionInput session = session_input(settings, in, ladder, clutched, s);
   note_session(in, session, next_master(s.lead.session, session), dt, s.lead);
   place_command(settings, in, clutched, s);

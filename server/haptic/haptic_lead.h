@@ -22,6 +22,15 @@ void see_presence(const HapticSettings& settings, const HapticInput& in, double 
 void advance_session(const HapticSettings& settings, const HapticInput& in,
                      const LadderStep& ladder, double dt, HapticState& state) noexcept;
 
+// How far an arm that stands at `X_ST` is from where the hand asks it to be by an absolute mapping.
+// Real-time safe.
+struct HandOff {
+  double distance = 0.0;  // [m]
+  double angle = 0.0;     // [rad]
+};
+HandOff hand_off(const HapticSettings& settings, const HapticState& state,
+                 const Pose& X_ST) noexcept;
+
 // What an engage would be refused with now; kNone: nothing. Real-time safe.
 Reason obstacle_to_engaging(const HapticSettings& settings, const HapticInput& in,
                             const LadderStep& ladder, const HapticState& state) noexcept;

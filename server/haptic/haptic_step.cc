@@ -120,6 +120,11 @@ void decide(const HapticSettings& settings, const HapticInput& in, const LadderS
     const Vec3 before = s.command.engagement.to_slave(s.hand.X_MH).p;
     out.order_result = carry_out(settings, in, ladder, s, out.tool_distance);
     if (out.order_result == Reason::kNone) tell_tool(in.order, s.command.guide, out);
+    if (out.order_result == Reason::kHandElsewhere) {
+      const HandOff off = hand_off(settings, s, in.slave.X_ST_command);
+      out.tool_distance = off.distance;
+      out.tool_angle = off.angle;
+    }
     out.hand_latched = (s.command.engagement.to_slave(s.hand.X_MH).p - before).norm();
   }
   if (in.hand.drop_button && !s.hand.button_was_down) drop_tools(settings, true, true, s);
@@ -291,7 +296,10 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
 
   out.reason = s.lead.reason;
   if (engaged && !s.command.driving) out.reason = Reason::kDeviceInvalid;
-  if (s.lead.session == SessionState::kClutched && !s.lead.present) out.reason = Reason::kPresence;
+  if (s.lead.session == SessionState::kClutched) {
+    if (s.lead.hand_elsewhere) out.reason = Reason::kHandElsewhere;
+    if (!s.lead.present) out.reason = Reason::kPresence;
+  }
   out.peer_fault = s.lead.peer_fault;
   out.reasons.add(out.reason);
   if (s.lead.want_engaged && ladder.old_loop) out.reasons.add(Reason::kLoopAge);

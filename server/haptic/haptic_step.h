@@ -77,6 +77,7 @@ struct HapticOutput {
   Reason order_result = Reason::kNone;  // kNone: the order was carried out (or there was none)
   double tool_distance = 0.0;  // kTool: of a position tool at its call, as in Guide::call [m]
   double tool_angle = 0.0;     // kTool: to the reference of an orientation tool at its call [rad]
+                               // An engage refused with kHandElsewhere: both are of hand_off().
   std::uint32_t tool_id = 0;   // kTool: of the tool called
   double hand_latched = 0.0;   // how far off the hand was that an order has latched, frame S [m]
   Reason reason = Reason::kNone;  // why the session is not what is wanted
@@ -114,6 +115,7 @@ struct LeadState {
   Reason peer_fault = Reason::kNone;        // as in HapticOutput
   bool want_engaged = false;
   bool want_clutched = false;
+  bool hand_elsewhere = false;  // as good as a clutch held: an absolute mapping waits for the hand
   std::uint64_t stop_epoch = 0;
   std::uint64_t released_epoch = 0;
   std::uint64_t fault_reset = 0;

@@ -2,25 +2,44 @@
 #pragma once
 
 #include "server/base/spatial.h"
+#include "server/base/units.h"
+#include "server/model/linear_task.h"
 
 namespace handrail {
+
+// An absolute mapping takes over where hand and arm agree to so much at the tip. Chosen: what the
+// smoother spreads over 0.2 s is 10 mm/s then, and a hand finds it.
+inline constexpr double kAgree = 2e-3;              // [m]
+inline constexpr double kAgreeTurned = 2.0 * kDeg;  // [rad]
 
 // Scale k and rotation R_SM of (3.1).
 struct MappingSettings {
   double scale = 2.0;  // k > 0
   // Columns: device right, up, toward the user = base -Y, +Z, -X.
   Mat3 R_SM = (Mat3() << 0, 0, -1, -1, 0, 0, 0, 1, 0).finished();
+  // Absolute: (3.1) and (3.2) as printed, the frames aligned where the tip points straight down.
+  bool absolute = false;
+  Vec3 hand_centre = Vec3::Zero();  // c_M, frame M [m]
+  Vec3 tip_centre = Vec3::Zero();   // c_S, frame S [m]
 };
 
 // The mapping latched at engagement. (3.2) holds only for frames that start aligned, so both poses
 // are taken relative to where hand and tip stood:
 //   p_U = k R (p_H - p_H0) + p_T0,   R_U = R (R_H R_H0^T) R^T R_T0.
-// With the hand still, U is exactly the latched tip. Real-time safe.
+// With the hand still, U is exactly the latched tip. Absolute, it is latched once for all, and no
+// hand may lead that is elsewhere. Real-time safe.
 class Engagement {
  public:
   Engagement() = default;
   Engagement(const MappingSettings& mapping, const Pose& X_MH0, const Pose& X_ST0) noexcept
       : scale_(mapping.scale), q_SM_(mapping.R_SM), hand_(X_MH0), tip_(X_ST0) {}
+
+  // Wherever both are:  p_U = k R (p_H - c_M) + c_S,  R_U = R R_H R^T R_down.
+  static Engagement absolute(const MappingSettings& mapping) noexcept {
+    return {mapping,
+            {mapping.hand_centre, Quat::Identity()},
+            {mapping.tip_centre, LinearTask().q_first}};
+  }
 
   // Where the hand asks the tip to be.
   Pose to_slave(const Pose& X_MH) const noexcept {

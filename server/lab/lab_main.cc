@@ -97,6 +97,15 @@ void add_walls(CLI::App& sub, WallCommand& command) {
   sub.add_option("--seed", command.seed, "another seed, other people")->capture_default_str();
   add_threads(sub, command.threads);
   sub.add_option("--scene", command.scene, "scene, drawn alike")->capture_default_str();
+  sub.add_option("--walls", command.walls, "felt as drawn, or painted first and felt so")
+      ->check(CLI::IsMember({"exact", "subpixel", "published"}))
+      ->capture_default_str();
+  sub.add_option("--pixel", command.pixel, "of a painted map [mm]")
+      ->check(kFinite)
+      ->check(CLI::Range(0.02, 1.0))
+      ->capture_default_str();
+  sub.add_flag("--published-damper", command.published_damper,
+               "the walls' damper as (2.1) has it, to the letter");
   sub.add_flag("--json", command.json, "print the result as JSON");
   sub.add_option("--figures", command.figures, "folder for the figures (SVG)");
   sub.add_option("--traces", command.traces, "CSV file for every tick of the first operator");

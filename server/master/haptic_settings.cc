@@ -16,6 +16,9 @@ HapticSettings haptic_settings(const Scene& scene, const HapticCapabilities& dev
   HapticSettings out;
   out.mapping.scale = scene.mapping.scale;
   out.mapping.R_SM = scene.mapping.R_SM;
+  out.mapping.absolute = scene.mapping.absolute;
+  out.mapping.hand_centre = scene.mapping.hand_centre;
+  out.mapping.tip_centre = scene.mapping.tip_centre;
   out.guide.method =
       scene.guidance.published_method ? GuidanceMethod::kPublished : GuidanceMethod::kExact;
   out.guide.delta = scene.guidance.delta * scene.mapping.scale;
@@ -24,6 +27,7 @@ HapticSettings haptic_settings(const Scene& scene, const HapticCapabilities& dev
   out.guide.torque_stiffness = scene.guidance.torque_stiffness;
   out.guide.catch_up = scene.guidance.catch_up;
   out.guide.catch_up_rotation = scene.guidance.catch_up_rotation;
+  out.guide.chase = scene.guidance.chase;
   out.guide.reach = scene.guidance.tool_reach;
   out.guide.smoother_length = scene.smoother_samples;
   out.damping = scene.guidance.damping;

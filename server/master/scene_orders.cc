@@ -214,6 +214,12 @@ std::string OrderDesk::distance_text(const OrderAnswer& answer, const ToolCall& 
         "--approach goes there",
         name_of(call.kind), answer.tool_distance / kMm, guidance.tool_reach / kMm);
   }
+  if (answer.result == Reason::kHandElsewhere) {
+    return fmt::format(
+        "absolute mapping: the hand asks for a tip {:.1f} mm and {:.1f} deg from where it is, at "
+        "most {:g} mm and {:g} deg: lead the hand there",
+        answer.tool_distance / kMm, answer.tool_angle / kDeg, kAgree / kMm, kAgreeTurned / kDeg);
+  }
   if (answer.result != Reason::kNone) return {};
   if (answer.tool_angle > 0.0) {
     const bool clutched = report_ && report_->out.link.state == SessionState::kClutched;

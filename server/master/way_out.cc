@@ -69,6 +69,9 @@ std::string order_to_give(Reason reason, Stand stand) {
       return stand == Stand::kLed ? "wait for the link, or move slower"
                                   : then_engage("wait for the link", stand);
     case Reason::kClutched: return "let the clutch go";
+    case Reason::kHandElsewhere:
+      return stand == Stand::kLed ? "lead the hand to where the arm is"
+                                  : then_engage("lead the hand to where the arm is", stand);
     case Reason::kPresence:
       if (stand == Stand::kLed) {
         return "hold the enabling button, or keep 'handrail engage --hold' running";

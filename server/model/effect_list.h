@@ -36,6 +36,7 @@ struct EffectSpec {
   double coupling = 2500.0;              // viscous, progressive, coulomb [N/m]
   double c = 0.0;                        // progressive: of (2.2) [N s/(m rad)]
   bool clockwise = true;                 // progressive: the way that tightens
+  bool published_damper = false;         // wall: that of (2.1) to the letter
   Vec2 at = Vec2::Zero();                // progressive: centre; return: where to [m]
   double stiffness = 100.0;              // return, one-way [N/m]
   double peak = 0.0;                     // detent, return: largest force; coulomb: its force [N]

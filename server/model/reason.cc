@@ -85,6 +85,7 @@ constexpr auto kSentences = std::to_array<Sentence>({
     {Reason::kForceEnergy, "force lowered so that it makes no energy"},
     {Reason::kSurfaceElsewhere, "the touched surface is told elsewhere: its model fades"},
     {Reason::kSurfaceNotFelt, "nothing is felt behind the touched surface: its model fades"},
+    {Reason::kHandElsewhere, "absolute mapping: the hand is not where the arm is"},
 });
 
 // One for every reason, in their order.

@@ -86,6 +86,8 @@ enum class Reason : std::uint8_t {
   // The touched surface at the hand
   kSurfaceElsewhere,  // it is told where it cannot have gone to: its model fades
   kSurfaceNotFelt,    // the tip is behind it and is not pushed: its model fades
+  // The mapping
+  kHandElsewhere,  // absolute mapping: the hand is not where the arm is
   kCount
 };
 

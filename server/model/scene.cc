@@ -27,6 +27,11 @@ SectionHashes section_hashes(const Scene& scene) noexcept {
   Fnv mapping;
   mapping.f64(scene.mapping.scale);
   for (int i = 0; i < 9; ++i) mapping.f64(scene.mapping.R_SM(i / 3, i % 3));
+  if (scene.mapping.absolute) {
+    for (const Vec3* v : {&scene.mapping.hand_centre, &scene.mapping.tip_centre}) {
+      for (int i = 0; i < 3; ++i) mapping.f64((*v)[i]);
+    }
+  }
   mapping.f64(scene.guidance.catch_up).f64(scene.guidance.catch_up_rotation);
   for (const NamedTool& tool : scene.named_tools) {
     for (const char c : tool.name) mapping.byte(static_cast<std::uint8_t>(c));

@@ -25,6 +25,11 @@ struct Scene {
   struct Mapping {
     double scale = 2.0;          // k
     Mat3 R_SM = default_R_SM();  // device axes in the robot base frame
+    // (3.1) and (3.2) as printed: the tip is at tip_centre and points straight down where the hand
+    // is at hand_centre and turned as its device's frame. Else relative to where both stood.
+    bool absolute = false;
+    Vec3 hand_centre = Vec3::Zero();  // c_M, frame M [m]
+    Vec3 tip_centre = Vec3::Zero();   // c_S, frame S [m]
   };
   // Tools and force on the master's side, but for the catch-up, which the slave keeps too;
   // stiffness and damping at the hand.
@@ -39,6 +44,7 @@ struct Scene {
     double catch_up_rotation = 15.0 * kDeg;  // the same for orientation [rad/s]
     double tool_reach = 0.020;               // furthest from the tip that a tool is called [m]
     bool local_surface = false;              // what is touched is rendered at the master
+    bool chase = false;  // a released orientation follows the hand at catch_up_rotation at most
   };
   struct Limits {
     JointLimits joints;                         // within Table 3.1

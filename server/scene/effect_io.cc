@@ -75,8 +75,8 @@ bool take(const Message& in, const FieldDescriptor& field, EffectSpec& out) {
     out.at = point_of(at);
     return true;
   }
-  if (name == "clockwise") {
-    out.clockwise = r.GetBool(in, &field);
+  if (name == "clockwise" || name == "published_damper") {
+    (name == "clockwise" ? out.clockwise : out.published_damper) = r.GetBool(in, &field);
     return true;
   }
   return false;

@@ -40,6 +40,18 @@ Problem name_from(const pb::Scene& in, const std::string& path, Scene& out) {
 
 Problem mapping_from(const pb::Mapping& in, Scene::Mapping& out) {
   out.scale = in.scale();
+  out.absolute = in.absolute();
+  if (in.absolute() && in.tip_centre_mm_size() == 0) {
+    return FieldProblem{"mapping.tip_centre_mm", "missing, but an absolute mapping needs it"};
+  }
+  for (const bool tip : {false, true}) {
+    const bool given = (tip ? in.tip_centre_mm_size() : in.hand_centre_mm_size()) > 0;
+    if (!given || in.absolute()) continue;
+    return FieldProblem{tip ? "mapping.tip_centre_mm" : "mapping.hand_centre_mm",
+                        "only used with absolute: true"};
+  }
+  out.hand_centre = vector_of(in.hand_centre_mm()) * kMm;
+  out.tip_centre = vector_of(in.tip_centre_mm()) * kMm;
   if (in.rotation_size() == 0) return std::nullopt;
   for (int i = 0; i < 9; ++i) out.R_SM(i / 3, i % 3) = in.rotation(i);
   const double error = (out.R_SM.transpose() * out.R_SM - Mat3::Identity()).cwiseAbs().maxCoeff();
@@ -66,6 +78,7 @@ void guidance_from(const pb::Guidance& in, Scene::Guidance& out) {
   out.catch_up_rotation = in.catch_up_deg_s() * kDeg;
   out.tool_reach = in.tool_reach_mm() * kMm;
   out.local_surface = in.local_surface();
+  out.chase = in.release() == pb::Guidance::CHASE;
 }
 
 Problem smoother_from(const pb::Smoother& in, int& samples) {

@@ -125,18 +125,19 @@ std::optional<Rendering> rendering_of(const EffectSpec& e, double period) {
 }
 
 std::optional<Rendering> rendering_of(const WallRegion& region, const std::string& stage,
-                                      const RenderingLoop& loop) {
+                                      bool published_damper, const RenderingLoop& loop) {
   if (region.kind != RegionKind::kWall) return std::nullopt;
-  const double h = loop.period + loop.velocity_lag;
+  const double h = published_damper ? 0.0 : loop.period + loop.velocity_lag;
   return make("wall '" + region.name + "'" + (stage.empty() ? "" : " in stage '" + stage + "'"),
               region.stiffness, region.damping / (1.0 + region.damping * h / loop.least_mass));
 }
 
 // Each wall, and each that a stage makes another.
-std::vector<Rendering> of_regions(const Walls& walls, const RenderingLoop& loop) {
+std::vector<Rendering> of_regions(const Walls& walls, bool published_damper,
+                                  const RenderingLoop& loop) {
   std::vector<Rendering> out;
   const auto add = [&](const WallRegion& region, const std::string& stage) {
-    if (const auto wall = rendering_of(region, stage, loop)) out.push_back(*wall);
+    if (const auto wall = rendering_of(region, stage, published_damper, loop)) out.push_back(*wall);
   };
   for (const WallRegion& region : walls.regions) add(region, "");
   for (const WallStage& stage : walls.stages) {
@@ -167,10 +168,12 @@ EffectSpec hardest(const EffectSpec& e, const Walls& walls) {
 std::vector<Rendering> of_walls(const Scene& scene, const RenderingLoop& loop) {
   std::vector<Rendering> out;
   Rendering most;
-  const bool rendered =
-      std::any_of(scene.effects.begin(), scene.effects.end(),
-                  [](const EffectSpec& e) { return e.kind == EffectKind::kWall; });
-  if (rendered) out = of_regions(*scene.walls, loop);
+  const auto rendered =
+      std::find_if(scene.effects.begin(), scene.effects.end(),
+                   [](const EffectSpec& e) { return e.kind == EffectKind::kWall; });
+  if (rendered != scene.effects.end()) {
+    out = of_regions(*scene.walls, rendered->published_damper, loop);
+  }
   for (const Rendering& wall : out) {
     if (wall.stiffness >= most.stiffness) most = wall;
   }

@@ -1,11 +1,15 @@
 #include "server/lab/walls/wall_command.h"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <cstdio>
 
 #include "devices/hand/recorded_hand_io.h"
 #include "server/base/output.h"
+#include "server/base/units.h"
 #include "server/lab/console/console.h"
 #include "server/lab/study/parallel.h"
+#include "server/lab/walls/painted_twin.h"
 #include "server/lab/walls/wall_drawing.h"
 #include "server/scene/scene_library.h"
 
@@ -23,6 +27,19 @@ Result<Setup> setup_of(const WallCommand& command) {
   if (!scene) return scene.status();
   Setup setup;
   setup.scene = std::move(*scene);
+  for (EffectSpec& effect : setup.scene.effects) {
+    effect.published_damper = effect.published_damper || command.published_damper;
+  }
+  if (command.walls != "exact") {
+    if (!setup.scene.walls || setup.scene.walls->shapes.empty()) {
+      return Status::error("--walls " + command.walls + ": scene '" + command.scene +
+                           "' has no drawn walls to paint");
+    }
+    const WallMethod method =
+        command.walls == "published" ? WallMethod::kPublished : WallMethod::kSubpixel;
+    setup.scene.walls = std::make_shared<const Walls>(
+        painted_twin(*setup.scene.walls, command.pixel * kMm, method));
+  }
   if (command.hand.empty()) return setup;
   if (command.operators != 1) {
     return Status::error("--hand is one hand: leave out --operators");
@@ -59,6 +76,15 @@ WallHeader header_of(const WallCommand& command) {
   header.scene = command.scene;
   header.seed = command.seed;
   header.hand = command.hand;
+  if (command.walls != "exact") {
+    header.walls = fmt::format("{} of pixels of {:g} mm",
+                               command.walls == "published" ? "Algorithm 1" : "sub-pixel surface",
+                               command.pixel);
+  }
+  if (command.published_damper) {
+    header.walls += header.walls.empty() ? "exact, as drawn" : "";
+    header.walls += ", the damper of (2.1) to the letter";
+  }
   return header;
 }
 

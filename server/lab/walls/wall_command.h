@@ -10,6 +10,9 @@ namespace handrail {
 
 struct WallCommand {
   std::string scene;
+  std::string walls = "exact";    // or "subpixel", "published": as drawn, or painted first
+  double pixel = 0.1;             // of a painted map [mm]
+  bool published_damper = false;  // that of (2.1) to the letter
   int operators = 1;
   std::uint32_t seed = 1;
   int threads = 0;  // 0: one a core

@@ -96,6 +96,10 @@ std::string forces_table(const std::vector<Person>& people) {
       largest(people, &WallRunResult::junction_ratio));
 }
 
+std::string walls_line(const WallHeader& header) {
+  return header.walls.empty() ? "" : "walls: " + header.walls + '\n';
+}
+
 // The fields that both studies have.
 template <typename Study>
 void fill_header(const char* experiment, const WallHeader& header, std::size_t people, Study& out) {
@@ -104,6 +108,7 @@ void fill_header(const char* experiment, const WallHeader& header, std::size_t p
   out.set_seed(header.seed);
   out.set_scene(header.scene);
   if (!header.hand.empty()) out.set_hand(header.hand);
+  if (!header.walls.empty()) out.set_walls(header.walls);
   out.set_operators(static_cast<std::uint32_t>(people));
 }
 template <typename Person, typename Study>
@@ -171,6 +176,7 @@ std::string wrench_table(const WallHeader& header, const std::vector<WrenchResul
         "to tighten, {} to loosen\n",
         header.radius / kMm, kLoopTime, header.turns, header.loosen);
   }
+  out += walls_line(header);
   out += "\n  turn                    ";
   const std::vector<double> peaks = medians(people, &WrenchTurn::peak);
   for (std::size_t i = 1; i <= peaks.size(); ++i) out += fmt::format("{:8}", i);
@@ -208,8 +214,8 @@ std::string gearshift_json(const WallHeader& header, const std::vector<Gearshift
 
 std::string gearshift_table(const WallHeader& header, const std::vector<GearshiftResult>& people) {
   const GearshiftResult& first = people.front();
-  std::string out = fmt::format("Manual gearshift, scene {}, {}, simulated joystick\n\n",
-                                header.scene, whose(header, people.size()));
+  std::string out = fmt::format("Manual gearshift, scene {}, {}, simulated joystick\n{}\n",
+                                header.scene, whose(header, people.size()), walls_line(header));
   out += "  visited                 " + joined(first.visited, " ") + '\n';
   for (const GearEvent& event : first.events) {
     out += fmt::format("  {:8.2f} s  {:<8}{}\n", event.t, name_of(event.kind), event.gear);

@@ -14,6 +14,7 @@ namespace handrail {
 struct WallHeader {
   std::string scene;
   std::uint32_t seed = 1;
+  std::string walls;    // how they are felt; empty: exactly, as drawn
   std::string hand;     // file of a recorded hand; empty: simulated ones
   double c = 0.0;       // wrench [N s/(m rad)]
   int turns = 0;        // wrench, tightening

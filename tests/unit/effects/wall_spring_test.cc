@@ -123,5 +123,24 @@ TEST(WallSpring, ADamperThatAStageChangesComesWithin20Ms) {
   EXPECT_NEAR(push(damped), -14.0, 1e-5);
 }
 
+TEST(WallSpring, ThePublishedDamperIsTheEquationToTheLetter) {
+  const WallRegion wall = test::wall(5000.0, 20.0);
+  EffectSpec e;
+  e.published_damper = true;
+  Plant light;
+  light.least_mass = 0.05;
+  const auto push = [&](const Vec2& hand, const Vec2& velocity) {
+    WallSpring spring(e, light);
+    EffectTick tick;
+    return spring.force(against(wall, hand, velocity), tick);
+  };
+  // f = K (x_nsp - x) - B x'  (2.1): along the wall too, at the surface too, pulling in on the way
+  // out, with all of B.
+  EXPECT_TRUE(push({2e-3, 0.0}, {0.1, 0.3}).isApprox(Vec2(-12.0, -6.0)));
+  EXPECT_TRUE(push({1e-6, 0.0}, {0.1, 0.0}).isApprox(Vec2(-2.005, 0.0)));
+  EXPECT_TRUE(push({1e-3, 0.0}, {-0.5, 0.0}).isApprox(Vec2(5.0, 0.0)));
+  EXPECT_EQ(push({-1e-3, 0.0}, {0.5, 0.0}), Vec2(0.0, 0.0)) << "no wall, no damper";
+}
+
 }  // namespace
 }  // namespace handrail

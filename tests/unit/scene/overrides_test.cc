@@ -95,7 +95,8 @@ TEST(SetFields, RefusesAFieldThatDoesNotExist) {
   EXPECT_EQ(error_of("robot.colour", "1"),
             "--set robot.colour=1: no field 'robot.colour'; expected one of tip_length_mm");
   EXPECT_EQ(error_of("mapping.", "1"),
-            "--set mapping.=1: no field 'mapping.'; expected one of scale, rotation");
+            "--set mapping.=1: no field 'mapping.'; expected one of scale, rotation, "
+            "absolute, hand_centre_mm, tip_centre_mm");
 }
 
 TEST(SetFields, RefusesAKeyThatIsNotOneValue) {

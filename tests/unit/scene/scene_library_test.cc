@@ -4,6 +4,9 @@
 
 #include <algorithm>
 
+#include "server/base/units.h"
+#include "server/kinematics/rv2a.h"
+#include "tests/support/arm_samples.h"
 #include "tests/support/temp_folder.h"
 
 namespace handrail {
@@ -32,6 +35,15 @@ TEST(SceneLibrary, ShipsTheDefaultAndThePublishedMethods) {
   ASSERT_TRUE(published.is_ok()) << published.message();
   EXPECT_TRUE(published->guidance.published_method);
   EXPECT_DOUBLE_EQ(published->guidance.delta, 1e-4);
+  EXPECT_TRUE(published->guidance.chase);
+  EXPECT_TRUE(published->mapping.absolute);
+  EXPECT_EQ(published->smoother_samples, 200);
+  EXPECT_EQ(published->bumper.form, BumperSettings::Form::kPublished);
+  EXPECT_EQ(published->bumper.dead_band, 0.0);
+  // The hand at the device's origin, turned as its frame, is the arm at home.
+  const Pose home = forward(ArmGeometry(), test::joints_deg(0, 0, 90, 0, 90, 0));
+  EXPECT_LT((published->mapping.tip_centre - home.p).norm(), 1e-9);
+  EXPECT_LT(angle_between(LinearTask().q_first, home.q), 1e-9);
 }
 
 TEST(SceneLibrary, ShipsTheLinearMovementTask) {
