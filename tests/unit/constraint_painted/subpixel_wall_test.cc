@@ -213,7 +213,8 @@ Walls plate_with_door() {
     if (i % 200 >= 80 && i % 200 < 120) map.wall[i] = door;
   }
   walls.map = std::make_shared<const CoverageMap>(std::move(map));
-  walls.stages.push_back({"open", Pose2(), {door}});
+  walls.stages.emplace_back().name = "open";
+  walls.stages.back().gone = {door};
   return walls;
 }
 
