@@ -18,6 +18,7 @@ struct EffectInput {
   const WallRegion* region = nullptr;  // that the proxy is in; never null in a step
   const WallRegion* wall = nullptr;    // that is touched; null while the hand is free
   double dt = 1e-3;                    // [s]
+  double screw_c = -1.0;  // that progressive friction moves to [N s/(m rad)]; below 0: the scene's
 };
 
 // The least that effects may count on about device and hand. All > 0 but the lag.

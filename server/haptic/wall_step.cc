@@ -86,6 +86,7 @@ void wall_step(const WallSettings& settings, const WallInput& in, double dt, Wal
     effect.region = region_of(walls, out.contact.region);
     effect.wall = out.contact.touching ? region_of(walls, out.contact.wall) : nullptr;
     effect.dt = dt;
+    effect.screw_c = in.screw_c;
     out.effects = s.effects.step(effect);
     force = settings.share * (s.turn * out.effects.force);
     if (effect.wall != nullptr) s.wall_stiffness = effect.wall->stiffness;

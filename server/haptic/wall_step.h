@@ -25,8 +25,9 @@ struct WallSettings {
 
 struct WallInput {
   HandReading hand;
-  int stage = 0;         // of Walls::stages; outside them: the nearest
-  bool release = false;  // the force goes, as after a stop
+  int stage = 0;          // of Walls::stages; outside them: the nearest
+  bool release = false;   // the force goes, as after a stop
+  double screw_c = -1.0;  // of progressive friction [N s/(m rad)]; below 0: the scene's
 };
 
 struct WallOutput {
