@@ -140,7 +140,9 @@ TEST_F(GearshiftExperimentTest, AGearOutOfTurnIsSaidAndCountedAndThePersonGoesOn
   // Rest in N on the way, and the same gear again, are no gears out of turn.
   go(gate.neutral());
   rest();
-  gear("2");
+  gear("3");
+  EXPECT_EQ(prompt(), "3 is in. Now 4.");
+  go(gate.neutral());
   for (const char* name : {"3", "4", "5", "R"}) gear(name);
   go(gate.neutral());
   rest();
@@ -148,7 +150,7 @@ TEST_F(GearshiftExperimentTest, AGearOutOfTurnIsSaidAndCountedAndThePersonGoesOn
   EXPECT_EQ(result(task).end(), "done");
   EXPECT_EQ(result(task).wrong_gears(), 1u);
   EXPECT_THAT(result(task).visited(),
-              ElementsAre("N", "1", "4", "2", "2", "3", "4", "5", "R", "N"));
+              ElementsAre("N", "1", "4", "2", "3", "3", "4", "5", "R", "N"));
 }
 
 TEST_F(GearshiftExperimentTest, ForcesAndDistancesAreThoseOfTheTimedPart) {
@@ -168,10 +170,13 @@ TEST_F(GearshiftExperimentTest, NobodyHoldsTheLeverNoClockStarts) {
   status.mutable_haptic()->mutable_cursor()->set_held(false);
   at(gate.neutral());
   EXPECT_THAT(prompt(), HasSubstr("Hold the lever. "));
-  gear("1");
   status.mutable_haptic()->mutable_cursor()->set_held(true);
-  at(lever);
+  at(Vec2(0.02, 0.0));
   EXPECT_EQ(prompt(), "Bring the lever to N, in the middle.");
+  go(gate.neutral());
+  status.mutable_haptic()->mutable_cursor()->set_held(false);
+  gear("1");
+  EXPECT_EQ(prompt(), "Hold the lever. Bring the lever to N, in the middle.");
 }
 
 TEST_F(GearshiftExperimentTest, AMasterThatIsGoneAndASceneLoadedAnewEndTheTrial) {
