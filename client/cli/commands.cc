@@ -1,4 +1,8 @@
+#include <spdlog/fmt/ranges.h>
+
+#include <algorithm>
 #include <charconv>
+#include <limits>
 
 #include "client/cli/calibrate_command.h"
 #include "client/cli/command.h"
@@ -13,7 +17,9 @@
 #include "client/cli/scene_command.h"
 #include "client/cli/status_command.h"
 #include "client/cli/tool_command.h"
+#include "client/cli/vector_text.h"
 #include "client/experiment/experiment_run.h"
+#include "client/experiment/experiment_task.h"
 #include "server/base/plain_text.h"
 
 namespace handrail {
@@ -55,6 +61,16 @@ ExitCode run_stage(const Options& o, const Console& c) {
   return send_order(o, c, r, "stage " + *o.word);
 }
 
+// Its range is the master's to judge.
+ExitCode run_screw(const Options& o, const Console& c) {
+  constexpr double kAny = std::numeric_limits<double>::max();
+  const Result<double> wanted = parse_number("screw", *o.word, -kAny, kAny, "N s/(m rad)");
+  if (!wanted) return complain(c, wanted.message());
+  pb::Request r;
+  r.set_screw_c(*wanted);
+  return send_order(o, c, r, "screw: c goes to " + *o.word);
+}
+
 constexpr int kMostTrials = 20;
 
 // A whole number from 1 on; 0: it is none.
@@ -68,9 +84,10 @@ int count_in(const std::string& text, int most) {
 ExitCode run_experiment_command(const Options& options, const Console& console) {
   ExperimentWords words;
   words.experiment = *options.word;
-  if (words.experiment != "linear-movement") {
-    return complain(console, "experiment: there is no '" + shown(words.experiment) +
-                                 "', expected linear-movement");
+  const std::vector<std::string>& known = experiment_names();
+  if (std::find(known.begin(), known.end(), words.experiment) == known.end()) {
+    return complain(console, fmt::format("experiment: there is no '{}', expected {}",
+                                         shown(words.experiment), fmt::join(known, ", ")));
   }
   if (options.folder) words.folder = *options.folder;
   words.resume = options.resume;
@@ -81,7 +98,8 @@ ExitCode run_experiment_command(const Options& options, const Console& console) 
     return complain(console,
                     "experiment: --trials '" + shown(*options.trials) + "', expected 1 to 20");
   }
-  const ExperimentPlace place{options.master, options.as, console.out, console.err, interrupted};
+  const ExperimentPlace place{options.master, options.as,  console.out,
+                              console.err,    interrupted, console.in};
   if (options.report) return report_experiment(words, options.figures.value_or(""), place);
   if (options.figures) return complain(console, "experiment: --figures goes with --report");
   if (!options.subject) {
@@ -167,6 +185,7 @@ constexpr Command kCommands[] = {
      {.file = "NAME.scene", .wish = true, .word = "NAME|FILE"}},
     {"scene load", "Load a scene in master and slave", run_scene_load, {.word = "NAME"}},
     {"stage", "Put the walls as they are in a stage of the scene", run_stage, {.word = "NAME"}},
+    {"screw", "How the friction of a wrench's screw grows: c of (2.2)", run_screw, {.word = "C"}},
     {"mark",
      "Say that something is done now: an experiment's next step",
      run_mark,
@@ -208,7 +227,7 @@ constexpr Command kCommands[] = {
     {"experiment",
      "One person's trials of an experiment of the dissertation, judged and written down",
      run_experiment_command,
-     {.json = true, .word = "linear-movement", .experiment = true}},
+     {.json = true, .word = "linear-movement|gearshift|wrench", .experiment = true}},
     {"demo",
      "Drive A to B to C with the simulated hand, without and with tools",
      run_demo,

@@ -222,7 +222,10 @@ std::string walls_text(const pb::WallStatus& walls) {
                         (walls.touching() ? number(walls.penetration_mm(), 2) + " mm in a wall"
                                           : std::string("free")) +
                             at,
-                        walls.locked() ? "locked" + by : ""});
+                        walls.locked() ? "locked" + by : "",
+                        walls.has_turned_rad() ? "screw turned " + number(walls.turned_rad(), 2) +
+                                                     " rad, c " + number(walls.screw_c(), 1)
+                                               : ""});
 }
 
 }  // namespace

@@ -41,9 +41,10 @@ std::string take(const pb::ExperimentLine& line, bool first, ExperimentRecord& o
       if (!runs) return "a trial ends that did not begin";
       out.trials.back() = line.ended();
       return {};
+    case pb::ExperimentLine::kAnswers: out.answers = line.answers(); return {};
     case pb::ExperimentLine::LINE_NOT_SET: break;
   }
-  return "expected subject, began or ended";
+  return "expected subject, began, ended or answers";
 }
 
 }  // namespace

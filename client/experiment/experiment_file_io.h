@@ -21,6 +21,7 @@ std::string experiment_file(const std::string& folder, const std::string& experi
 struct ExperimentRecord {
   pb::ExperimentSubject subject;
   std::vector<pb::ExperimentTrial> trials;  // that were begun, in order
+  pb::ExperimentAnswers answers;            // the newest
   bool cut = false;                         // the last line is not whole: the program was killed
   std::size_t whole = 0;                    // bytes before that
 };

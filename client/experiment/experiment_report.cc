@@ -4,6 +4,7 @@
 
 #include "client/experiment/experiment_results_io.h"
 #include "client/experiment/experiment_run.h"
+#include "client/experiment/wall_results_io.h"
 #include "server/base/plain_text.h"
 #include "server/lab/study/linear/linear_drawing.h"
 #include "server/lab/study/study_drawing.h"
@@ -36,10 +37,23 @@ Result<std::vector<ExperimentRecord>> people_of(const ExperimentWords& words) {
     if (!record) return record.status();
     if (record->subject.simulated() == words.simulated) out.push_back(*record);
   }
-  if (!study_of(out).trials.empty()) return out;
+  const auto counted = [](const ExperimentRecord& record) {
+    return std::any_of(record.trials.begin(), record.trials.end(),
+                       [](const auto& trial) { return !trial.practice() && !trial.interrupted(); });
+  };
+  if (std::any_of(out.begin(), out.end(), counted)) return out;
   return Status::error(shown(words.folder, 200) + ": no counted trial of " +
                        (words.simulated ? "a simulated subject" : "a person") + " in " +
                        words.experiment);
+}
+
+Status draw(const std::string& experiment, const std::string& folder,
+            const std::vector<ExperimentRecord>& people) {
+  const Result<Scene> scene = SceneLibrary().load(experiment);
+  if (!scene) return scene.status();
+  if (Status s = make_folder(folder); !s) return s;
+  if (!scene->task) return draw_wall_results(folder, people);
+  return draw_linear(folder, header_of(people), study_of(people), *scene->task);
 }
 
 }  // namespace
@@ -54,13 +68,8 @@ ExitCode report_experiment(const ExperimentWords& words, const std::string& figu
   if (!people) return problem(people.message());
   place.out << results_text(*people, words.json);
   if (figures.empty()) return kExitDone;
-  const Result<Scene> scene = SceneLibrary().load(words.experiment);
-  if (!scene || !scene->task)
-    return problem(scene ? "the scene has no task block" : scene.message());
-  if (Status s = make_folder(figures); !s) return problem(s.message());
-  if (Status s = draw_linear(figures, header_of(*people), study_of(*people), *scene->task); !s)
-    return problem(s.message());
-  return kExitDone;
+  const Status drawn = draw(words.experiment, figures, *people);
+  return drawn ? kExitDone : problem(drawn.message());
 }
 
 }  // namespace handrail

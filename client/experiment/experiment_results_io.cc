@@ -4,7 +4,7 @@
 #include <array>
 #include <ctime>
 
-#include "server/base/fnv.h"
+#include "client/experiment/wall_results_io.h"
 #include "server/lab/study/linear/linear_report_io.h"
 
 namespace handrail {
@@ -19,10 +19,8 @@ StudyMode mode_of(const pb::LinearTrial& trial) {
 
 }  // namespace
 
-pb::ExperimentTrial trial_line(const TrialNext& next, const std::string& began) {
+pb::ExperimentTrial trial_line(const TrialNext& next) {
   pb::ExperimentTrial out;
-  out.set_practice(next.practice);
-  out.set_began(began);
   pb::LinearTrial& linear = *out.mutable_linear();
   linear.set_mode(name_of(static_cast<StudyMode>(next.mode)));
   linear.set_number(static_cast<std::uint32_t>(next.number));
@@ -33,14 +31,14 @@ pb::ExperimentTrial trial_line(const TrialNext& next, const std::string& began) 
 void fill_ended(const TrialNext& next, const TrialResult& result, pb::ExperimentTrial& out) {
   LinearStudyTrial trial{0, static_cast<StudyMode>(next.mode), next.number, next.attempt, result};
   fill(trial, *out.mutable_linear());
-  out.set_interrupted(false);
 }
 
 std::vector<TrialMade> trials_made(const ExperimentRecord& record) {
   std::vector<TrialMade> out;
   for (const pb::ExperimentTrial& trial : record.trials) {
-    out.push_back({static_cast<int>(mode_of(trial.linear())), trial.practice(), trial.interrupted(),
-                   trial.linear().end() == name_of(TrialEnd::kDone)});
+    const std::string& end = trial.has_walls() ? trial.walls().end() : trial.linear().end();
+    const int mode = trial.has_walls() ? 0 : static_cast<int>(mode_of(trial.linear()));
+    out.push_back({mode, trial.practice(), trial.interrupted(), end == name_of(TrialEnd::kDone)});
   }
   return out;
 }
@@ -74,13 +72,9 @@ StudyHeader header_of(const std::vector<ExperimentRecord>& people) {
 }
 
 std::string results_text(const std::vector<ExperimentRecord>& people, bool json) {
+  if (people.front().subject.experiment() != "linear-movement")
+    return wall_results_text(people, json);
   return (json ? linear_json : linear_table)(header_of(people), study_of(people), {});
-}
-
-std::uint64_t seed_of_subject(const std::string& subject) {
-  Fnv hash;
-  for (const char c : subject) hash.u64(static_cast<unsigned char>(c));
-  return hash.value();
 }
 
 std::string calendar_text(Nanos since_1970) {

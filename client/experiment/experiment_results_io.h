@@ -10,8 +10,8 @@
 
 namespace handrail {
 
-// A trial as it stands in the file before it has ended.
-pb::ExperimentTrial trial_line(const TrialNext& next, const std::string& began);
+// A trial of linear movement as it stands in the file before it has ended.
+pb::ExperimentTrial trial_line(const TrialNext& next);
 // What it has come to.
 void fill_ended(const TrialNext& next, const TrialResult& result, pb::ExperimentTrial& out);
 
@@ -23,11 +23,8 @@ LinearStudy study_of(const std::vector<ExperimentRecord>& people);
 // How the study was made. All people are simulated, or none.
 StudyHeader header_of(const std::vector<ExperimentRecord>& people);
 
-// The study's own table or JSON of them.
+// Of linear movement the study's own table or JSON, of the others wall_results_text().
 std::string results_text(const std::vector<ExperimentRecord>& people, bool json);
-
-// The same for one subject always.
-std::uint64_t seed_of_subject(const std::string& subject);
 
 // "2026-11-27T12:24:53Z", of a time since 1970.
 std::string calendar_text(Nanos since_1970);

@@ -1,6 +1,7 @@
 // One person's experiment at the running programs, from the first practice to the table.
 #pragma once
 
+#include <istream>
 #include <ostream>
 #include <string>
 
@@ -10,7 +11,7 @@
 namespace handrail {
 
 struct ExperimentWords {
-  std::string experiment;              // linear-movement
+  std::string experiment;              // of experiment_names()
   std::string subject;                 // the person, or what a simulated one is called
   std::string folder = "experiments";  // where files are written
   bool resume = false;
@@ -25,6 +26,7 @@ struct ExperimentPlace {
   std::ostream& out;
   std::ostream& err;
   bool (*cancelled)();
+  std::istream* in = nullptr;  // what a person types; null: nobody is there
 };
 
 // Says on `out` and on the page what is to be done, and writes every trial down before the next.

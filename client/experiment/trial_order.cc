@@ -30,10 +30,12 @@ InMode count(const std::vector<TrialMade>& made, int mode) {
 
 }  // namespace
 
+std::uint64_t subject_seed(const std::string& subject, const char* what) {
+  return Fnv().text(what).text(subject).value();
+}
+
 std::vector<int> order_of_modes(const std::string& subject, int modes) {
-  Fnv hash;
-  for (const char c : subject) hash.u64(static_cast<unsigned char>(c));
-  Random random(hash.value());
+  Random random(subject_seed(subject, "order of modes"));
   return shuffled(modes, random);
 }
 

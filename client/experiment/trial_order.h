@@ -28,6 +28,9 @@ struct TrialNext {
   int attempt = 1;  // among the counted ones of this mode, from 1; 0 of practice
 };
 
+// Of what is drawn for a subject: always the same for one, and for each `what` another.
+std::uint64_t subject_seed(const std::string& subject, const char* what);
+
 // The modes in an order that is random between subjects and always the same for one.
 std::vector<int> order_of_modes(const std::string& subject, int modes);
 

@@ -20,7 +20,8 @@ struct EffectInput {
   const WallRegion* wall = nullptr;    // that is touched; null while the hand is free
   // Of each place of the detent [N]; null: as the scene lists them.
   const std::vector<double>* detent_peaks = nullptr;
-  double dt = 1e-3;  // [s]
+  double dt = 1e-3;       // [s]
+  double screw_c = -1.0;  // that progressive friction moves to [N s/(m rad)]; below 0: the scene's
 };
 
 // Time constant with which what a wall, a region or a place is to the hand becomes what another is,

@@ -1,6 +1,7 @@
 // Friction that grows as a screw is turned, (2.2).
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "server/effects/effect_input.h"
@@ -16,6 +17,10 @@ namespace handrail {
 // steady speed and stable at any c; leaving the region it fades within 50 ms.
 class ProgressiveFriction {
  public:
+  // Of c that is ordered, so that no hand on its way is stopped with a jerk: from the
+  // dissertation's 5 to its 15 in half a second, our choice [N s/(m rad s)].
+  static constexpr double kMostChange = 20.0;
+
   static constexpr EffectKind kKind = EffectKind::kProgressive;
   ProgressiveFriction(const EffectSpec& e, const Plant& plant) noexcept
       : ProgressiveFriction(e.c, e.at, e.clockwise, e.coupling, plant) {}
@@ -33,6 +38,10 @@ class ProgressiveFriction {
   }
 
   Vec2 force(const EffectInput& in, EffectTick& tick) noexcept {
+    if (in.screw_c >= 0.0) {
+      const double most = kMostChange * in.dt;
+      c_ += std::clamp(in.screw_c - c_, -most, most);
+    }
     const bool inside = in.region->progressive;
     if (inside) turn(in.proxy - centre_);
     if (!inside) turning_ = false;
@@ -46,6 +55,7 @@ class ProgressiveFriction {
   }
 
   double alpha() const noexcept { return alpha_; }                                // [rad]
+  double c() const noexcept { return c_; }                                        // [N s/(m rad)]
   double viscosity() const noexcept { return alpha_ > 0.0 ? c_ * alpha_ : 0.0; }  // B_w [N s/m]
   double stiffness() const noexcept { return law_.coupling; }
 

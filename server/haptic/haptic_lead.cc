@@ -192,6 +192,7 @@ Reason carry_out(const HapticSettings& settings, const HapticInput& in, const La
       return Reason::kNone;
     case OrderKind::kReset: return reset(s, in);
     case OrderKind::kStage:
+    case OrderKind::kScrew:
       // One that exists is set by whoever runs the walls.
       return Reason::kNoSuchStage;
     case OrderKind::kTool:

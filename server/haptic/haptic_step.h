@@ -46,7 +46,8 @@ enum class OrderKind : std::uint8_t {
   kReset,
   kTool,
   kToolOff,
-  kStage
+  kStage,
+  kScrew
 };
 
 // An operator's order, applied at the start of a tick.
@@ -56,6 +57,7 @@ struct HapticOrder {
   bool drop_position = true;  // kToolOff
   bool drop_orientation = true;
   int stage = 0;                     // kStage: of the scene's walls
+  double screw_c = 0.0;              // kScrew: of (2.2) [N s/(m rad)]
   Reason why = Reason::kNotEngaged;  // kDisengage: what the session says from then on
 };
 

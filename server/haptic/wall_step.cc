@@ -101,6 +101,7 @@ void wall_step(const WallSettings& settings, const WallInput& in, double dt, Wal
     effect.wall = out.contact.touching ? region_of(walls, stage, out.contact.wall) : nullptr;
     effect.detent_peaks = detent_peaks(walls, stage);
     effect.dt = dt;
+    effect.screw_c = in.screw_c;
     out.effects = s.effects.step(effect);
     s.stages.see(walls, signs_of(s.effects, out));
     force = settings.share * (s.turn * out.effects.force);

@@ -29,6 +29,7 @@ struct WallInput {
   int stage = 0;                   // of Walls::stages, as ordered; outside them: the nearest
   std::uint32_t stage_orders = 0;  // counts the orders: one for the same stage is one, too
   bool release = false;            // the force goes, as after a stop
+  double screw_c = -1.0;           // of progressive friction [N s/(m rad)]; below 0: the scene's
 };
 
 struct WallOutput {

@@ -56,6 +56,10 @@ void HapticLoop::tick(Nanos now) noexcept {
     ++wall_in_.stage_orders;
     input_.order = HapticOrder();
   }
+  if (input_.order.kind == OrderKind::kScrew && scene_.walls != nullptr) {
+    wall_in_.screw_c = input_.order.screw_c;
+    input_.order = HapticOrder();
+  }
   haptic_step(scene_.haptic, input_, dt, state_, report_.out);
   report_.walls = WallReport();
   if (scene_.walls != nullptr) feel_walls(dt);
@@ -93,6 +97,7 @@ void HapticLoop::take_scene() noexcept {
   if (scene_.walls != nullptr) scene_.walls->state.arbiter = state_.force.arbiter;
   set_device();
   wall_in_.stage = 0;
+  wall_in_.screw_c = -1.0;
   report_.scene_pending = false;
   ++report_.scene_epoch;
 }
@@ -131,6 +136,11 @@ void HapticLoop::feel_walls(double dt) noexcept {
   report_.walls.penetration = (wall_out_.contact.proxy - wall_out_.hand).norm();
   report_.walls.locked = wall_out_.effects.locked;
   report_.walls.place = wall_out_.effects.place;
+  const auto* screw = run.state.effects.find<ProgressiveFriction>();
+  report_.walls.has_screw = screw != nullptr;
+  if (screw == nullptr) return;
+  report_.walls.turned = screw->alpha();
+  report_.walls.screw_c = screw->c();
 }
 
 OrderTicket HapticLoop::next_order() noexcept {

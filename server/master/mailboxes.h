@@ -47,6 +47,9 @@ struct WallReport {
   double penetration = 0.0;   // of the hand beyond the proxy [m]
   bool locked = false;        // a detent holds the hand
   int place = -1;             // which of its places does; -1: none
+  bool has_screw = false;     // something progressive is turned
+  double turned = 0.0;        // in all [rad]
+  double screw_c = 0.0;       // of (2.2) [N s/(m rad)]
 };
 
 // What the haptic loop tells about itself after every tick.

@@ -111,8 +111,9 @@ void OrderDesk::obey(const pb::Request& request, const std::string& who, ReplyTo
     }
     case pb::Request::kSceneLoad: return load(request.scene_load(), who, std::move(reply));
     case pb::Request::kStage: return stage(request.stage(), std::move(reply));
+    case pb::Request::kScrewC: return screw(request.screw_c(), std::move(reply));
     case pb::Request::kMark: return mark(request.mark(), who, reply);
-    case pb::Request::kPrompt: return prompt(request.prompt(), reply);
+    case pb::Request::kPrompt: return prompt(request, reply);
     case pb::Request::kHand: return hand(request.hand(), std::move(reply));
     case pb::Request::kCursor: return cursor(request.cursor(), reply);
     case pb::Request::kLease:
@@ -369,17 +370,27 @@ void OrderDesk::mark(const std::string& text, const std::string& who, const Repl
   reply(done());
 }
 
-void OrderDesk::prompt(const std::string& text, const ReplyTo& reply) {
-  const std::string problem = problem_of("prompt", text, 0, kLongestPrompt);
+void OrderDesk::prompt(const pb::Request& wanted, const ReplyTo& reply) {
+  const std::string problem = problem_of("prompt", wanted.prompt(), 0, kLongestPrompt);
   if (!problem.empty()) return reply(refused(problem));
-  prompt_ = text;
+  const auto& ball = wanted.ball_mm();
+  const auto far = [](double mm) { return !(std::abs(mm) * kMm <= kFarthestHandMove); };
+  if ((!ball.empty() && ball.size() != 2) || std::any_of(ball.begin(), ball.end(), far)) {
+    return reply(refused(fmt::format("prompt: ball_mm: expected two numbers of at most {:g} mm",
+                                     kFarthestHandMove / kMm)));
+  }
+  prompt_ = wanted.prompt();
+  ball_mm_.assign(ball.begin(), ball.end());
   prompted_ = now_;
   reply(done());
 }
 
 void OrderDesk::show_task(pb::Status& status) const {
   if (mark_.has_count()) *status.mutable_mark() = mark_;
-  if (!prompt_.empty() && now_ - prompted_ < kPromptLasts) status.set_prompt(prompt_);
+  if (prompt_.empty() || now_ - prompted_ >= kPromptLasts) return;
+  status.set_prompt(prompt_);
+  if (status.has_walls())
+    status.mutable_walls()->mutable_ball_mm()->Assign(ball_mm_.begin(), ball_mm_.end());
 }
 
 }  // namespace handrail

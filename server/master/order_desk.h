@@ -108,10 +108,10 @@ class OrderDesk : public OperatorHandler {
   // How far the tool called is, where that matters; else empty.
   std::string distance_text(const OrderAnswer& answer, const ToolCall& call) const;
   void mark(const std::string& text, const std::string& who, const ReplyTo& reply);
-  void prompt(const std::string& text, const ReplyTo& reply);
+  void prompt(const pb::Request& wanted, const ReplyTo& reply);
   void show_task(pb::Status& status) const;
   void stage(const std::string& name, ReplyTo reply);
-  void name_stage(pb::Status& status) const;
+  void screw(double c, ReplyTo reply);
   void load(const std::string& name, const std::string& who, ReplyTo reply);
   void push(OrderTicket ticket, Pending order);
   void feed_loop();
@@ -171,6 +171,7 @@ class OrderDesk : public OperatorHandler {
   CursorSample cursor_;  // the newest
   pb::MarkStatus mark_;  // likewise; without a count: none
   std::string prompt_;
+  std::vector<double> ball_mm_;  // that goes with it
   Nanos prompted_ = -kForever;
 
   Nanos retry_at_ = 0;  // an engage refused for the link

@@ -86,6 +86,22 @@ void OrderDesk::stage(const std::string& name, ReplyTo reply) {
                               : scene + "stage '" + shown(name) + "', expected one of " + known));
 }
 
+void OrderDesk::screw(double c, ReplyTo reply) {
+  constexpr double kMost = 100.0;  // beyond the dissertation's 15, our choice [N s/(m rad)]
+  const auto turns = [](const EffectSpec& e) { return e.kind == EffectKind::kProgressive; };
+  if (std::none_of(scene_.effects.begin(), scene_.effects.end(), turns)) {
+    return reply(
+        refused("scene '" + scene_.name + "' has no screw: it lists no progressive effect"));
+  }
+  if (!(c >= 0.0 && c <= kMost)) {
+    return reply(
+        refused(fmt::format("screw: c of {:g}, expected 0 to {:g} N s/(m rad)", c, kMost)));
+  }
+  HapticOrder wanted = plain(OrderKind::kScrew);
+  wanted.screw_c = c;
+  order(wanted, std::move(reply));
+}
+
 void OrderDesk::show_scene(pb::Status& status) const {
   if (status.scene() != scene_.name) return;
   status.set_scene_file(scene_.file);

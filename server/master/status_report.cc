@@ -121,6 +121,9 @@ void set_walls(const WallReport& walls, pb::WallStatus& s) {
   set_plane(s.mutable_force_n(), walls.force, 1.0);
   s.set_region(walls.contact.region);
   s.set_locked(walls.locked);
+  if (!walls.has_screw) return;
+  s.set_turned_rad(walls.turned);
+  s.set_screw_c(walls.screw_c);
 }
 
 }  // namespace

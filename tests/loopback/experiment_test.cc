@@ -133,7 +133,8 @@ TEST_F(ExperimentTest, WordsThatCannotBeAreRefusedBeforeAnythingIsMade) {
   EXPECT_FALSE(std::filesystem::exists(results()));
   const auto [code, text] = handrail({"experiment", "juggling", "--subject", "a"});
   EXPECT_EQ(code, 2);
-  EXPECT_THAT(text, HasSubstr("there is no 'juggling', expected linear-movement"));
+  EXPECT_THAT(text,
+              HasSubstr("there is no 'juggling', expected linear-movement, gearshift, wrench"));
 }
 
 TEST_F(ExperimentTest, AFolderThatIsNoneIsSaid) {

@@ -2,49 +2,28 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "server/lab/walls/gear_driver.h"
+#include "server/lab/walls/gear_judge.h"
 
 namespace handrail {
 namespace {
 
-// What is judged of gears.
-class GearJudge {
- public:
-  explicit GearJudge(const GearGate& gate) : gate_(gate) {}
-
-  void see(const WallTick& tick, GearshiftResult& result) {
-    const double off = (tick.hand - gate_.neutral()).norm();
-    if (!seen_ && off < gate_.home()) result.visited.push_back("N");
-    seen_ = true;
-    rest_.see(tick);
-    rested_ = !tick.effects.locked && off < gate_.home() && (rested_ || rest_.rests());
-    for (int i = 0; i < tick.effects.event_count; ++i) {
-      hear(tick.effects.events[static_cast<std::size_t>(i)], tick.t, result);
-    }
-  }
-  void report(GearshiftResult& result) const {
-    if (rested_ && result.visited.size() > 1) result.visited.push_back("N");
-  }
-
- private:
-  void hear(const EffectEvent& event, double t, GearshiftResult& result) const {
+void hear(const GearGate& gate, const WallTick& tick, std::vector<GearEvent>& out) {
+  for (int i = 0; i < tick.effects.event_count; ++i) {
+    const EffectEvent& event = tick.effects.events[static_cast<std::size_t>(i)];
     GearEvent told;
-    told.t = t;
+    told.t = tick.t;
     told.gear = "N";
     if (event.kind == EffectEvent::Kind::kReturned) told.kind = GearEvent::Kind::kReturn;
     if (event.kind == EffectEvent::Kind::kUnlocked) told.kind = GearEvent::Kind::kUnlock;
     if (event.kind != EffectEvent::Kind::kReturned) {
-      told.gear = gate_.names()[static_cast<std::size_t>(event.place)];
+      told.gear = gate.names()[static_cast<std::size_t>(event.place)];
     }
-    if (told.kind == GearEvent::Kind::kLock) result.visited.push_back(told.gear);
-    result.events.push_back(std::move(told));
+    out.push_back(std::move(told));
   }
-
-  const GearGate& gate_;
-  RestWatch rest_;
-  bool seen_ = false, rested_ = false;  // in neutral
-};
+}
 
 }  // namespace
 
@@ -124,10 +103,11 @@ GearshiftResult shift_gears(const Scene& scene, const GearGate& gate, const Joys
     driver.drive(tick);
     tick.ball = driver.p();
     judge.see(tick, result);
-    gears.see(tick, result);
+    gears.see(tick);
+    hear(gate, tick, result.events);
   }
   judge.report(result);
-  gears.report(result);
+  result.visited = gears.visited();
   return result;
 }
 
@@ -137,9 +117,11 @@ GearshiftResult shift_gears(const Scene& scene, const GearGate& gate, const Joys
   WallJudge judge(*scene.walls, bench, gate.junctions(), gate.junction_reach(), options);
   GearJudge gears(gate);
   GearshiftResult result;
-  play(recording, bench, judge, options, result,
-       [&](const WallTick& tick) { gears.see(tick, result); });
-  gears.report(result);
+  play(recording, bench, judge, options, result, [&](const WallTick& tick) {
+    gears.see(tick);
+    hear(gate, tick, result.events);
+  });
+  result.visited = gears.visited();
   return result;
 }
 

@@ -43,9 +43,7 @@ struct GearEvent {
 const char* name_of(GearEvent::Kind kind) noexcept;
 
 struct GearshiftResult : WallRunResult {
-  // A gear when its lock closes; N only at the start and at final rest: once the lever has come to
-  // rest in neutral, unless it leaves it again.
-  std::vector<std::string> visited;
+  std::vector<std::string> visited;  // GearJudge
   std::vector<GearEvent> events;
 };
 

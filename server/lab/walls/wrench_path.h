@@ -57,6 +57,8 @@ class GuidingBall {
   void move(double t, const Vec2& hand) noexcept;
   const Vec2& p() const noexcept { return p_; }  // [m]
   const Vec2& v() const noexcept { return v_; }  // [m/s]
+  // Way that the hand has yet to make to the end [m].
+  double left() const noexcept { return path_.length() * (turns_ + loosen_) - behind_; }
 
  private:
   // Way of the ball along the loops, back and forth [m].

@@ -103,6 +103,28 @@ TEST(ProgressiveFriction, DragsWithCAlphaAgainstTheMotion) {
   EXPECT_NEAR(std::atan2(f.y(), f.x()), pi / 2.0, lag * speed / kRadius + 0.01);
 }
 
+TEST(ProgressiveFriction, COrderedIsComeToInSteps) {
+  const WallRegion region = test::aisle(0.0, true);
+  ProgressiveFriction friction(5.0, Vec2::Zero(), true, 2500.0, Plant{});
+  EffectTick tick;
+  EffectInput in = test::at(on_circle(0.0), region);
+  friction.force(in, tick);
+  EXPECT_EQ(friction.c(), 5.0) << "nothing is ordered";
+  in.screw_c = 15.0;
+  double before = friction.c();
+  int ticks = 0;
+  for (; friction.c() < 15.0 && ticks < 10'000; ++ticks) {
+    friction.force(in, tick);
+    EXPECT_LE(friction.c() - before, ProgressiveFriction::kMostChange * test::kTick + 1e-12);
+    before = friction.c();
+  }
+  EXPECT_NEAR(ticks, 500, 1);
+  EXPECT_EQ(friction.c(), 15.0);
+  in.screw_c = 0.0;
+  for (int i = 0; i < 1000; ++i) friction.force(in, tick);
+  EXPECT_EQ(friction.c(), 0.0);
+}
+
 // A hand of 0.5 kg that pushes along the circle: the printed law is unstable over B T / m = 2,
 // which c = 500 passes within a third of a radian.
 TEST(ProgressiveFriction, AnyCSlowsTheHandDownWithoutThrowingItBack) {

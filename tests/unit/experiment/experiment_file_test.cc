@@ -46,7 +46,8 @@ class ExperimentFileTest : public ::testing::Test {
   // A trial from its beginning to its end, or without one.
   void write(ExperimentFile& file, const TrialNext& next, bool ends, double time = 12.5) {
     pb::ExperimentLine line;
-    *line.mutable_began() = trial_line(next, "2026-01-01T00:00:00Z");
+    *line.mutable_began() = trial_line(next);
+    line.mutable_began()->set_practice(next.practice);
     ASSERT_TRUE(file.append(line));
     if (!ends) return;
     pb::ExperimentTrial ended = line.began();
@@ -160,7 +161,7 @@ TEST_F(ExperimentFileTest, FilesThatAreNoneAreRefusedWithTheirPlace) {
          return l;
        }()) +
            "{}\n",
-       ":2: expected subject, began or ended"},
+       ":2: expected subject, began, ended or answers"},
       {line_of([] {
          pb::ExperimentLine l;
          *l.mutable_subject() = somebody();
@@ -186,7 +187,7 @@ TEST_F(ExperimentFileTest, PeopleAndSimulatedPeopleAreNamedAsSuch) {
   for (const bool simulated : {false, true}) {
     ExperimentRecord record;
     record.subject = somebody("b", simulated);
-    pb::ExperimentTrial trial = trial_line({0, false, 1, 1}, "");
+    pb::ExperimentTrial trial = trial_line({0, false, 1, 1});
     fill_ended({0, false, 1, 1}, result(10.0), trial);
     record.trials = {trial};
     const std::string table = results_text({record}, false), json = results_text({record}, true);

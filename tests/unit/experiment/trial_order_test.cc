@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "server/base/random.h"
 #include "server/lab/study/study_run.h"
 
 namespace handrail {
@@ -94,6 +95,18 @@ TEST(TrialOrder, ModesComeInEveryOrderAndAlwaysTheSameForOnePerson) {
   // 200 fair draws: fewer than 70 of a kind are seen once in 10^5 times.
   EXPECT_GT(first[0], 70);
   EXPECT_GT(first[1], 70);
+}
+
+TEST(TrialOrder, WhoAPersonIsSaysNothingOfTheirOrder) {
+  int same = 0;
+  for (int i = 0; i < 200; ++i) {
+    const std::string subject = "s" + std::to_string(i);
+    Random person(subject_seed(subject, "person"));
+    same += order_of_modes(subject, 2).front() == static_cast<int>(person.bits() % 2);
+  }
+  // As above.
+  EXPECT_GT(same, 70);
+  EXPECT_LT(same, 130);
 }
 
 }  // namespace

@@ -97,6 +97,21 @@ class DeskBench : public ::testing::Test {
     news.take(boxes);
     desk->tick(now, news, slave, link);
   }
+  // The answer to an order that the loop carries out at once.
+  std::string at_once(const std::string& request) {
+    const Answer answer = ask(request);
+    EXPECT_FALSE(answer->has_value()) << request << " answered before the loop had it";
+    loop();
+    tick();
+    return text(answer);
+  }
+  // The answer to a request that never reaches the loop.
+  std::string refusal(const std::string& request) {
+    const Answer answer = ask(request);
+    OrderTicket ticket;
+    EXPECT_FALSE(boxes.orders.pop(ticket)) << request << " reached the loop";
+    return text(answer);
+  }
   // The order the loop took last.
   OrderKind last_order() const {
     return taken.empty() ? OrderKind::kNone : taken.back().order.kind;

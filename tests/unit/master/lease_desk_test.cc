@@ -35,7 +35,7 @@ TEST_F(LeaseDeskTest, EveryOrderOfAnotherIsRefused) {
   anna_engages();
   for (const char* order :
        {"engage: true", "disengage: true", "clutch: true", "reset: true", "tool { kind: POINT }",
-        "tool_off {}", "scene_load: 'second'", "hand {}", "stage: 'open'"}) {
+        "tool_off {}", "scene_load: 'second'", "hand {}", "stage: 'open'", "screw_c: 5"}) {
     EXPECT_THAT(refusal(std::string("as: 'ben' ") + order),
                 HasSubstr("refused: anna has the lease for 0 s"))
         << order;

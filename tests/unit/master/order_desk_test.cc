@@ -11,42 +11,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-class OrderDeskTest : public DeskBench {
- protected:
-  // The answer to an order that the loop carries out at once.
-  std::string at_once(const std::string& request) {
-    const Answer answer = ask(request);
-    EXPECT_FALSE(answer->has_value()) << request << " answered before the loop had it";
-    loop();
-    tick();
-    return text(answer);
-  }
-  // The answer to a request that never reaches the loop.
-  std::string refusal(const std::string& request) {
-    const Answer answer = ask(request);
-    OrderTicket ticket;
-    EXPECT_FALSE(boxes.orders.pop(ticket)) << request << " reached the loop";
-    return text(answer);
-  }
-};
-
-TEST_F(OrderDeskTest, StagesAreThoseOfTheSceneByName) {
-  EXPECT_EQ(refusal("stage: 'open'"), "refused: scene 'first' has no stages");
-  auto walls = std::make_shared<Walls>();
-  walls->stages.resize(1);
-  scenes["second"].walls = walls;
-  tick();
-  ask("scene_load: 'second'");
-  EXPECT_EQ(refusal("stage: ''"), "refused: scene 'second' has no stages");
-  walls->stages.assign(2, {});
-  walls->stages[0].name = "shut";
-  walls->stages[1].name = "open";
-  EXPECT_EQ(refusal("stage: 'ajar'"),
-            "refused: scene 'second' has no stage 'ajar', expected one of 'shut', 'open'");
-  EXPECT_EQ(at_once("stage: 'open'"), "done: ");
-  EXPECT_EQ(last_order(), OrderKind::kStage);
-  EXPECT_EQ(taken.back().order.stage, 1);
-}
+class OrderDeskTest : public DeskBench {};
 
 TEST_F(OrderDeskTest, RefusesTheStatusBeforeTheLoopHasSpoken) {
   EXPECT_EQ(text(ask("status: true")), "refused: the haptic loop has not started yet");

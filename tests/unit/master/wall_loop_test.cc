@@ -67,8 +67,9 @@ class WallLoop : public LoopBench {
     }
     ticks(10);
   }
-  std::optional<Reason> order(OrderKind kind, int stage = 0) {
+  std::optional<Reason> order(OrderKind kind, int stage = 0, double screw_c = 0.0) {
     OrderTicket ticket;
+    ticket.order.screw_c = screw_c;
     ticket.id = ++id_;
     ticket.order.kind = kind;
     ticket.order.stage = stage;
@@ -95,6 +96,30 @@ TEST_F(WallLoop, TheWallIsFeltWithTheSessionOff) {
   go_to(0.0);
   EXPECT_EQ(device.written.force.norm(), 0.0);
   EXPECT_FALSE(report.walls.contact.touching);
+}
+
+TEST_F(WallLoop, TheScrewsCIsWhatWasOrderedUntilTheSceneComesAnew) {
+  EXPECT_FALSE(report.walls.has_screw);
+  Scene scene = room();
+  EffectSpec screw;
+  screw.kind = EffectKind::kProgressive;
+  screw.c = 5.0;
+  scene.effects.push_back(screw);
+  LoopScene with_screw{settings, runs.make(scene, joystick())};
+  with_screw.haptic.has_arm = false;
+  boxes.scene.publish(with_screw);
+  ticks(2);
+  EXPECT_TRUE(report.walls.has_screw);
+  EXPECT_EQ(report.walls.screw_c, 5.0);
+  EXPECT_EQ(order(OrderKind::kScrew, 0, 15.0), Reason::kNone);
+  EXPECT_LT(report.walls.screw_c, 5.1);
+  ticks(600);
+  EXPECT_EQ(report.walls.screw_c, 15.0);
+  LoopScene anew{settings, runs.make(scene, joystick())};
+  anew.haptic.has_arm = false;
+  boxes.scene.publish(anew);
+  ticks(2);
+  EXPECT_EQ(report.walls.screw_c, 5.0);
 }
 
 TEST_F(WallLoop, WhoeverLeadsByACursorFeelsItWhileTheDeadManIsHeld) {

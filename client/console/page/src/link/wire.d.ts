@@ -17,6 +17,7 @@ export interface ToolStatus {
 export interface WallStatus {
   stage?: number; touching?: boolean; penetration_mm?: number; proxy_mm?: Vec; locked?: boolean;
   stage_name?: string; region_name?: string; place?: string; hand_mm?: Vec; force_n?: Vec;
+  turned_rad?: number; screw_c?: number; ball_mm?: Vec;
 }
 export interface LeaseStatus {
   holder?: string; held_s?: number; idle_s?: number; asked_by?: string; ask_left_s?: number;

@@ -104,8 +104,9 @@ export class View2d {
     const lever = proxy ? toDevice(lie, proxy) : hand;
     const told = status.haptic?.cursor?.position_mm;
     const ring = this.cursor.held ? this.cursor.position : status.haptic?.cursor?.held && told ? told : hand;
+    const ball = status.walls?.ball_mm?.length ? toDevice(lie, status.walls.ball_mm) : null;
     const force = status.walls?.force_n ? wayToDevice(lie, status.walls.force_n) : (status.device_force?.force_n ?? [0, 0]);
-    return { lie, hand, lever, ring, force, map };
+    return { lie, hand, lever, ring, ball, force, map };
   }
 
   /** @param {Facts} facts */
@@ -117,9 +118,10 @@ export class View2d {
   /** Draws if anything looks different. @param {Facts} facts @returns {boolean} whether it drew */
   draw(facts) {
     if (this.painted && this.stage !== (facts.status.walls?.stage ?? 0)) this.paint(facts);
-    const { lever, hand, ring, force, lie } = this.places(facts);
-    const now = [lever, hand, ring, force].flat().map((value) => value.toFixed(2)).join() +
-      JSON.stringify([lie, facts.status.walls?.place, !!this.painted, this.problem]);
+    const { lever, hand, ring, ball, force, lie } = this.places(facts);
+    const { place, screw_c: c, turned_rad: turned } = facts.status.walls ?? {};
+    const now = [lever, hand, ring, ball ?? [], force, turned ?? 0].flat().map((value) => value.toFixed(2)).join() +
+      JSON.stringify([lie, place, c, !!this.painted, this.problem]);
     if (now === this.shown) return false;
     this.shown = now;
     this.drawAll(facts);
@@ -129,7 +131,7 @@ export class View2d {
   /** @param {Facts} facts */
   drawAll(facts) {
     const { context: c, size } = this;
-    const { lie, lever, hand, ring, force, map } = this.places(facts);
+    const { lie, lever, hand, ring, ball, force, map } = this.places(facts);
     const view = window2d(lie, map.size_mm ?? [100, 100], size.width, size.height);
     this.canvas.dataset.scale = String(view.scale); // pixels a millimetre
     c.fillStyle = this.colours.wall; // beyond the map nothing is free
@@ -145,7 +147,46 @@ export class View2d {
     }
     this.drawPlaces(facts, view, lie);
     this.drawHand(view, lever, hand, ring);
+    if (ball) this.drawBall(view, ball);
     this.drawForce(view, lever, force);
+    this.drawScrew(facts);
+  }
+
+  /** Where the person is led to. @param {ReturnType<typeof window2d>} view @param {Vec} ball */
+  drawBall(view, ball) {
+    const { context: c, colours } = this;
+    const [x, y] = view.px(ball);
+    this.canvas.dataset.ball = `${x.toFixed(1)} ${y.toFixed(1)}`; // for tests, as the scale
+    c.beginPath();
+    c.arc(x, y, Math.max(5, 2 * view.scale), 0, 2 * Math.PI);
+    c.fillStyle = colours.locked;
+    c.fill();
+    c.lineWidth = 2;
+    c.strokeStyle = colours.edge;
+    c.stroke();
+  }
+
+  /** The head of a screw that is turned, in the corner. @param {Facts} facts */
+  drawScrew({ status }) {
+    const { turned_rad: turned, screw_c: growth } = status.walls ?? {};
+    if (turned === undefined) return;
+    const { context: c, colours } = this;
+    const x = 36, y = 104, radius = 18; // below the name of the place
+    c.beginPath();
+    for (let i = 0; i < 6; ++i) c.lineTo(x + radius * Math.cos(turned + (i * Math.PI) / 3), y + radius * Math.sin(turned + (i * Math.PI) / 3));
+    c.closePath();
+    c.lineWidth = 2;
+    c.strokeStyle = colours.text;
+    c.stroke();
+    c.beginPath(); // a mark, or six turns look the same
+    c.moveTo(x, y);
+    c.lineTo(x + radius * Math.cos(turned), y + radius * Math.sin(turned));
+    c.stroke();
+    c.font = '600 14px system-ui, sans-serif';
+    c.textAlign = 'left';
+    c.textBaseline = 'middle';
+    c.fillStyle = colours.text;
+    c.fillText(`turned ${turned.toFixed(1)} rad, c ${growth ?? 0} N s/(m rad)`, x + radius + 10, y);
   }
 
   /** @param {Facts} facts @param {ReturnType<typeof window2d>} view @param {import('./frames.js').Lie} lie */

@@ -1,0 +1,31 @@
+#include "client/experiment/experiment_task.h"
+
+#include "client/experiment/gearshift_experiment.h"
+#include "client/experiment/linear_experiment.h"
+#include "client/experiment/wrench_experiment.h"
+
+namespace handrail {
+
+const std::vector<std::string>& experiment_names() {
+  static const std::vector<std::string> names = {"linear-movement", "gearshift", "wrench"};
+  return names;
+}
+
+Result<std::unique_ptr<ExperimentTask>> make_task(const std::string& experiment,
+                                                  const Scene& scene) {
+  if (experiment == "gearshift") {
+    Result<GearGate> gate = GearGate::of(scene);
+    if (!gate) return gate.status();
+    return std::unique_ptr<ExperimentTask>(
+        std::make_unique<GearshiftExperiment>(scene, std::move(*gate)));
+  }
+  if (experiment == "wrench") {
+    const Result<WrenchPath> path = WrenchPath::of(scene);
+    if (!path) return path.status();
+    return std::unique_ptr<ExperimentTask>(std::make_unique<WrenchExperiment>(scene, *path));
+  }
+  if (!scene.task) return Status::error(scene.file + ": the scene has no task block");
+  return std::unique_ptr<ExperimentTask>(std::make_unique<LinearExperiment>(scene));
+}
+
+}  // namespace handrail
