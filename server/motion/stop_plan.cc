@@ -31,9 +31,9 @@ double stop_bound(const PlanLimits& limits, const JointVector& step) {
 // The largest part of `room` that a motion in which the joints turn at `rate` may take.
 double part_of(const JointVector& room, const JointVector& rate) {
   // A joint that neither turns nor has room bounds nothing: 0 / 0 becomes kUnbounded.
-  constexpr double kNothing = 1e-30;
-  const JointVector part =
-      (room.array() + kNothing * kUnbounded).cwiseQuotient(rate.array().abs() + kNothing).matrix();
+  const JointVector part = (room.array() + kTiny.nothing * kUnbounded)
+                               .cwiseQuotient(rate.array().abs() + kTiny.nothing)
+                               .matrix();
   return std::min(part.minCoeff(), kUnbounded);
 }
 
@@ -110,7 +110,9 @@ class RollOut {
   // The tip at `q`, at the end of a stop in which it was not turned along.
   Vec3 end_of(const JointVector& q) {
     const JointVector by = q - from_;
-    if (by.cwiseAbs().maxCoeff() >= TipPlace::kMostTurn) return TipPlace(limits_.guard.arm, q).p();
+    // J2 and J3 are turned as one.
+    if (by.cwiseAbs().maxCoeff() >= 0.5 * TipPlace::kMostTurn)
+      return TipPlace(limits_.guard.arm, q).p();
     tip_.turn(by);
     return tip_.p();
   }

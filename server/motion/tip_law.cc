@@ -130,7 +130,7 @@ AxisLimits TipProposal::limits_of(const Axis& axis, const JointVector& room,
                                   double jerk) const noexcept {
   AxisLimits out{law_.speed_share * slowest(axis).value, kUnbounded, kUnbounded};
   for (int i = 0; i < kJoints; ++i) {
-    const double rate = axis.rate[i] + 1e-12;
+    const double rate = axis.rate[i] + kTiny.joint;
     out.acceleration = std::min(out.acceleration, room[i] / rate);
     out.jerk = std::min(out.jerk, jerk * limits_.jerk[i] / rate);
   }
