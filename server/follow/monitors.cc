@@ -63,9 +63,13 @@ void FollowingMonitor::restart(const JointVector& q) noexcept {
 
 void FollowingMonitor::pass(const FollowingSettings& settings, const JointVector& q_command,
                             double dt) noexcept {
+  if (const double cycles = dt / settings.slowest; cycles != cycles_) {
+    cycles_ = cycles;
+    for (std::size_t i = 0; i < kLags.size(); ++i) shares_[i] = 1.0 - std::exp(-cycles / kLags[i]);
+  }
   for (std::size_t i = 0; i < kLags.size(); ++i) {
     // A cycle's delay: what was commanded last enters the lag now.
-    images_[i] += (last_ - images_[i]) * (1.0 - std::exp(-dt / (kLags[i] * settings.slowest)));
+    images_[i] += (last_ - images_[i]) * shares_[i];
   }
   last_ = q_command;
 }

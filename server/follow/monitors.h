@@ -75,6 +75,8 @@ class FollowingMonitor {
   static constexpr std::array<double, 7> kLags = {0.04, 0.1, 0.2, 0.35, 0.55, 0.75, 1.0};
 
   std::array<JointVector, kLags.size()> images_{};
+  std::array<double, kLags.size()> shares_{};  // of the way to what was commanded, in `cycles_`
+  double cycles_ = 0.0;                        // of dt, in settings.slowest
   JointVector last_ = JointVector::Zero();
   double unjudged_ =
       0.0;  // since the restart, while the arm is on its way [s]; negative: it has come

@@ -14,7 +14,9 @@ class TipPlace {
   TipPlace(const ArmGeometry& arm, const JointVector& q) noexcept
       : arm_(&arm), one_(q[0]), two_(q[1]), both_(q[1] + q[2]), four_(q[3]), five_(q[4]) {}
 
-  // Turns the joints on by `step`, each by less than 0.2 rad: below rounding then. Real-time safe.
+  // Turns the joints on by `step`, each by less than kMostTurn: below rounding then. Real-time
+  // safe.
+  static constexpr double kMostTurn = 0.2;  // [rad]
   void turn(const JointVector& step) noexcept {
     one_.turn(step[0]);
     two_.turn(step[1]);

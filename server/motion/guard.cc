@@ -18,19 +18,6 @@ double clearance_of(const Workspace& workspace, const Vec3& p) {
   return std::min((p - workspace.low).minCoeff(), (workspace.high - p).minCoeff());
 }
 
-// Cheap and sufficient: true means allowed, but for the workspace. All finite.
-bool plainly_allowed(const GuardLimits& limits, const GuardState& state, const JointVector& wanted,
-                     const JointVector& step, const JointVector& change) {
-  const JointVector a = change.cwiseAbs();
-  const JointVector fast = step.cwiseAbs() + 0.5 * a.cwiseProduct(a).cwiseProduct(limits.per_jerk);
-  const JointVector room = (limits.acceleration - a)
-                               .cwiseMin(limits.jerk - (change - state.change).cwiseAbs())
-                               .cwiseMin(limits.speed - fast)
-                               .cwiseMin(limits.plain_upper - wanted)
-                               .cwiseMin(wanted - limits.plain_lower);
-  return room.minCoeff() >= 0.0;
-}
-
 Verdict joint_verdict(const GuardLimits& limits, const JointVector& wanted, const JointVector& step,
                       const JointVector& change, const JointVector& last_change) {
   for (int i = 0; i < kJoints; ++i) {
@@ -121,6 +108,13 @@ bool stays_inside(const GuardLimits& limits, const GuardState& state, const Join
   return now < 0.0 && clearance >= now;
 }
 
+Verdict tip_verdict(const GuardLimits& limits, const GuardState& state, const JointVector& wanted,
+                    const JointVector& step, const JointVector& change, double& clearance) {
+  if (stays_inside(limits, state, wanted, step, change, clearance)) return {};
+  if (!kept(Check::kWorkspace)) return {};
+  return {Reason::kWorkspace, -1};
+}
+
 Verdict check(const GuardLimits& limits, const GuardState& state, const JointVector& wanted,
               double& clearance) {
   const JointVector step = wanted - state.q, change = step - state.step;
@@ -128,13 +122,11 @@ Verdict check(const GuardLimits& limits, const GuardState& state, const JointVec
   if (kept(Check::kFinite) && !(wanted.squaredNorm() < kNoAngle * kNoAngle)) {
     return {Reason::kCommandInvalid, -1};
   }
-  if (!plainly_allowed(limits, state, wanted, step, change)) {
+  if (!limits.plainly_hold(wanted, step, change, state.change)) {
     const Verdict verdict = joint_verdict(limits, wanted, step, change, state.change);
     if (verdict.reason != Reason::kNone) return verdict;
   }
-  if (stays_inside(limits, state, wanted, step, change, clearance)) return {};
-  if (!kept(Check::kWorkspace)) return {};
-  return {Reason::kWorkspace, -1};
+  return tip_verdict(limits, state, wanted, step, change, clearance);
 }
 
 }  // namespace
@@ -170,6 +162,13 @@ Verdict guard_allows(const GuardLimits& limits, const GuardState& state,
                      const JointVector& wanted) noexcept {
   double clearance = 0.0;
   return check(limits, state, wanted, clearance);
+}
+
+Verdict guard_allows_tip(const GuardLimits& limits, const GuardState& state,
+                         const JointVector& wanted, const JointVector& step,
+                         const JointVector& change) noexcept {
+  double clearance = 0.0;
+  return tip_verdict(limits, state, wanted, step, change, clearance);
 }
 
 void guard_brake(const GuardLimits& limits, GuardState& state) noexcept {

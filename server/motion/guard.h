@@ -22,22 +22,41 @@ struct Workspace {
   Vec3 high = Vec3(2.0, 2.0, 2.0);
 };
 
-// The joints' limits in units of the cycle, with what the checks need worked
-// out once.
-struct GuardLimits {
+// What all joints may do in a cycle, in units of it.
+struct JointBounds {
+  JointVector speed, acceleration, jerk;
+  JointVector per_jerk;
+  JointVector plain_lower, plain_upper;  // so far inside the range that any stop ends there [rad]
+
+  // Whether each joint plainly keeps within speed, acceleration and jerk by this step, and can
+  // still come to rest within them and its range: sufficient, and cheap. All finite. `last_change`:
+  // of the step before. Real-time safe.
+  bool plainly_hold(const JointVector& wanted, const JointVector& step, const JointVector& change,
+                    const JointVector& last_change) const noexcept {
+    const JointVector a = change.cwiseAbs();
+    const JointVector fast = step.cwiseAbs() + 0.5 * a.cwiseProduct(a).cwiseProduct(per_jerk);
+    const JointVector room = (acceleration - a)
+                                 .cwiseMin(jerk - (change - last_change).cwiseAbs())
+                                 .cwiseMin(speed - fast)
+                                 .cwiseMin(plain_upper - wanted)
+                                 .cwiseMin(wanted - plain_lower);
+    return room.minCoeff() >= 0.0;
+  }
+};
+
+// The joints' limits in units of the cycle, with what the checks need worked out once.
+struct GuardLimits : JointBounds {
   // `dt` > 0 [s]. Every limit positive.
   GuardLimits(const JointLimits& joints, const ArmGeometry& arm, const Workspace& workspace,
               double dt) noexcept;
 
   std::array<AxisLimits, kJoints> axis;
-  JointVector speed, acceleration, jerk;  // of `axis`
-  JointVector per_jerk, half_per_acceleration;
-  JointVector stop_time;                 // of a stop, beyond speed / 2 acceleration [cycles]
-  JointVector lower, upper;              // [rad]
-  JointVector plain_lower, plain_upper;  // plenty inside of them [rad]
-  JointVector plenty;                    // more room to a range's end than any stop takes [rad]
-  JointVector lever;      // the tip moves at most this far with one radian of the joint [m]
-  double furthest = 0.0;  // more than the tip goes in any stop [m]
+  JointVector half_per_acceleration;
+  JointVector stop_time;     // of a stop, beyond speed / 2 acceleration [cycles]
+  JointVector lower, upper;  // [rad]
+  JointVector plenty;        // more room to a range's end than any stop takes [rad]
+  JointVector lever;         // the tip moves at most this far with one radian of the joint [m]
+  double furthest = 0.0;     // more than the tip goes in any stop [m]
   ArmGeometry arm;
   Workspace workspace;
 };
@@ -62,6 +81,11 @@ struct Verdict {
 // safe.
 Verdict guard_allows(const GuardLimits& limits, const GuardState& state,
                      const JointVector& wanted) noexcept;
+
+// The same of a command that the joints' bounds plainly hold: the workspace alone is asked for.
+Verdict guard_allows_tip(const GuardLimits& limits, const GuardState& state,
+                         const JointVector& wanted, const JointVector& step,
+                         const JointVector& change) noexcept;
 
 // Lets `wanted` pass bit for bit if it is allowed; else every joint takes one
 // cycle of its stop law. state.q is what to send. For every input it is within

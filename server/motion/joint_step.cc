@@ -25,6 +25,12 @@ StepBox::StepBox(const PlanLimits& limits, const GuardState& joints) noexcept {
   }
 }
 
+bool in_box(const PlanLimits& limits, const GuardState& joints, const JointVector& q) noexcept {
+  const JointVector step = q - joints.q;
+  return limits.planned.plainly_hold(q, step, step - joints.step, joints.change) ||
+         StepBox(limits, joints).holds(step);
+}
+
 JointVector own_steps(const PlanLimits& limits, const GuardState& joints, const JointVector& there,
                       double share) noexcept {
   const JointVector way = (there - joints.q).cwiseAbs();

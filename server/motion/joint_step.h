@@ -15,6 +15,10 @@ struct StepBox {
   JointVector low, high;
 };
 
+// Whether `q` lies in that box. Mostly the planned bounds plainly hold it, and the box is not
+// worked out. Real-time safe.
+bool in_box(const PlanLimits& limits, const GuardState& joints, const JointVector& q) noexcept;
+
 // The joints' own steps toward `there`, each at a speed that brings all there together, with the
 // share 0..1 of it. Real-time safe.
 JointVector own_steps(const PlanLimits& limits, const GuardState& joints, const JointVector& there,

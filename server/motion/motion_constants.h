@@ -31,6 +31,7 @@ struct MotionRounding {
   double on = 5e-6;        // off its tool, its place having come as 32 bits [m]
   double from_end = 1e-5;  // of a joint's range [rad]
   double share = 1e-9;     // of a motion that is none
+  double nothing = 1e-30;  // far below all that is divided by
   double landing = 2.0;    // an acceleration that comes and goes on whole cycles takes so many
   int corrections = 4;     // of a step by its place; half of them with one inverse
 };

@@ -48,11 +48,12 @@ TipMotion after(const PlanLimits& limits, const TipMotion& m, const JointVector&
   return next;
 }
 
-bool StepChooser::take_most(const JointVector& q, PlaceInverse& inverse, TipMotion& next) noexcept {
+bool StepChooser::take_most(const JointVector& q, const Pose& X, PlaceInverse& inverse,
+                            TipMotion& next) noexcept {
   const StopPlan& plan = state_.stop;
   const JointVector stop =
       plan.done() ? state_.joints.q : plan.q[static_cast<std::size_t>(plan.next)];
-  if (take(q, Stopping::kAsOne, next)) return true;
+  if (take(q, X, Stopping::kAsOne, next)) return true;
   // What brings a tip out further than its plan does so by halves, too.
   for (const double part : {0.5, 0.25}) {
     if (ends_.out > 0.0) break;
@@ -62,13 +63,14 @@ bool StepChooser::take_most(const JointVector& q, PlaceInverse& inverse, TipMoti
       tip.turn(some - state_.joints.q);
       inverse.bring_to(space_.nearest(tip.p()), tip, some);
     }
-    if (take(some, Stopping::kAsOne, next)) return true;
+    if (take(some, forward(limits_.guard.arm, some), Stopping::kAsOne, next)) return true;
   }
-  return take(q, Stopping::kEach, next);
+  return take(q, X, Stopping::kEach, next);
 }
 
-bool StepChooser::take(const JointVector& q, Stopping how, TipMotion& next) noexcept {
-  const TipMotion m = after(limits_, state_, q, forward(limits_.guard.arm, q));
+bool StepChooser::take(const JointVector& q, const Pose& X, Stopping how,
+                       TipMotion& next) noexcept {
+  const TipMotion m = after(limits_, state_, q, X);
   const bool on_space = (space_.nearest(m.X_ST.p) - m.X_ST.p).norm() < 2.0 * kTiny.off;
   Verdict why = on_space ? plan_allows(limits_, state_.joints, q) : Verdict{Reason::kToolTube, -1};
   TipPlace tip = tip_;

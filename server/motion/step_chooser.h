@@ -36,16 +36,17 @@ class StepChooser {
               const TipPlace& tip, MotionState& state) noexcept
       : limits_(limits), space_(space), ends_(ends), tip_(tip), state_(state) {}
 
-  // Takes the step to q, or half or a quarter of what it is beyond the plan's own next one, or it
-  // with every joint stopping by itself: at most four stops. `inverse`: around where the arm is.
-  // False: none of them; else `next` is what was taken.
-  bool take_most(const JointVector& q, PlaceInverse& inverse, TipMotion& next) noexcept;
+  // Takes the step to q, which has the tip at X, or half or a quarter of what it is beyond the
+  // plan's own next one, or it with every joint stopping by itself: at most four stops. `inverse`:
+  // around where the arm is. False: none of them; else `next` is what was taken.
+  bool take_most(const JointVector& q, const Pose& X, PlaceInverse& inverse,
+                 TipMotion& next) noexcept;
   // What of the arm does not let the first of them be taken; kNone where it is only where their
   // stops end.
   const Verdict& refused() const noexcept { return refused_; }
 
  private:
-  bool take(const JointVector& q, Stopping how, TipMotion& next) noexcept;
+  bool take(const JointVector& q, const Pose& X, Stopping how, TipMotion& next) noexcept;
   // A stop that no tool holds ends hardly beside the tip's way. Joints whose motions cancelled may
   // take the tip far when each stops: hardly further along than by braking evenly.
   bool ends_on_way(const TipMotion& m, Stopping how) const noexcept;

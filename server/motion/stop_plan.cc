@@ -30,11 +30,11 @@ double stop_bound(const PlanLimits& limits, const JointVector& step) {
 
 // The largest part of `room` that a motion in which the joints turn at `rate` may take.
 double part_of(const JointVector& room, const JointVector& rate) {
-  double part = kUnbounded;
-  for (int i = 0; i < kJoints; ++i) {
-    if (std::abs(rate[i]) * part > room[i]) part = room[i] / std::abs(rate[i]);
-  }
-  return part;
+  // A joint that neither turns nor has room bounds nothing: 0 / 0 becomes kUnbounded.
+  const JointVector part = (room.array() + kTiny.nothing * kUnbounded)
+                               .cwiseQuotient(rate.array().abs() + kTiny.nothing)
+                               .matrix();
+  return std::min(part.minCoeff(), kUnbounded);
 }
 
 // One stop, a cycle at a time.
@@ -45,6 +45,7 @@ class RollOut {
       : limits_(limits),
         space_(space),
         joints_(from.joints),
+        from_(from.joints.q),
         p_(from.X_ST.p),
         tip_(tip),
         inverse_(limits) {
@@ -97,7 +98,7 @@ class RollOut {
       advance(limits_, joints_, q);
       plan.q[static_cast<std::size_t>(plan.size++)] = q;
       if (joints_.step.isZero(0.0) && joints_.change.isZero(0.0)) {
-        plan.p_end = space_.everything() ? TipPlace(limits_.guard.arm, q).p() : p_;
+        plan.p_end = space_.everything() ? end_of(q) : p_;
         return true;
       }
     }
@@ -106,6 +107,16 @@ class RollOut {
   }
 
  private:
+  // The tip at `q`, at the end of a stop in which it was not turned along.
+  Vec3 end_of(const JointVector& q) {
+    const JointVector by = q - from_;
+    // J2 and J3 are turned as one.
+    if (by.cwiseAbs().maxCoeff() >= 0.5 * TipPlace::kMostTurn)
+      return TipPlace(limits_.guard.arm, q).p();
+    tip_.turn(by);
+    return tip_.p();
+  }
+
   // The next step of joints that slow together, by what their bend leaves them.
   JointVector as_one() {
     if (across_jerk_ > 0.0) {
@@ -165,6 +176,7 @@ class RollOut {
   const PlanLimits& limits_;
   const TipSpace& space_;
   GuardState joints_;
+  JointVector from_;         // where the stop begins [rad]
   Vec3 p_, p_way_, p_bend_;  // the tip, and its directions [m]
   Vec3 way_S_;               // unit, or zero: the tip's way
   TipPlace tip_;
@@ -190,11 +202,19 @@ PlanLimits::PlanLimits(const GuardLimits& of) noexcept : guard(of), axis(of.axis
     acceleration[i] = l.acceleration;
     jerk[i] = l.jerk;
   }
+  // The box of a step looks at a range's end from so much further off.
+  const JointVector off = guard.plenty + 2.0 * speed + JointVector::Constant(kTiny.past);
+  planned = {speed, acceleration, jerk, jerk.cwiseInverse(), guard.lower + off, guard.upper - off};
+  sent = {kSent * speed,     kSent * acceleration, kSent * jerk, (kSent * jerk).cwiseInverse(),
+          guard.plain_lower, guard.plain_upper};
 }
 
 Verdict plan_allows(const PlanLimits& limits, const GuardState& state,
                     const JointVector& wanted) noexcept {
   const JointVector step = wanted - state.q, change = step - state.step;
+  if (wanted.allFinite() && limits.sent.plainly_hold(wanted, step, change, state.change)) {
+    return guard_allows_tip(limits.guard, state, wanted, step, change);
+  }
   // NaN is over, too.
   const auto over = [](const JointVector& value, const JointVector& limit) {
     return !((value.cwiseAbs() - kSent * limit).maxCoeff() <= 0.0);

@@ -42,6 +42,8 @@ struct PlanLimits {
   std::array<AxisLimits, kJoints> axis;
   JointVector speed, acceleration, jerk;  // of `axis`
   JointVector from_end;  // of a joint's range, where the guard surely lets it come to rest [rad]
+  JointBounds planned;   // by these limits
+  JointBounds sent;      // what may be sent: within the guard's own
 };
 
 // Whether `wanted` is within the planned share of speed, acceleration and jerk, and the guard lets

@@ -23,6 +23,29 @@ Vector6 unit_of(const Vector6& v, double least) {
   return size > least ? Vector6(v / size) : Vector6(Vector6::Zero());
 }
 
+// Solves H x = b for many b: a division a row of the factor, once.
+class Inverse {
+ public:
+  explicit Inverse(const Matrix& H) : factor_(Matrix::Zero()) {
+    const Matrix L = Eigen::LLT<Matrix>(H).matrixL();
+    for (int i = 0; i < 6; ++i) {
+      const double by = 1.0 / L(i, i);
+      factor_(i, i) = by;
+      for (int j = 0; j < i; ++j) {
+        double sum = 0.0;
+        for (int k = j; k < i; ++k) sum += L(i, k) * factor_(k, j);
+        factor_(i, j) = -by * sum;
+      }
+    }
+  }
+  JointVector operator*(const Vector6& b) const {
+    return factor_.transpose() * Vector6(factor_ * b);
+  }
+
+ private:
+  Matrix factor_;  // of L, the inverse
+};
+
 // What `taken` leaves of `room`; never nothing, so that the tip can always brake.
 JointVector left_of(const PlanLimits& limits, const JointVector& room, const JointVector& taken) {
   return (room - taken).cwiseMax((1.0 - kMotion.law_share) * limits.acceleration);
@@ -36,7 +59,7 @@ TipProposal::TipProposal(const PlanLimits& limits, const TipSpace& space, const 
   way_ = between(from.X_ST, target);
   Matrix both;
   both << J.linear, kMotion.turn_length * J.angular;
-  const Eigen::LLT<Matrix> inverse(both.transpose() * both + kMotion.damping * Matrix::Identity());
+  const Inverse inverse(both.transpose() * both + kMotion.damping * Matrix::Identity());
   const auto set = [&](const Vector6& way, const Vector6& step, const Vector6& change, Axes& axes) {
     Vector6& along = axes[0].unit;
     Vector6& across = axes[1].unit;
@@ -46,7 +69,7 @@ TipProposal::TipProposal(const PlanLimits& limits, const TipSpace& space, const 
     axes[2].unit = unit_of(beside(beside(change, along), across), kTiny.going);
     for (Axis& axis : axes) {
       if (axis.unit.isZero(0.0)) continue;
-      axis.rate = inverse.solve(both.transpose() * axis.unit).cwiseAbs();
+      axis.rate = (inverse * (both.transpose() * axis.unit)).cwiseAbs();
       axis.ahead = axis.unit.dot(way);
       axis.step = axis.unit.dot(step);
       axis.change = axis.unit.dot(change);
@@ -59,8 +82,7 @@ TipProposal::TipProposal(const PlanLimits& limits, const TipSpace& space, const 
   set(turn(way_.angular), turn(from.tip_step.angular), turn(from.tip_change.angular), turn_);
   // What the joints accelerate though the tip does not: the curve of its straight way.
   const Vector6 change = six(from.tip_change);
-  const JointVector curve =
-      (from.joints.change - inverse.solve(both.transpose() * change)).cwiseAbs();
+  const JointVector curve = (from.joints.change - inverse * (both.transpose() * change)).cwiseAbs();
   room_ = left_of(limits, kMotion.law_share * limits.acceleration, curve);
   set_top();
 }
@@ -108,7 +130,7 @@ AxisLimits TipProposal::limits_of(const Axis& axis, const JointVector& room,
                                   double jerk) const noexcept {
   AxisLimits out{law_.speed_share * slowest(axis).value, kUnbounded, kUnbounded};
   for (int i = 0; i < kJoints; ++i) {
-    const double rate = axis.rate[i] + 1e-12;
+    const double rate = axis.rate[i] + kTiny.joint;
     out.acceleration = std::min(out.acceleration, room[i] / rate);
     out.jerk = std::min(out.jerk, jerk * limits_.jerk[i] / rate);
   }

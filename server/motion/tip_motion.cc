@@ -164,18 +164,20 @@ Moved move_toward(const ArmMotion& motion, const TipSpace& space, const Pose& as
   const Pose X{p_next, (rotation_exp(step.angular) * state.X_ST.q).normalized()};
   PlaceInverse inverse(limits);
   JointVector q;
-  const StepBox box(limits, state.joints);
-  const bool straight = solve_near(arm, X, state.joints.q, q) && box.holds(q - state.joints.q);
+  const bool straight = solve_near(arm, X, state.joints.q, q) && in_box(limits, state.joints, q);
+  Pose X_next = X;
   if (!straight) {
+    const StepBox box(limits, state.joints);
     const JointVector own = own_steps(limits, state.joints, reached.q, share);
     q = state.joints.q + step_in_box(limits, box, J.linear, state.joints.q, X.p, own);
     if (!within.everything()) {
       TipPlace tip(arm, q);
       inverse.bring_to(within.nearest(tip.p()), tip, q);
     }
+    X_next = forward(arm, q);
   }
   StepChooser chooser(limits, within, ends, tip_now, state);
-  const bool taken = chooser.take_most(q, inverse, moved.next);
+  const bool taken = chooser.take_most(q, X_next, inverse, moved.next);
   if (!taken) moved.next = play(limits, state);
   const bool by_law = taken || chooser.refused().reason == Reason::kNone;
   const Verdict limiting = by_law ? proposal.limiting() : chooser.refused();
