@@ -113,7 +113,8 @@ void place_command(const HapticSettings& settings, const HapticInput& in, bool c
   const bool driving = may_drive(s.lead.session) && !clutched && s.hand.gap <= kLongestHandGap;
   if (driving && !s.command.driving) {
     const Pose X_SH = s.command.guide.restart(settings.guide, s.command.X_SU);
-    s.command.engagement = settings.mapping.absolute
+    // The way to a reference takes the hand to be turned as that wants.
+    s.command.engagement = settings.mapping.absolute && !s.command.guide.turning()
                                ? Engagement::absolute(settings.mapping)
                                : Engagement(settings.mapping, s.hand.X_MH, X_SH);
   }

@@ -101,6 +101,29 @@ TEST(AbsoluteMapping, NeverStepsTheCommandByMoreThanTheHandDoes) {
   }
 }
 
+TEST(AbsoluteMapping, AToolWithAReferenceLatchesTheHandAnewWithoutAJump) {
+  AbsoluteRig rig;
+  rig.tick();
+  rig.engage();
+  rig.ticks(300);
+  rig.order(OrderKind::kClutchOn);
+  rig.ticks(5);
+  ToolCall upright = call_of(ToolKind::kNRotation);
+  upright.has_q_ref = true;
+  upright.q_ref = rotation_exp({0.0, 0.3, 0.0}) * Quat(0.0, 0.0, 1.0, 0.0);
+  ASSERT_EQ(rig.call(upright), Reason::kNone);
+  rig.order(OrderKind::kClutchOff);
+  Quat last = rig.command().q;
+  for (int i = 0; i < 3000; ++i) {
+    rig.tick();
+    ASSERT_LE(angle_between(rig.command().q, last), 1.01e-3 * rig.settings.guide.catch_up_rotation);
+    last = rig.command().q;
+  }
+  EXPECT_EQ(rig.session(), SessionState::kEngaged);
+  EXPECT_LT(angle_between(rig.command().q, upright.q_ref), 1e-6);
+  EXPECT_LT(rig.out.shares.tool.norm(), 1e-6);
+}
+
 TEST(Chase, AReleasedOrientationFollowsAtTheGivenSpeedAndLagsBehindAFasterHand) {
   HapticRig rig;
   rig.settings.guide.chase = true;
