@@ -197,6 +197,30 @@ test('TheScenesToLoadAreThoseThatTheGatewayFound', async () => {
   assert.ok(gateway.orders.some((order) => order.scene_load === 'my own'), JSON.stringify(gateway.orders));
 });
 
+test('WhereAPromptLeadsIsDrawnAndTheScrewThatIsTurned', async () => {
+  const page = await start({ scene: 'gearshift' });
+  const { walls } = gateway.master.status;
+  const corner = () => page.evaluate(() => {
+    const { data } = document.querySelector('#canvas2d').getContext('2d').getImageData(18, 86, 36, 36);
+    return new Set(new Uint32Array(data.buffer)).size;
+  });
+  await page.waitForTimeout(300);
+  assert.equal(await corner(), 1); // nothing but wall
+  Object.assign(walls, { ball_mm: [20, -10], turned_rad: 1, screw_c: 5 });
+  await until(page, () => document.querySelector('#canvas2d').dataset.ball);
+  const [ball, scale, green] = await page.evaluate(() => {
+    const canvas = document.querySelector('#canvas2d');
+    const [x, y] = canvas.dataset.ball.split(' ').map(Number);
+    const [r, g, b] = canvas.getContext('2d').getImageData(x, y, 1, 1).data;
+    return [[x - canvas.width / 2, y - canvas.height / 2], Number(canvas.dataset.scale), g > r && g > b];
+  });
+  assert.ok(Math.hypot(ball[0] - 20 * scale, ball[1] - 10 * scale) < 1, `${ball} at ${scale}`);
+  assert.ok(green);
+  assert.ok((await corner()) > 1, 'the screw is drawn');
+  delete walls.ball_mm;
+  await until(page, () => !document.querySelector('#canvas2d').dataset.ball);
+});
+
 test('TheLeverAndTheCursorComeApartAtAWall', async () => {
   const page = await start({ scene: 'gearshift' });
   gateway.master.status.hand.position_mm = [0, 0, 0];

@@ -148,6 +148,7 @@ export class View2d {
     this.drawPlaces(facts, view, lie);
     this.drawHand(view, lever, hand, ring);
     if (ball) this.drawBall(view, ball);
+    else delete this.canvas.dataset.ball;
     this.drawForce(view, lever, force);
     this.drawScrew(facts);
   }
