@@ -12,6 +12,10 @@
 
 namespace handrail {
 
+// A simulated hand moves in steps of a millisecond; a wait for an answer is not caught up.
+inline constexpr Nanos kHandStep = kMillisecond;
+inline constexpr Nanos kLongestHandStep = 50 * kMillisecond;
+
 class CursorSender {
  public:
   // Sends nothing before the first set().

@@ -10,6 +10,9 @@
 
 namespace handrail {
 
+// Of the bootstrap: the same files give the same table.
+inline constexpr std::uint32_t kReportSeed = 1;
+
 // A trial of linear movement as it stands in the file before it has ended.
 pb::ExperimentTrial trial_line(const TrialNext& next);
 // What it has come to.

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "client/experiment/cursor_sender.h"
+
 namespace handrail {
 namespace {
 
-constexpr Nanos kStep = kMillisecond;
-constexpr Nanos kLongestStep = 50 * kMillisecond;  // a wait for an answer is not caught up
-constexpr double kAgain = 0.5;                     // until an order is made again [s]
-constexpr double kHomeward = 1.0;                  // bringing the hand back, the arm held [s]
-constexpr int kCalls = 2;                          // keys to a phase's tools
+constexpr double kAgain = 0.5;     // until an order is made again [s]
+constexpr double kHomeward = 1.0;  // bringing the hand back, the arm held [s]
+constexpr int kCalls = 2;          // keys to a phase's tools
 
 pb::Request named(const char* tool) {
   pb::Request request;
@@ -78,10 +78,10 @@ void SimulatedSubject::live_on(Nanos now, const SubjectSight& sight) {
     hand_.place(sight.X_MH.p);
     last_ = now;
   }
-  Nanos left = std::min(now - last_, kLongestStep);
+  Nanos left = std::min(now - last_, kLongestHandStep);
   last_ = now;
-  for (; left > 0; left -= kStep) {
-    const double dt = to_seconds(std::min(left, kStep));
+  for (; left > 0; left -= kHandStep) {
+    const double dt = to_seconds(std::min(left, kHandStep));
     now_ += dt;
     mind_.step(dt, sight.X_ST, sight.f_H_M, hand_);
     // The device has the hand's compliance: here it only means.

@@ -2,11 +2,10 @@
 
 #include <algorithm>
 
+#include "client/experiment/cursor_sender.h"
+
 namespace handrail {
 namespace {
-
-constexpr Nanos kStep = kMillisecond;
-constexpr Nanos kLongestStep = 50 * kMillisecond;  // a wait for an answer is not caught up
 
 Vec3 in_space(const Vec2& v) { return {v.x(), v.y(), 0.0}; }
 
@@ -27,7 +26,7 @@ void WallHand::live(Nanos now, const WallTick& seen, const Vec2& p, const Vec2& 
   target.p = in_space(walls_.to_world(p));
   target.v = in_space(Pose2::turned(v, walls_.angle));
   if (last_ < 0) last_ = now;
-  Nanos left = std::min(now - last_, kLongestStep);
+  Nanos left = std::min(now - last_, kLongestHandStep);
   last_ = now;
   if (lets_go || !follows_) {
     hand_.place(lever_.p);
@@ -37,8 +36,8 @@ void WallHand::live(Nanos now, const WallTick& seen, const Vec2& p, const Vec2& 
   }
   follows_ = !lets_go;
   if (lets_go) return;
-  for (; left > 0; left -= kStep) {
-    const double dt = to_seconds(std::min(left, kStep));
+  for (; left > 0; left -= kHandStep) {
+    const double dt = to_seconds(std::min(left, kHandStep));
     hand_.lead(flat(pursuit_.step(target, lever_, dt)));
     // The device has the hand's compliance: here it only means.
     hand_.step(dt, Wrench{});

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "client/experiment/experiment_results_io.h"
 #include "client/experiment/questionnaire.h"
 #include "server/lab/figure/figure.h"
 #include "server/lab/study/linear/linear_trial.h"
@@ -14,8 +15,6 @@
 
 namespace handrail {
 namespace {
-
-constexpr std::uint64_t kReportSeed = 1;  // of the bootstrap: the same files give the same table
 
 struct WallFigure {
   const char* name;  // in WallTrial

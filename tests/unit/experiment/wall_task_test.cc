@@ -111,7 +111,9 @@ TEST_F(GearshiftExperimentTest, SaysWhichGearIsNextAndIsDoneAtRestInNeutral) {
   for (const std::string& name : gate.names()) {
     gear(name);
     EXPECT_FALSE(task.ended());
-    if (name != "R") EXPECT_THAT(prompt(), HasSubstr(name + " is in. Now ")) << name;
+    if (name != "R") {
+      EXPECT_THAT(prompt(), HasSubstr(name + " is in. Now ")) << name;
+    }
     last = name;
   }
   EXPECT_EQ(prompt(), "Back to N, and rest there.");
