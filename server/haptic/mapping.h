@@ -7,10 +7,10 @@
 
 namespace handrail {
 
-// An absolute mapping takes over where hand and arm agree to so much at the tip. Chosen: what the
-// smoother spreads over 0.2 s is 10 mm/s then, and a hand finds it.
-inline constexpr double kAgree = 2e-3;              // [m]
-inline constexpr double kAgreeTurned = 2.0 * kDeg;  // [rad]
+// An absolute mapping takes over where hand and arm agree to so much at the tip. Chosen: a hand at
+// rest strays by 1 to 2 mm, the tip by twice that, and the smoother spreads 5 mm over 0.2 s.
+inline constexpr double kAgree = 5e-3;              // [m]
+inline constexpr double kAgreeTurned = 5.0 * kDeg;  // [rad]
 
 // Scale k and rotation R_SM of (3.1).
 struct MappingSettings {

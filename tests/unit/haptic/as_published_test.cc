@@ -45,11 +45,11 @@ TEST(AbsoluteMapping, EngagesOnlyWhereTheHandAlreadyIsAndSaysHowFarItIsOff) {
   EXPECT_NEAR(rig.out.tool_distance, 10e-3, 1e-9);
   EXPECT_NEAR(rig.out.tool_angle, 0.0, 1e-9);
   rig.in.hand.X_MH.p.x() -= 5e-3;
-  rig.in.hand.X_MH.q = rotation_exp({0.0, 0.0, 3.0 * kDeg});
+  rig.in.hand.X_MH.q = rotation_exp({0.0, 0.0, 6.0 * kDeg});
   EXPECT_EQ(rig.order(OrderKind::kEngage), Reason::kHandElsewhere);
-  EXPECT_NEAR(rig.out.tool_angle, 3.0 * kDeg, 1e-9);
-  rig.in.hand.X_MH.q = rotation_exp({0.0, 0.0, 1.9 * kDeg});
-  rig.in.hand.X_MH.p.x() += 0.9e-3;
+  EXPECT_NEAR(rig.out.tool_angle, 6.0 * kDeg, 1e-9);
+  rig.in.hand.X_MH.q = rotation_exp({0.0, 0.0, 4.9 * kDeg});
+  rig.in.hand.X_MH.p.x() += 2.4e-3;
   EXPECT_EQ(rig.order(OrderKind::kEngage), Reason::kNone);
   rig.ticks(300);
   EXPECT_EQ(rig.session(), SessionState::kEngaged);
@@ -91,7 +91,7 @@ TEST(AbsoluteMapping, NeverStepsTheCommandByMoreThanTheHandDoes) {
   AbsoluteRig rig;
   rig.settings.guide.smoother_length = 200;
   rig.tick();
-  rig.in.hand.X_MH.p.x() += 0.99e-3;
+  rig.in.hand.X_MH.p.x() += 2.45e-3;
   rig.engage();
   Vec3 last = rig.command().p;
   for (int i = 0; i < 300; ++i) {
