@@ -95,6 +95,27 @@ TEST_F(ExperimentTest, NoTrialThatWasFinishedIsLost) {
   EXPECT_THAT(text, HasSubstr("no counted trial of a person in linear-movement"));
 }
 
+// Whatever order another version would draw for the name.
+TEST_F(ExperimentTest, WhoGoesOnGoesOnInTheFilesOrderOfModes) {
+  std::filesystem::create_directories(results());
+  const auto begun_with = [&](const std::string& modes) {
+    std::ofstream(results() + "/linear-movement.sim4.jsonl")
+        << R"({"subject":{"experiment":"linear-movement","subject":"sim4","simulated":true,)"
+        << R"("modes":[)" << modes << R"(],"practice":2,"trials":2}})" << '\n';
+  };
+  for (const std::string first : {"NV", "V"}) {
+    begun_with(first == "NV" ? R"("NV","V")" : R"("V","NV")");
+    auto runner = begin({"--subject", "sim4", "--resume"});
+    EXPECT_TRUE(says(*runner, "Trial 1, " + first + ", practice"));
+    runner->send(SIGINT);
+    EXPECT_EQ(runner->finish(), 130);
+  }
+  begun_with(R"("X")");
+  const auto [code, text] = run({"--subject", "sim4", "--simulated", "--resume"});
+  EXPECT_EQ(code, 1);
+  EXPECT_THAT(text, HasSubstr("there is no mode 'X'"));
+}
+
 TEST_F(ExperimentTest, AnotherSceneInTheMiddleEndsIt) {
   auto runner = begin({"--subject", "sim2"});
   ASSERT_TRUE(says(*runner, "M starts the clock"));
