@@ -23,6 +23,7 @@ walls {
 effect { wall {} }
 effect { viscous {} }
 effect { detent { place { name: "1" at_mm: [3, 0] } radius_mm: 2 peak_n: 4 } }
+effect { device_inertia {} }
 )";
 
 struct Shown {
@@ -82,10 +83,11 @@ TEST(SceneView, ASceneWithoutWallsGetsNone) {
 TEST(SceneView, ListsEveryEffectAlsoThoseThatSayNothingMore) {
   const Shown s = shown(kShapes);
   const std::string text = scene_text(as_used(s.raw, s.scene));
-  EXPECT_THAT(text, HasSubstr("\neffect[0].wall\n"));
+  EXPECT_THAT(text, HasSubstr("\neffect[0].wall.published_damper "));
   EXPECT_THAT(text, HasSubstr("\neffect[1].viscous.coupling_n_mm "));
   EXPECT_EQ(value_of(text, "effect[2].detent.radius_mm"), "2 mm");
-  EXPECT_THAT(text, Not(HasSubstr("effect[3]")));
+  EXPECT_THAT(text, HasSubstr("\neffect[3].device_inertia\n"));
+  EXPECT_THAT(text, Not(HasSubstr("effect[4]")));
   EXPECT_THAT(text, Not(HasSubstr("device_friction")));
 }
 
