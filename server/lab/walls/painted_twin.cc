@@ -78,9 +78,10 @@ class Painter {
   }
   double free_share(int x, int y) {
     int free = 0;
-    for (int k = 0; k < kPoints * kPoints; ++k) {
-      const double right = (k % kPoints + 0.5) / kPoints, down = (k / kPoints + 0.5) / kPoints;
-      free += is_free(at(x + right, y + down)) ? 1 : 0;
+    for (int k = 0; k < kPoints; ++k) {
+      for (int l = 0; l < kPoints; ++l) {
+        free += is_free(at(x + (k + 0.5) / kPoints, y + (l + 0.5) / kPoints)) ? 1 : 0;
+      }
     }
     return static_cast<double>(free) / (kPoints * kPoints);
   }

@@ -18,7 +18,7 @@ pb::ExperimentAnswers answers(const std::string& typed, const pb::ExperimentAnsw
                               std::string* said = nullptr) {
   std::istringstream in(typed);
   std::ostringstream out;
-  const pb::ExperimentAnswers got = ask(statements_of("gearshift"), before, in, out);
+  pb::ExperimentAnswers got = ask(statements_of("gearshift"), before, in, out);
   if (said != nullptr) *said = out.str();
   return got;
 }

@@ -70,7 +70,7 @@ class GearshiftExperimentTest : public WallTaskTest {
   void go(const Vec2& to) {
     const std::vector<Vec2> way = gate.way(lever, to);
     for (std::size_t i = 1; i < way.size(); ++i) {
-      const Vec2 from = way[i - 1];
+      const Vec2& from = way[i - 1];
       for (int k = 1; k <= 20 && !task.ended(); ++k) at(from + (way[i] - from) * k / 20.0);
     }
   }

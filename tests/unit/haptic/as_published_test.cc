@@ -121,7 +121,10 @@ TEST(AbsoluteMapping, AToolWithAReferenceLatchesTheHandAnewWithoutAJump) {
   }
   EXPECT_EQ(rig.session(), SessionState::kEngaged);
   EXPECT_LT(angle_between(rig.command().q, upright.q_ref), 1e-6);
-  EXPECT_LT(rig.out.shares.tool.norm(), 1e-6);
+  // The hand is taken to be there: dropped, the tool leaves the arm as it stands.
+  ASSERT_EQ(rig.drop(false, true), Reason::kNone);
+  rig.ticks(1000);
+  EXPECT_LT(angle_between(rig.command().q, upright.q_ref), 1e-6);
 }
 
 TEST(Chase, AReleasedOrientationFollowsAtTheGivenSpeedAndLagsBehindAFasterHand) {
@@ -155,6 +158,22 @@ TEST(Chase, AReleasedOrientationFollowsAtTheGivenSpeedAndLagsBehindAFasterHand) 
   rig.in.hand.X_MH.q = rotation_exp({0.0, 1.0 * kDeg, 0.0}) * rig.in.hand.X_MH.q;
   rig.ticks(2);
   EXPECT_NEAR(angle_between(rig.command().q, held), 31.0 * kDeg, 1e-6);
+}
+
+TEST(Chase, IsOfAReleaseAndAToolStillBringsTheTipToItsReference) {
+  HapticRig rig;
+  rig.settings.guide.chase = true;
+  rig.tick();
+  rig.engage();
+  ToolCall turned = call_of(ToolKind::kNRotation);
+  turned.has_q_ref = true;
+  turned.q_ref = rig.command().q * rotation_exp({0.0, 0.2, 0.0});
+  ASSERT_EQ(rig.call(turned), Reason::kNone);
+  rig.ticks(100);
+  EXPECT_TRUE(rig.out.turning);
+  rig.ticks(2000);
+  EXPECT_FALSE(rig.out.turning);
+  EXPECT_LT(angle_between(rig.command().q, turned.q_ref), 1e-6);
 }
 
 TEST(Chase, AToolCalledOnTheWayEndsIt) {
