@@ -65,7 +65,9 @@ ExitCode run_stage(const Options& o, const Console& c) {
 ExitCode run_screw(const Options& o, const Console& c) {
   constexpr double kAny = std::numeric_limits<double>::max();
   const Result<double> wanted = parse_number("screw", *o.word, -kAny, kAny, "N s/(m rad)");
-  if (!wanted) return complain(c, wanted.message());
+  if (!wanted) {
+    return complain(c, "screw: '" + shown(*o.word) + "' is not a number [N s/(m rad)]");
+  }
   pb::Request r;
   r.set_screw_c(*wanted);
   return send_order(o, c, r, "screw: c goes to " + *o.word);

@@ -10,8 +10,6 @@
 namespace handrail {
 namespace {
 
-// The bootstrap's, of people's results too: the same file gives the same table.
-
 StudyMode mode_of(const pb::LinearTrial& trial) {
   return trial.mode() == name_of(StudyMode::kTools) ? StudyMode::kTools : StudyMode::kFree;
 }

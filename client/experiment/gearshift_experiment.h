@@ -15,7 +15,7 @@ namespace handrail {
 // done when the lever has come to rest in neutral after the last.
 class GearshiftExperiment final : public WallTask {
  public:
-  // `scene` and `gate`, which is of it, outlive the experiment.
+  // `gate` is of `scene`, which outlives the experiment.
   GearshiftExperiment(const Scene& scene, GearGate gate);
 
  private:

@@ -18,8 +18,8 @@ namespace handrail {
 class ProgressiveFriction {
  public:
   // Of c that is ordered, so that no hand on its way is stopped with a jerk: from the
-  // dissertation's 5 to its 15 in half a second, our choice [N s/(m rad s)].
-  static constexpr double kMostChange = 20.0;
+  // dissertation's 5 to its 15 in half a second, our choice.
+  static constexpr double kMostChange = 20.0;  // [N s/(m rad)] a second
 
   static constexpr EffectKind kKind = EffectKind::kProgressive;
   ProgressiveFriction(const EffectSpec& e, const Plant& plant) noexcept
