@@ -92,14 +92,17 @@ Reject PeerCore::accept(const DatagramHeader& header, Nanos now) noexcept {
 }
 
 // An echo of another incarnation of ours, or one that cannot be true, says nothing about the way.
+// What is held longer than it was under way is true all the same: both times are read before the
+// work that they are used for, and a thread that does not run in between makes the one too long or
+// the other too short. What it bounds is the age: what is echoed came after we had sent it.
 void PeerCore::take_echo(const DatagramHeader& header, Nanos now) noexcept {
   snapshot_.peer_age = kForever;
   if (header.echo_session != session_ || header.echo_sequence > sequence_) return;
-  if (header.echo_held > now - header.echo_sent) return;  // also when sent in the future
-  if (header.echo_sent < snapshot_.echoed_sent) return;
-  snapshot_.peer_age = header.echo_held;
+  if (header.echo_sent > now || header.echo_sent < snapshot_.echoed_sent) return;
+  const Nanos loop = now - header.echo_sent;
+  snapshot_.peer_age = std::min(header.echo_held, loop);
   snapshot_.echoed_sent = header.echo_sent;
-  snapshot_.round_trip = now - header.echo_sent - header.echo_held;
+  if (header.echo_held <= loop) snapshot_.round_trip = loop - header.echo_held;
 }
 
 std::optional<Refusal> PeerCore::refuse(std::uint64_t session, Reject cause,

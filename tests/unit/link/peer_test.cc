@@ -156,10 +156,8 @@ TEST_F(PeerTest, EchoesThatCannotBeTrueAreIgnored) {
   };
   header.echo_sent = kStart + 10;  // in the future
   EXPECT_EQ(arrives(kStart + 9), -1);
+  EXPECT_EQ(master.snapshot().peer_age, kForever);
   header.echo_sent = kStart;
-  header.echo_held = 15;  // held longer than it exists
-  EXPECT_EQ(arrives(kStart + 10), -1);
-  header.echo_held = 0;
   header.echo_sequence = 2;  // never sent
   EXPECT_EQ(arrives(kStart + 11), -1);
   header.echo_sequence = 1;
@@ -167,6 +165,27 @@ TEST_F(PeerTest, EchoesThatCannotBeTrueAreIgnored) {
   EXPECT_EQ(arrives(kStart + 12), -1);
   header.echo_session = 0xaaaa;
   EXPECT_EQ(arrives(kStart + 13), 13);
+}
+
+// As where a thread does not run between reading its clock and reading what has come: the link is
+// no worse for it, and nothing is taken for younger than it is known to be.
+TEST_F(PeerTest, WhatWasHeldLongerThanItWasUnderWayIsAsOldAsTheWayAtMost) {
+  (void)from_master(kStart);
+  DatagramHeader header = sample_header(0xbbbb, 1);
+  header.echo_session = 0xaaaa;
+  header.echo_sequence = 1;
+  header.echo_sent = kStart;
+  header.echo_held = 2 * kMillisecond;
+  const Nanos now = kStart + kMillisecond;
+  ASSERT_EQ(master.on_datagram(datagram(header, slave_state), now), Reject::kNone);
+  EXPECT_EQ(master.snapshot().peer_age, kMillisecond);
+  EXPECT_EQ(master.snapshot().loop_age(now), kMillisecond);
+  EXPECT_EQ(master.snapshot().round_trip, -1);  // it says nothing about that
+  header.sequence = 2;
+  header.echo_held = kMillisecond / 4;
+  ASSERT_EQ(master.on_datagram(datagram(header, slave_state), now), Reject::kNone);
+  EXPECT_EQ(master.snapshot().peer_age, kMillisecond / 4);
+  EXPECT_EQ(master.snapshot().round_trip, 3 * kMillisecond / 4);
 }
 
 TEST_F(PeerTest, QualityFollowsTheShareReceived) {
