@@ -115,7 +115,7 @@ Status Experiment::order_for_driver(const pb::Status& now, pb::Request request) 
 }
 
 Status Experiment::load_scene(const pb::Status& now) {
-  const Result<Scene> scene = SceneLibrary().load(words_.experiment);
+  const Result<Scene> scene = SceneLibrary().load(scene_of_experiment(words_.experiment));
   if (!scene) return scene.status();
   scene_ = *scene;
   auto task = make_task(words_.experiment, scene_);

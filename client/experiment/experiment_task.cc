@@ -5,10 +5,20 @@
 #include "client/experiment/wrench_experiment.h"
 
 namespace handrail {
+namespace {
+
+constexpr const char* kLoosening = "wrench-loosening";
+
+}  // namespace
 
 const std::vector<std::string>& experiment_names() {
-  static const std::vector<std::string> names = {"linear-movement", "gearshift", "wrench"};
+  static const std::vector<std::string> names = {"linear-movement", "gearshift", "wrench",
+                                                 kLoosening};
   return names;
+}
+
+std::string scene_of_experiment(const std::string& experiment) {
+  return experiment == kLoosening ? "wrench" : experiment;
 }
 
 Result<std::unique_ptr<ExperimentTask>> make_task(const std::string& experiment,
@@ -19,10 +29,12 @@ Result<std::unique_ptr<ExperimentTask>> make_task(const std::string& experiment,
     return std::unique_ptr<ExperimentTask>(
         std::make_unique<GearshiftExperiment>(scene, std::move(*gate)));
   }
-  if (experiment == "wrench") {
+  if (experiment == "wrench" || experiment == kLoosening) {
     const Result<WrenchPath> path = WrenchPath::of(scene);
     if (!path) return path.status();
-    return std::unique_ptr<ExperimentTask>(std::make_unique<WrenchExperiment>(scene, *path));
+    return std::unique_ptr<ExperimentTask>(std::make_unique<WrenchExperiment>(
+        scene, *path,
+        experiment == kLoosening ? WrenchWay::kTightenAndLoosen : WrenchWay::kTighten));
   }
   if (!scene.task) return Status::error(scene.file + ": the scene has no task block");
   return std::unique_ptr<ExperimentTask>(std::make_unique<LinearExperiment>(scene));

@@ -59,8 +59,9 @@ class ExperimentTask {
   virtual Status write_trace(const std::string& file) const = 0;
 };
 
-// Names of the experiments, each its scene's too.
 const std::vector<std::string>& experiment_names();
+// The scene that it is made in.
+std::string scene_of_experiment(const std::string& experiment);
 
 // The experiment of that name. The error says what its scene lacks. `scene` outlives it.
 Result<std::unique_ptr<ExperimentTask>> make_task(const std::string& experiment,

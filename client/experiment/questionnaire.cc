@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "client/experiment/experiment_task.h"
 #include "server/base/plain_text.h"
 
 namespace handrail {
@@ -62,7 +63,7 @@ unsigned ask_one(const Statement& statement, std::istream& in, std::ostream& out
 }  // namespace
 
 std::span<const Statement> statements_of(const std::string& experiment) {
-  if (experiment == "wrench") return kWrench;
+  if (scene_of_experiment(experiment) == "wrench") return kWrench;
   if (experiment == "gearshift") return kGearshift;
   return {};
 }

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "client/experiment/experiment_results_io.h"
+#include "client/experiment/experiment_task.h"
 #include "client/experiment/questionnaire.h"
 #include "server/lab/figure/figure.h"
 #include "server/lab/study/linear/linear_trial.h"
@@ -39,7 +40,8 @@ std::vector<WallFigure> figures_of(const std::string& experiment) {
   std::vector<WallFigure> out(std::begin(kOfAll), std::end(kOfAll));
   if (experiment == "gearshift")
     out.insert(out.end(), std::begin(kOfGearshift), std::end(kOfGearshift));
-  if (experiment == "wrench") out.insert(out.end(), std::begin(kOfWrench), std::end(kOfWrench));
+  if (scene_of_experiment(experiment) == "wrench")
+    out.insert(out.end(), std::begin(kOfWrench), std::end(kOfWrench));
   return out;
 }
 

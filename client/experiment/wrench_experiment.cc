@@ -14,16 +14,25 @@ namespace {
 constexpr double kAtBall = 5e-3;  // less than half of the aisle [m]
 constexpr double kHeldFor = 1.0;  // before the ball sets out [s]
 constexpr double kLoose = 0.05;   // what a hand at the aisle's end turns by chance [rad]
-constexpr Nanos kLoadAgain = kSecond;
+constexpr Nanos kAskAgain = kSecond;
+
+double c_of(const Scene& scene) {
+  const EffectSpec* friction = effect_of(scene, EffectKind::kProgressive);
+  return friction == nullptr ? 0.0 : friction->c;
+}
 
 }  // namespace
 
-WrenchExperiment::WrenchExperiment(const Scene& scene, const WrenchPath& path)
-    : WallTask(scene, {}), path_(path), ball_(path, kWrenchLoops, 0) {}
+WrenchExperiment::WrenchExperiment(const Scene& scene, const WrenchPath& path, WrenchWay way)
+    : WallTask(scene, {}),
+      path_(path),
+      loosen_(way == WrenchWay::kTightenAndLoosen ? kWrenchLoops : 0),
+      wanted_c_(way == WrenchWay::kTightenAndLoosen ? kLooseningC : c_of(scene)),
+      ball_(path, kWrenchLoops, loosen_) {}
 
 void WrenchExperiment::restart() {
-  ball_ = GuidingBall(path_, kWrenchLoops, 0);
-  loose_ = refused_ = false;
+  ball_ = GuidingBall(path_, kWrenchLoops, loosen_);
+  loose_ = ready_ = refused_ = false;
   there_since_.reset();
   now_ = turned_ = c_ = most_off_ = sum_ = 0.0;
   seen_ = 0;
@@ -31,13 +40,18 @@ void WrenchExperiment::restart() {
 
 void WrenchExperiment::act(const pb::Status& now, const TaskHelp& help) {
   c_ = now.walls().screw_c();
-  if (!loose_ && !timed() && monotonic_now() >= again_at_) {
-    pb::Request load;
-    load.set_scene_load(scene().name);
-    const Status loaded = help.order(load);
-    again_at_ = monotonic_now() + kLoadAgain;
-    if (!loaded && !refused_) help.say("  the screw is not loosened: " + loaded.message());
-    refused_ = !loaded;
+  ready_ = loose_ && c_ == wanted_c_;
+  if (!ready_ && !timed() && monotonic_now() >= again_at_) {
+    again_at_ = monotonic_now() + kAskAgain;
+    pb::Request wanted;
+    if (!loose_) {
+      wanted.set_scene_load(scene().name);
+    } else {
+      wanted.set_screw_c(wanted_c_);
+    }
+    const Status done = help.order(wanted);
+    if (!done && !refused_) help.say("  the screw is not made ready: " + done.message());
+    refused_ = !done;
   }
   WallTask::act(now, help);
 }
@@ -46,7 +60,7 @@ void WrenchExperiment::watch(const WallTick& now) {
   turned_ = now.turned;
   if (!timed()) {
     loose_ = std::abs(now.turned) < kLoose;
-    const bool there = loose_ && held() && (now.hand - ball_.p()).norm() < kAtBall;
+    const bool there = ready_ && held() && (now.hand - ball_.p()).norm() < kAtBall;
     if (!there) return there_since_.reset();
     if (!there_since_) there_since_ = now.t;
     if (now.t - *there_since_ >= kHeldFor) start_clock(now.t);
@@ -63,12 +77,14 @@ void WrenchExperiment::watch(const WallTick& now) {
 
 std::string WrenchExperiment::words() const {
   if (!timed()) {
-    if (!loose_) return "The screw is being loosened.";
+    if (!ready_) return "The screw is being made ready.";
     return there_since_ ? "The ball sets out in a second: follow it."
                         : "Bring the lever to the ball.";
   }
-  const int loop = std::clamp(ball_.loop(now_) + 1, 1, kWrenchLoops);
-  return fmt::format("Follow the ball: loop {} of {}.", loop, kWrenchLoops);
+  const int loop = std::clamp(ball_.loop(now_) + 1, 1, kWrenchLoops + loosen_);
+  const bool back = loop > kWrenchLoops;
+  return fmt::format("Follow the ball{}: loop {} of {}.", back ? " back" : "",
+                     back ? loop - kWrenchLoops : loop, kWrenchLoops);
 }
 
 WallTask::Aim WrenchExperiment::aim(const WallTick&) { return {ball_.p(), ball_.v()}; }

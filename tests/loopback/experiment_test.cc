@@ -155,7 +155,8 @@ TEST_F(ExperimentTest, WordsThatCannotBeAreRefusedBeforeAnythingIsMade) {
   const auto [code, text] = handrail({"experiment", "juggling", "--subject", "a"});
   EXPECT_EQ(code, 2);
   EXPECT_THAT(text,
-              HasSubstr("there is no 'juggling', expected linear-movement, gearshift, wrench"));
+              HasSubstr("there is no 'juggling', expected linear-movement, gearshift, wrench, "
+                        "wrench-loosening"));
 }
 
 TEST_F(ExperimentTest, AFolderThatIsNoneIsSaid) {

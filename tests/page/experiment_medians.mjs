@@ -1,49 +1,82 @@
+// Ten simulated people at the running programs against the lab's people in virtual time.
 import { execFileSync, spawn } from 'node:child_process';
 import { once } from 'node:events';
 import { join } from 'node:path';
 import { BIN, Programs } from './programs.mjs';
 
 const COUNT = 10, DRAWS = 20000, OUTSIDE = 0.001; // on either side
-const MODES = ['NV', 'V'], FIGURES = ['execution_time_s', 'path_mm', 'max_position_error_mm', 'max_orientation_error_deg'];
-const folder = process.argv[2];
+const LAB = ['--operators', '400', '--seed', '7', '--json'];
+const [folder, ...wanted] = process.argv.slice(2);
+
 const median = (values) => {
   const sorted = [...values].sort((a, b) => a - b);
   return (sorted[Math.floor((sorted.length - 1) / 2)] + sorted[Math.floor(sorted.length / 2)]) / 2;
 };
 const json = (program, ...argv) => JSON.parse(execFileSync(join(BIN, program), argv, { encoding: 'utf8', maxBuffer: 1 << 28 }));
-/** Failed trials are the worst. */
-const values = (study, mode, figure) => study.trials.filter((t) => t.mode === mode).map((t) => (t.end === 'done' ? t[figure] : Infinity));
 
-const programs = await new Programs().open();
-try {
-  for (let i = 1; i <= COUNT; ++i) {
-    const subject = `p${String(i).padStart(2, '0')}`;
-    const child = spawn(join(BIN, 'handrail'), ['experiment', 'linear-movement', '--subject', subject, '--simulated', '--trials', '1', '--resume', '--out', folder, '--socket', programs.socket], { stdio: ['ignore', 'ignore', 'inherit'] });
-    const [code] = await once(child, 'exit');
-    if (code !== 0) throw new Error(`${subject}: ended with ${code}`);
-    console.error(`${subject} is done (${i} of ${COUNT})`);
-  }
-} finally {
-  await programs.close();
-}
-const live = json('handrail', 'experiment', 'linear-movement', '--report', '--simulated', '--json', '--out', folder);
-const lab = json('handrail-lab', 'linear-movement', '--operators', '400', '--trials', '1', '--seed', '7', '--json');
-let seed = 1;
-const random = () => (seed = (Math.imul(seed, 1664525) + 1013904223) >>> 0) / 2 ** 32;
-const draw = (all) => {
-  const left = [...all];
-  return Array.from({ length: COUNT }, () => left.splice(Math.floor(random() * left.length), 1)[0]);
+/** A figure's values at the programs and in the lab. Failed trials are the worst. */
+const ofStudy = (mode, figure) => {
+  const values = ({ trials }) => trials.filter((t) => t.mode === mode).map((t) => (t.end === 'done' ? t[figure] : Infinity));
+  return { name: `${mode.padEnd(3)} ${figure}`, live: values, lab: values };
 };
+const ofWalls = (name, live, lab) => ({
+  name,
+  live: ({ trial }) => trial.map((t) => (t.end === 'done' ? t[live] : Infinity)),
+  lab: ({ people }) => people.map(lab),
+});
+const force = ofWalls('largest force, N', 'max_force_n', (p) => p.max_force_n);
+const depth = ofWalls('hand from lever, mm', 'max_hand_from_lever_mm', (p) => p.max_penetration_mm);
+const turned = ofWalls('turned, rad', 'turned_rad', (p) => p.alpha_rad.at(-1));
+const EXPERIMENTS = {
+  'linear-movement': {
+    lab: ['linear-movement', '--trials', '1'],
+    figures: ['NV', 'V'].flatMap((mode) => ['execution_time_s', 'path_mm', 'max_position_error_mm', 'max_orientation_error_deg'].map((f) => ofStudy(mode, f))),
+  },
+  gearshift: { lab: ['gearshift'], figures: [ofWalls('time, s', 'time_s', (p) => p.duration_s), force, depth] },
+  wrench: { lab: ['wrench', '--c', '5', '--turns', '2', '--loosen', '0'], figures: [turned, force, depth] },
+  'wrench-loosening': { lab: ['wrench', '--c', '15', '--turns', '2', '--loosen', '2'], figures: [force, depth] },
+};
+
+async function make(experiment) {
+  const programs = await new Programs().open();
+  try {
+    for (let i = 1; i <= COUNT; ++i) {
+      const subject = `p${String(i).padStart(2, '0')}`;
+      const child = spawn(join(BIN, 'handrail'), ['experiment', experiment, '--subject', subject, '--simulated', '--trials', '1', '--resume', '--out', folder, '--socket', programs.socket], { stdio: ['ignore', 'ignore', 'inherit'] });
+      const [code] = await once(child, 'exit');
+      if (code !== 0) throw new Error(`${subject}: ended with ${code}`);
+      console.error(`${experiment}: ${subject} is done (${i} of ${COUNT})`);
+    }
+  } finally {
+    await programs.close();
+  }
+}
+
+/** The 99.8 % interval for medians of ten of these values. */
+function interval(all) {
+  let seed = 1;
+  const random = () => (seed = (Math.imul(seed, 1664525) + 1013904223) >>> 0) / 2 ** 32;
+  const draw = () => {
+    const left = [...all];
+    return Array.from({ length: COUNT }, () => left.splice(Math.floor(random() * left.length), 1)[0]);
+  };
+  const medians = Array.from({ length: DRAWS }, () => median(draw())).sort((a, b) => a - b);
+  return [medians[Math.floor(OUTSIDE * DRAWS)], medians[DRAWS - 1 - Math.floor(OUTSIDE * DRAWS)]];
+}
+
 let outside = 0;
-for (const mode of MODES) {
-  for (const figure of FIGURES) {
-    const all = values(lab, mode, figure);
-    const medians = Array.from({ length: DRAWS }, () => median(draw(all))).sort((a, b) => a - b);
-    const low = medians[Math.floor(OUTSIDE * DRAWS)], high = medians[DRAWS - 1 - Math.floor(OUTSIDE * DRAWS)];
-    const here = median(values(live, mode, figure));
+for (const experiment of wanted.length ? wanted : Object.keys(EXPERIMENTS)) {
+  const { lab: words, figures } = EXPERIMENTS[experiment] ?? {};
+  if (!figures) throw new Error(`no experiment '${experiment}', expected ${Object.keys(EXPERIMENTS).join(', ')}`);
+  await make(experiment);
+  const live = json('handrail', 'experiment', experiment, '--report', '--simulated', '--json', '--out', folder);
+  const lab = json('handrail-lab', ...words, ...LAB);
+  for (const figure of figures) {
+    const [low, high] = interval(figure.lab(lab));
+    const here = median(figure.live(live));
     const inside = here >= low && here <= high;
     outside += !inside;
-    console.log(`${mode.padEnd(3)} ${figure.padEnd(28)} ${here.toPrecision(3).padStart(8)}   virtual time: ${low.toPrecision(3)} to ${high.toPrecision(3)}${inside ? '' : '   OUTSIDE'}`);
+    console.log(`${experiment.padEnd(17)} ${figure.name.padEnd(28)} ${here.toPrecision(3).padStart(8)}   virtual time: ${low.toPrecision(3)} to ${high.toPrecision(3)}${inside ? '' : '   OUTSIDE'}`);
   }
 }
 process.exit(outside ? 1 : 0);

@@ -209,7 +209,8 @@ TEST_F(GearshiftExperimentTest, WhoTakesTooLongHasFailed) {
 
 class WrenchExperimentTest : public WallTaskTest {
  protected:
-  WrenchExperimentTest() : WallTaskTest("wrench"), path(*WrenchPath::of(scene)), task(scene, path) {
+  explicit WrenchExperimentTest(WrenchWay way = WrenchWay::kTighten)
+      : WallTaskTest("wrench"), path(*WrenchPath::of(scene)), task(scene, path, way) {
     status.mutable_walls()->set_screw_c(5.0);
     status.mutable_walls()->set_turned_rad(0.0);
     begin(task);
@@ -273,13 +274,54 @@ TEST_F(WrenchExperimentTest, AScrewThatWasTurnedIsLoosenedByLoadingTheSceneAnew)
   moment(task, Vec2::Zero());
   ASSERT_EQ(orders.size(), 1u) << "not with every status";
   EXPECT_EQ(orders[0].scene_load(), "wrench");
-  EXPECT_EQ(said, "  the screw is not loosened: refused: busy\n");
+  EXPECT_EQ(said, "  the screw is not made ready: refused: busy\n");
   follow(3.0);
-  EXPECT_EQ(task.prompt().text, "The screw is being loosened.");
+  EXPECT_EQ(task.prompt().text, "The screw is being made ready.");
   status.set_scene_epoch(2);
   status.mutable_walls()->set_turned_rad(0.0);
   follow(2.0);
   EXPECT_THAT(task.prompt().text, HasSubstr("Follow the ball"));
+}
+
+// As a person left it, or the other experiment.
+TEST_F(WrenchExperimentTest, AScrewOfAnotherGrowthIsMadeAsTheSceneHasIt) {
+  status.mutable_walls()->set_screw_c(15.0);
+  follow(3.0);
+  EXPECT_EQ(task.prompt().text, "The screw is being made ready.");
+  ASSERT_FALSE(orders.empty());
+  EXPECT_EQ(orders[0].screw_c(), 5.0);
+  status.mutable_walls()->set_screw_c(5.0);
+  follow(2.0);
+  EXPECT_THAT(task.prompt().text, HasSubstr("Follow the ball"));
+  // While the clock runs it is the person's to change.
+  orders.clear();
+  status.mutable_walls()->set_screw_c(15.0);
+  follow(1.0);
+  EXPECT_TRUE(orders.empty());
+}
+
+class LooseningTest : public WrenchExperimentTest {
+ protected:
+  LooseningTest() : WrenchExperimentTest(WrenchWay::kTightenAndLoosen) {}
+};
+
+TEST_F(LooseningTest, TheBallLeadsTwoLoopsAndTwoBackAtAnotherGrowth) {
+  follow(2.0);
+  EXPECT_EQ(task.prompt().text, "The screw is being made ready.");
+  ASSERT_FALSE(orders.empty());
+  EXPECT_EQ(orders[0].screw_c(), kLooseningC);
+  status.mutable_walls()->set_screw_c(kLooseningC);
+  follow(1.5);
+  EXPECT_EQ(task.prompt().text, "Follow the ball: loop 1 of 2.");
+  follow(14.0);
+  EXPECT_EQ(task.prompt().text, "Follow the ball back: loop 1 of 2.");
+  status.mutable_walls()->set_turned_rad(0.1);
+  follow(40.0);
+  ASSERT_TRUE(task.ended());
+  EXPECT_EQ(result(task).end(), "done");
+  const double way_in = 0.5 * (path.length() - path.turn_length()) / path.speed();
+  EXPECT_NEAR(result(task).time_s(), 4 * kLoopTime + way_in, 3 * kMoment);
+  EXPECT_EQ(result(task).screw_c(), kLooseningC);
 }
 
 TEST_F(WrenchExperimentTest, TheBallDoesNotSetOutBeforeTheLeverWasHeldThereForASecond) {
