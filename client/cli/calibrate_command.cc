@@ -54,6 +54,19 @@ std::string why_unknown(const pb::Status& s) {
   return {};
 }
 
+// What has to be changed first; null: nothing.
+const char* why_not_now(const pb::Status& s) {
+  if (s.payload_removed()) {
+    return "the slave already takes a payload out of its readings: start it without the payload "
+           "block in its file, then calibrate";
+  }
+  if (s.mounted()) {
+    return "the scene mounts the tool aside, and the payload is in the flange's axes: load a scene "
+           "without robot { mount }, then calibrate";
+  }
+  return nullptr;
+}
+
 // The slave turns the wrench with the measured orientation.
 PayloadReading reading_of(const pb::Status& s) {
   const Quat q_TS = turn_of(s.tip()).conjugate();
@@ -125,10 +138,8 @@ ExitCode watch(const Options& options, const Console& console, std::size_t wante
     if (const std::string problem = why_unknown(status); !problem.empty()) {
       sampler.interrupt();
       progress.now("waiting: " + problem);
-    } else if (status.payload_removed()) {
-      return refuse(console,
-                    "the slave already takes a payload out of its readings: start it without the "
-                    "payload block in its file, then calibrate");
+    } else if (const char* why = why_not_now(status)) {
+      return refuse(console, why);
     } else {
       if (!told) {
         progress.line(text_of(

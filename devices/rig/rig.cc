@@ -1,4 +1,5 @@
 #include "devices/rig/rig.h"
+#include "server/kinematics/arm_of.h"
 
 #include <limits>
 
@@ -8,7 +9,7 @@ void run_only_listed(const Scene& scene, RigOptions& options) {
   if (!scene.simulate) return;
   const Simulate& list = *scene.simulate;
   ServoArmOptions& arm = options.controller.arm;
-  arm.geometry.d6 = scene.tip_length;
+  arm.geometry = arm_of(scene);
   const auto* lag = list.find<ServoLagSpec>();
   arm.lag = lag != nullptr ? lag->lag : 0.0;
   arm.spread = lag != nullptr ? lag->spread : 0.0;
@@ -71,7 +72,10 @@ void Rig::step_world(Nanos now) noexcept {
   controller_.pass(now);
   world_->step(controller_.arm().joints(), to_seconds(now - world_at_));
   world_at_ = now;
-  sensor_.set_wrench(world_->on_sensor());
+  // The sensor is turned as the flange, the wrench as the tip.
+  const Quat turn = controller_.arm().geometry().turn_of_flange(Quat::Identity()).conjugate();
+  const Wrench on_tip = world_->on_sensor();
+  sensor_.set_wrench({turn * on_tip.force, turn * on_tip.torque});
 }
 
 void Rig::skip_late(Nanos now, Nanos period, Nanos& next) noexcept {

@@ -16,15 +16,17 @@ constexpr int kInvalidWrenches = 3;  // [readings, one a cycle of the controller
 Reason read_force(const FollowSettings& settings, const FollowInput& in, const Pose& X_ST,
                   FollowState& s) noexcept {
   const bool still = s.placed && standing(s.motion);
-  const WrenchReading reading{in.f_E_T, in.wrench_valid, X_ST, still,
-                              settings.payload.reading(X_ST.q).force};
+  // The sensor and what hangs on it are turned as the flange.
+  const Pose sensor{X_ST.p, settings.motion->arm.turn_of_flange(X_ST.q)};
+  const WrenchReading reading{in.f_E_T, in.wrench_valid, sensor, still,
+                              settings.payload.reading(sensor.q).force};
   const Reason wrong =
       s.wrench.judge(settings.bumper, settings.sensor_range, settings.motion->dt, reading);
   if (wrong == Reason::kNone) {
     s.invalid_wrenches = 0;
-    const Wrench f_E_T = settings.payload.remove(in.f_E_T, X_ST.q);
-    s.f_E_S = s.filter.pass(X_ST.q * f_E_T.force, settings.force_lag, settings.motion->dt);
-    s.torque_E_S = X_ST.q * f_E_T.torque;
+    const Wrench f_E_T = settings.payload.remove(in.f_E_T, sensor.q);
+    s.f_E_S = s.filter.pass(sensor.q * f_E_T.force, settings.force_lag, settings.motion->dt);
+    s.torque_E_S = sensor.q * f_E_T.torque;
     return Reason::kNone;
   }
   s.invalid_wrenches = std::min(s.invalid_wrenches + 1, kInvalidWrenches);

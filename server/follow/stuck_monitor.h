@@ -11,9 +11,9 @@ namespace handrail {
 
 // A reading of the force sensor, and what the arm that carries it did.
 struct WrenchReading {
-  Wrench f_E_T;               // as the sensor says it, axes of the tip frame
+  Wrench f_E_T;               // as the sensor says it, in its own axes
   bool fresh = false;         // new enough, and without a fault flag
-  Pose X_ST;                  // measured
+  Pose X_ST;                  // the tip's place and the sensor's turn, measured
   bool still = false;         // no joint was told to move in the cycle before
   Vec3 own_T = Vec3::Zero();  // what the payload alone makes of it [N]
 };

@@ -99,6 +99,7 @@ Vec3 reach_wrist(const ArmGeometry& arm, const Ranges& ranges, const TipSpace& s
                  const Vec3& goal, JointVector& q) {
   ArmGeometry to_wrist = arm;
   to_wrist.d6 = 0.0;
+  to_wrist.X_AT.reset();
   q = q.cwiseMax(ranges.low).cwiseMin(ranges.high);
   for (int step = 0; step < kSteps; ++step) {
     const Mat3 J = tip_jacobian(to_wrist, q).linear.leftCols<3>();
@@ -176,7 +177,7 @@ Reached nearest_reachable(const ArmGeometry& arm, const JointLimits& limits, con
   out.arm = inverse_near(arm, goal, seed, q) != InverseStatus::kOk || ranges.worst(q, 0, 2) >= 0;
   if (out.arm) {
     q = seed;
-    const Vec3 to_tip = arm.d6 * (goal.q * Vec3::UnitZ());
+    const Vec3 to_tip = arm.wrist_to_tip(goal.q);
     goal.p = space.nearest(reach_wrist(arm, ranges, space, X.p - to_tip, q) + to_tip);
     out.joint = ranges.nearest_end(q, 0, 2);
     // The place in reach moves as the tip turns; it is not left for one that is further away.

@@ -7,6 +7,17 @@
 
 namespace handrail {
 
+Vec3 ArmGeometry::wrist_to_tip(const Quat& q_ST) const noexcept {
+  if (!X_AT) return d6 * (q_ST * Vec3::UnitZ());
+  return q_ST * (X_AT->q.conjugate() * (X_AT->p + d6 * Vec3::UnitZ()));
+}
+
+double ArmGeometry::tip_radius() const noexcept {
+  return X_AT ? (X_AT->p + d6 * Vec3::UnitZ()).norm() : d6;
+}
+
+double ArmGeometry::tip_aside() const noexcept { return X_AT ? X_AT->p.head<2>().norm() : 0.0; }
+
 // With the joint offsets and the quarter-turn twists multiplied out, the six rotations of the chain
 // are Rz(J1) Ry(J2 + J3) Rz(J4) Ry(J5) Rz(J6).
 Pose forward(const ArmGeometry& arm, const JointVector& q) noexcept {
@@ -26,7 +37,7 @@ Pose forward(const ArmGeometry& arm, const JointVector& q) noexcept {
   X_ST.p << (c1 - s1) * (c1 + s1) * plane.radius + 2.0 * arm.d6 * (x * z + w * y),
       2.0 * s1 * c1 * plane.radius + 2.0 * arm.d6 * (y * z - w * x),
       plane.height + arm.d6 * (w * w + z * z - x * x - y * y);
-  return X_ST;
+  return arm.X_AT ? X_ST * *arm.X_AT : X_ST;
 }
 
 Branch branch_of(const ArmGeometry& arm, const JointVector& q) noexcept {

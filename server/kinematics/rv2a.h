@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "server/base/joints.h"
 #include "server/base/spatial.h"
@@ -19,7 +20,20 @@ struct ArmGeometry {
   double a2 = 0.250;  // upper arm
   double a3 = 0.130;  // elbow offset above the forearm axis
   double d4 = 0.250;  // forearm, elbow to wrist centre
-  double d6 = 0.301;  // wrist centre to the tip: 0.085 flange, 0.301 hex-key point
+  double d6 =
+      0.301;  // wrist centre to the point A on the flange's axis: 0.085 flange, 0.301 hex-key point
+  // The tip, from frame A: at that point, turned as the flange. None: the tip is A.
+  std::optional<Pose> X_AT;
+
+  // Wrist centre to the tip of an arm turned as `q_ST`, frame S [m].
+  Vec3 wrist_to_tip(const Quat& q_ST) const noexcept;
+  // How the flange is turned then.
+  Quat turn_of_flange(const Quat& q_ST) const noexcept {
+    return X_AT ? q_ST * X_AT->q.conjugate() : q_ST;
+  }
+  // The tip's distance from the wrist centre, and from the last joint's axis [m].
+  double tip_radius() const noexcept;
+  double tip_aside() const noexcept;
 };
 
 inline constexpr double kFlangeLength = 0.085;  // wrist centre to flange [m]

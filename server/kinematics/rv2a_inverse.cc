@@ -53,13 +53,13 @@ struct WristCentre {
   double x, y, height, radius;
 };
 
-WristCentre wrist_centre(const ArmGeometry& arm, const Pose& X_ST) {
-  const double w = X_ST.q.w(), x = X_ST.q.x(), y = X_ST.q.y(), z = X_ST.q.z();
+WristCentre wrist_centre(const ArmGeometry& arm, const Pose& X_SA) {
+  const double w = X_SA.q.w(), x = X_SA.q.x(), y = X_SA.q.y(), z = X_SA.q.z();
   const double k = arm.d6 / (w * w + x * x + y * y + z * z);
   WristCentre c;
-  c.x = X_ST.p.x() - 2.0 * k * (x * z + w * y);
-  c.y = X_ST.p.y() - 2.0 * k * (y * z - w * x);
-  c.height = X_ST.p.z() - k * (w * w + z * z - x * x - y * y) - arm.d1;
+  c.x = X_SA.p.x() - 2.0 * k * (x * z + w * y);
+  c.y = X_SA.p.y() - 2.0 * k * (y * z - w * x);
+  c.height = X_SA.p.z() - k * (w * w + z * z - x * x - y * y) - arm.d1;
   c.radius = std::sqrt(c.x * c.x + c.y * c.y);
   return c;
 }
@@ -144,17 +144,15 @@ Wrist solve_wrist(const WristRotation& r, const JointVector& seed) {
   return {half_sum - half_difference, q5, half_sum + half_difference, false};
 }
 
-}  // namespace
-
-void inverse_all(const ArmGeometry& arm, const Pose& X_ST, const JointVector& seed,
-                 InverseSolutions& out) noexcept {
+void solve_all(const ArmGeometry& arm, const Pose& X_SA, const JointVector& seed,
+               InverseSolutions& out) {
   out.count = 0;
   const auto emit = [&out](double q1, const Elbow& e, const Wrist& w, const Branch& branch) {
     const auto i = static_cast<std::size_t>(out.count++);
     out.q[i] << wrapped(q1), wrapped(e.q2), wrapped(e.q3), w.q4, w.q5, w.q6;
     out.branch[i] = branch;
   };
-  const WristCentre centre = wrist_centre(arm, X_ST);
+  const WristCentre centre = wrist_centre(arm, X_SA);
   const bool on_axis = centre.radius < kSingular;
   const bool seed_back = on_axis && arm_plane(arm, seed).radius < 0.0;
   const double q1 = on_axis ? wrapped(nearest(seed[0], 0.0)) : arc_tangent(centre.y, centre.x);
@@ -169,7 +167,7 @@ void inverse_all(const ArmGeometry& arm, const Pose& X_ST, const JointVector& se
     }
     const bool turned = back && !on_axis;
     const WristRotation from_base =
-        after_base(X_ST.q, turned ? Arrow{-half_1.s, half_1.c} : half_1);
+        after_base(X_SA.q, turned ? Arrow{-half_1.s, half_1.c} : half_1);
     const double shoulder = turned ? opposite(q1) : q1;
     for (const bool down : {false, true}) {
       if (down && triangle.sine == 0.0) continue;
@@ -185,15 +183,10 @@ void inverse_all(const ArmGeometry& arm, const Pose& X_ST, const JointVector& se
   }
 }
 
-bool near_singular(const ArmGeometry& arm, const JointVector& q) noexcept {
-  const SingularityMargin margin = singularity_margin(arm, q);
-  return margin.wrist < kWristZone || margin.shoulder < kShoulderZone;
-}
-
-InverseStatus inverse_near(const ArmGeometry& arm, const Pose& X_ST, const JointVector& seed,
-                           JointVector& q) noexcept {
+InverseStatus solve_near(const ArmGeometry& arm, const Pose& X_SA, const JointVector& seed,
+                         JointVector& q) {
   const ArmPlane plane = arm_plane(arm, seed);
-  const WristCentre centre = wrist_centre(arm, X_ST);
+  const WristCentre centre = wrist_centre(arm, X_SA);
 
   bool back = plane.radius < 0.0;
   double q1 = seed[0];
@@ -218,7 +211,7 @@ InverseStatus inverse_near(const ArmGeometry& arm, const Pose& X_ST, const Joint
   }
   const Elbow elbow = solve_elbow(arm, triangle, plane.elbow_sine < 0.0);
 
-  Wrist wrist = solve_wrist(after_forearm(after_base(X_ST.q, half_1), elbow.half_23), seed);
+  Wrist wrist = solve_wrist(after_forearm(after_base(X_SA.q, half_1), elbow.half_23), seed);
   if (!wrist.singular) {
     const double seed_5 = seed[4] - 2.0 * kPi * nearest_turns(seed[4]);
     const bool near_straight = wrist.q5 < kWristZone && std::abs(seed_5) < kWristZone;
@@ -231,6 +224,24 @@ InverseStatus inverse_near(const ArmGeometry& arm, const Pose& X_ST, const Joint
   q << nearest(q1, seed[0]), nearest(elbow.q2, seed[1]), nearest(elbow.q3, seed[2]),
       nearest(wrist.q4, seed[3]), nearest(wrist.q5, seed[4]), nearest(wrist.q6, seed[5]);
   return InverseStatus::kOk;
+}
+
+}  // namespace
+
+bool near_singular(const ArmGeometry& arm, const JointVector& q) noexcept {
+  const SingularityMargin margin = singularity_margin(arm, q);
+  return margin.wrist < kWristZone || margin.shoulder < kShoulderZone;
+}
+
+void inverse_all(const ArmGeometry& arm, const Pose& X_ST, const JointVector& seed,
+                 InverseSolutions& out) noexcept {
+  solve_all(arm, arm.X_AT ? X_ST * inverse(*arm.X_AT) : X_ST, seed, out);
+}
+
+InverseStatus inverse_near(const ArmGeometry& arm, const Pose& X_ST, const JointVector& seed,
+                           JointVector& q) noexcept {
+  if (arm.X_AT) return solve_near(arm, X_ST * inverse(*arm.X_AT), seed, q);
+  return solve_near(arm, X_ST, seed, q);
 }
 
 }  // namespace handrail

@@ -12,7 +12,9 @@ namespace handrail {
 class TipPlace {
  public:
   TipPlace(const ArmGeometry& arm, const JointVector& q) noexcept
-      : arm_(&arm), one_(q[0]), two_(q[1]), both_(q[1] + q[2]), four_(q[3]), five_(q[4]) {}
+      : arm_(&arm), one_(q[0]), two_(q[1]), both_(q[1] + q[2]), four_(q[3]), five_(q[4]) {
+    if (arm.X_AT) six_ = Angle(q[5]);
+  }
 
   // Turns the joints on by `step`, each by less than kMostTurn: below rounding then. Real-time
   // safe.
@@ -23,6 +25,7 @@ class TipPlace {
     both_.turn(step[1] + step[2]);
     four_.turn(step[3]);
     five_.turn(step[4]);
+    if (arm_->X_AT) six_.turn(step[5]);
   }
 
   // The tip, frame S [m]. Real-time safe.
@@ -32,8 +35,11 @@ class TipPlace {
     const double out = five_.s * four_.c;
     const double ahead = plane.radius + arm_->d6 * (five_.c * both_.s + out * both_.c);
     const double aside = arm_->d6 * five_.s * four_.s;
-    return {one_.c * ahead - one_.s * aside, one_.s * ahead + one_.c * aside,
-            plane.height + arm_->d6 * (five_.c * both_.c - out * both_.s)};
+    const Vec3 p(one_.c * ahead - one_.s * aside, one_.s * ahead + one_.c * aside,
+                 plane.height + arm_->d6 * (five_.c * both_.c - out * both_.s));
+    if (!arm_->X_AT) return p;
+    return p + offset({one_.c * both_.s, one_.s * both_.s, both_.c},
+                      {one_.c * both_.c, one_.s * both_.c, -both_.s}, {-one_.s, one_.c, 0.0});
   }
 
   // How it moves with the joints. Real-time safe.
@@ -44,7 +50,8 @@ class TipPlace {
     const Vec3 across(one_.c * both_.c, one_.s * both_.c, -both_.s);
     const Vec3 wrist_axis = four_.c * aside - four_.s * across;
     const Vec3 tip_axis = five_.c * forearm + five_.s * (four_.c * across + four_.s * aside);
-    const Vec3 tip = arm_->d6 * tip_axis;
+    Vec3 tip = arm_->d6 * tip_axis;
+    if (arm_->X_AT) tip += offset(forearm, across, aside);
     const Vec3 from_shoulder =
         (plane.radius - arm_->a1) * ahead + (plane.height - arm_->d1) * Vec3::UnitZ() + tip;
     const Vec3 from_elbow = arm_->d4 * forearm - arm_->a3 * across + tip;
@@ -53,12 +60,14 @@ class TipPlace {
     J.angular << Vec3::UnitZ(), aside, aside, forearm, wrist_axis, tip_axis;
     J.linear << Vec3(-from_base.y(), from_base.x(), 0.0), aside.cross(from_shoulder),
         aside.cross(from_elbow), forearm.cross(tip), wrist_axis.cross(tip), Vec3::Zero();
+    if (arm_->X_AT) J.linear.col(5) = tip_axis.cross(tip);
     return J;
   }
 
  private:
   struct Angle {
     explicit Angle(double angle) noexcept : s(std::sin(angle)), c(std::cos(angle)) {}
+    constexpr Angle(double cosine, double sine) noexcept : s(sine), c(cosine) {}
     void turn(double x) noexcept {
       // Each power of the series beside the one before it.
       constexpr double k3 = 1.0 / 6.0, k5 = 1.0 / 20.0, k7 = 1.0 / 42.0, k9 = 1.0 / 72.0;
@@ -74,8 +83,19 @@ class TipPlace {
     double s, c;
   };
 
+  // The tip from the point A, of axes as in jacobian() [m]: those of frame A turn with J4, J5 and
+  // J6.
+  Vec3 offset(const Vec3& forearm, const Vec3& across, const Vec3& aside) const noexcept {
+    const Vec3& p_AT = arm_->X_AT->p;
+    const Vec3 x_4 = four_.c * across + four_.s * aside, y_4 = four_.c * aside - four_.s * across;
+    const Vec3 x_5 = five_.c * x_4 - five_.s * forearm, z_5 = five_.c * forearm + five_.s * x_4;
+    return p_AT.x() * (six_.c * x_5 + six_.s * y_4) + p_AT.y() * (six_.c * y_4 - six_.s * x_5) +
+           p_AT.z() * z_5;
+  }
+
   const ArmGeometry* arm_;
   Angle one_, two_, both_, four_, five_;
+  Angle six_{1.0, 0.0};  // of a tip beside the axis only
 };
 
 }  // namespace handrail

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "proto/operator.pb.h"
+#include "server/kinematics/rv2a.h"
 #include "server/link/transport.h"
 #include "server/master/mailboxes.h"
 
@@ -35,10 +36,9 @@ struct MasterIdentity {
 pb::Status status_report(const MasterIdentity& identity, const HapticReport& report,
                          const SlaveState& slave, const LinkSnapshot& link, Nanos now);
 
-// The joints that go with the slave's poses, for an arm whose tip is `tip_length` from the wrist's
-// centre [m]. Of a slave that is not heard, or whose command has no joints on the branch that the
-// arm is on: not those.
-void show_joints(double tip_length, const SlaveState& slave, pb::Status& status);
+// The joints that go with the slave's poses, for the scene's arm. Of a slave that is not heard, or
+// whose command has no joints on the branch that the arm is on: not those.
+void show_joints(const ArmGeometry& arm, const SlaveState& slave, pb::Status& status);
 
 // `reason` in words; of a slave in fault also why it is: HapticOutput::peer_fault.
 std::string reason_text(Reason reason, Reason peer_fault);

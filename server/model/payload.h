@@ -6,7 +6,8 @@
 
 namespace handrail {
 
-// Axes of the tip frame T, moments about its origin. The default is nothing.
+// Axes of the flange, moments about the origin of a tip that is on its axis: the frame T of a scene
+// that mounts none aside or turned. The default is nothing.
 struct Payload {
   double mass = 0.0;             // of all that hangs on the sensor [kg]
   Vec3 centre_T = Vec3::Zero();  // of gravity [m]

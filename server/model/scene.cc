@@ -57,7 +57,13 @@ SectionHashes section_hashes(const Scene& scene) noexcept {
   SectionHashes out;
   out.mapping = mapping.value();
   out.limits = limits.value();
-  out.robot = Fnv().f64(scene.tip_length).value();
+  Fnv robot;
+  robot.f64(scene.tip_length);
+  if (scene.X_AT) {
+    for (int i = 0; i < 3; ++i) robot.f64(scene.X_AT->p[i]);
+    for (int i = 0; i < 4; ++i) robot.f64(scene.X_AT->q.coeffs()[i]);
+  }
+  out.robot = robot.value();
   return out;
 }
 

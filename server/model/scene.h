@@ -64,7 +64,8 @@ struct Scene {
   int smoother_samples = 200;  // N of (3.11), at 1 kHz
   BumperSettings bumper;
   Limits limits;
-  double tip_length = 0.301;    // wrist centre to the tip [m]
+  double tip_length = 0.301;    // wrist centre to A, along the flange's axis [m]
+  std::optional<Pose> X_AT;     // the tip, axes of the flange; none: the tip is A
   std::vector<ToolCall> tools;  // called on loading: at most one position and one orientation tool
   std::vector<NamedTool> named_tools;  // called by their names only; at most kMostNamedTools
   std::optional<LinearTask> task;      // what the person is asked to do

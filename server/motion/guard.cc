@@ -137,9 +137,9 @@ GuardLimits::GuardLimits(const JointLimits& joints, const ArmGeometry& geometry,
       upper(joints.upper.array() - kRangeInside),
       arm(geometry),
       workspace(box) {
-  const double forearm = std::hypot(arm.a3, arm.d4), wrist = arm.d6;
+  const double forearm = std::hypot(arm.a3, arm.d4), wrist = arm.tip_radius();
   lever << arm.a1 + arm.a2 + forearm + wrist, arm.a2 + forearm + wrist, forearm + wrist, wrist,
-      wrist, 0.0;
+      wrist, arm.tip_aside();
   for (int i = 0; i < kJoints; ++i) {
     AxisLimits& l = axis[static_cast<std::size_t>(i)];
     l.speed = kInside * joints.max_speed[i] * dt;

@@ -40,7 +40,7 @@ Vec3 inside(const Workspace& workspace, const Vec3& p, const Vec3& tip) {
 Verdict beyond_reach(const ArmGeometry& arm, const Vec3& p_target, const Reached& reached) {
   if (reached.joint < 0) return {};
   // Where the wrist would be too near to the shoulder it is a joint that ends.
-  const Vec3 to_tip = arm.d6 * (reached.X.q * Vec3::UnitZ());
+  const Vec3 to_tip = arm.wrist_to_tip(reached.X.q);
   const auto off_shoulder = [&](const Vec3& p_wrist) {
     return std::hypot(p_wrist.head<2>().norm() - arm.a1, p_wrist.z() - arm.d1);
   };
@@ -104,7 +104,8 @@ Ends ends_of(const MotionSettings& settings, const TipSpace& space, const Pose& 
   if (!ends.stays) return ends;
   // A target that moves on may be left as far as it goes itself; one out of reach, also as far as
   // its turn takes along the place in reach.
-  const double by = went.linear.norm() + (in_reach ? 0.0 : settings.arm.d6 * went.angular.norm());
+  const double by =
+      went.linear.norm() + (in_reach ? 0.0 : settings.arm.tip_radius() * went.angular.norm());
   ends.least = std::min(ends.least, state.asked->least + by);
   // A tip on its way out already is only to come out less far.
   const double stops = (rest_place(state) - p_target).norm();

@@ -210,6 +210,30 @@ Problem screw_from(const pb::ScrewTask& in, const std::optional<Simulate>& simul
   return FieldProblem{"screw.start_mm", "not above the socket's rim"};
 }
 
+// A tip nearer to the wrist's centre than the flange would be inside the wrist.
+Problem robot_from(const pb::RobotModel& in, Scene& out) {
+  constexpr double kFlange = 85.0;     // from the wrist's centre [mm]
+  constexpr double kHalfTurn = 180.0;  // [deg]; more is the other way round
+  out.tip_length = in.tip_length_mm() * kMm;
+  const Vec3 offset = vector_of(in.mount().offset_mm()), turn = vector_of(in.mount().turn_deg());
+  const auto rounded = [](double v) { return number_text(std::round(v * 10.0) / 10.0); };
+  const double from_wrist = (offset + in.tip_length_mm() * Vec3::UnitZ()).norm();
+  if (from_wrist < kFlange) {
+    return FieldProblem{"robot.mount.offset_mm",
+                        "the tip would be " + rounded(from_wrist) +
+                            " mm from the wrist's centre, expected at least " +
+                            number_text(kFlange)};
+  }
+  if (turn.norm() > kHalfTurn * (1.0 + 1e-12)) {
+    return FieldProblem{
+        "robot.mount.turn_deg",
+        rounded(turn.norm()) + " deg long, expected at most " + number_text(kHalfTurn)};
+  }
+  const bool straight = offset.isZero(0.0) && turn.isZero(0.0);
+  if (!straight) out.X_AT = Pose{offset * kMm, rotation_exp(turn * kDeg)};
+  return std::nullopt;
+}
+
 Problem scene_from(const pb::Scene& in, const std::string& path, Scene& out) {
   if (Problem p = name_from(in, path, out)) return p;
   out.description = in.description();
@@ -219,7 +243,7 @@ Problem scene_from(const pb::Scene& in, const std::string& path, Scene& out) {
   if (Problem p = smoother_from(in.smoother(), out.smoother_samples)) return p;
   if (Problem p = bumper_from(in.bumper(), out.bumper)) return p;
   if (Problem p = limits_from(in.limits(), out.limits)) return p;
-  out.tip_length = in.robot().tip_length_mm() * kMm;
+  if (Problem p = robot_from(in.robot(), out)) return p;
   if (in.has_task()) {
     if (Problem p = task_from(in.task(), out.task.emplace())) return p;
   }

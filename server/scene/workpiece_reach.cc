@@ -6,6 +6,7 @@
 
 #include "server/base/plain_text.h"
 #include "server/base/units.h"
+#include "server/kinematics/arm_of.h"
 #include "server/kinematics/rv2a.h"
 #include "server/scene/field_check.h"
 
@@ -29,8 +30,7 @@ struct Standing {
 // either way; where none is within, one of those with the shoulder forward and the elbow up if
 // there is one. Nothing where the wrist is too near or too far for any.
 std::optional<Standing> stand(const Scene& scene, const Pose& X_ST, double turn) {
-  ArmGeometry arm;
-  arm.d6 = scene.tip_length;
+  const ArmGeometry arm = arm_of(scene);
   const JointLimits& limits = scene.limits.joints;
   const JointVector middle = 0.5 * (limits.lower + limits.upper);
   InverseSolutions all;
@@ -59,8 +59,8 @@ std::optional<Standing> stand(const Scene& scene, const Pose& X_ST, double turn)
 
 // "the wrist would be 900 mm from the shoulder, expected 31.8 to 531.8 mm".
 std::string too_far(const Scene& scene, const Pose& X_ST) {
-  const ArmGeometry arm;
-  const Vec3 p_SW = X_ST.p - X_ST.q * Vec3(0.0, 0.0, scene.tip_length);
+  const ArmGeometry arm = arm_of(scene);
+  const Vec3 p_SW = X_ST.p - arm.wrist_to_tip(X_ST.q);
   const double forearm = std::hypot(arm.a3, arm.d4);
   const double far = std::hypot(p_SW.head<2>().norm() - arm.a1, p_SW.z() - arm.d1);
   return "the wrist would be " + rounded(far / kMm) + " mm from the shoulder, expected " +

@@ -1,4 +1,5 @@
 #include "server/slave/follow_settings.h"
+#include "server/kinematics/arm_of.h"
 
 namespace handrail {
 
@@ -6,7 +7,7 @@ FollowSettings follow_settings(const Scene& scene, Nanos period, bool has_sensor
                                double sensor_range, const Payload& payload, double force_lag) {
   FollowSettings out;
   MotionSettings motion;
-  motion.arm.d6 = scene.tip_length;
+  motion.arm = arm_of(scene);
   motion.limits = scene.limits.joints;
   motion.workspace = {scene.limits.workspace_low, scene.limits.workspace_high};
   motion.tip_speed = scene.limits.tip_speed;

@@ -17,7 +17,7 @@ TEST(KinematicsAgainstKdl, ForwardAgreesAtTheFlangeAndAtTheHexKey) {
     double worst_position = 0.0, worst_rotation = 0.0;
     for (int n = 0; n < kSamples; ++n) {
       const JointVector q = test::random_joints(random);
-      const Pose ours = forward({.d6 = d6}, q), theirs = kdl(q);
+      const Pose ours = forward({.d6 = d6, .X_AT = {}}, q), theirs = kdl(q);
       worst_position = std::max(worst_position, test::position_error(ours, theirs));
       worst_rotation = std::max(worst_rotation, test::rotation_error(ours, theirs));
     }

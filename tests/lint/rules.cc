@@ -63,7 +63,8 @@ Table program_rows() {
   return {
       {"server/master", daemons + Folders{"server/haptic", "server/stability", "server/constraint",
                                           "server/kinematics"}},
-      {"server/slave", daemons + Folders{"server/follow", "devices/melfa", "devices/net_ft"}},
+      {"server/slave",
+       daemons + Folders{"server/follow", "server/kinematics", "devices/melfa", "devices/net_ft"}},
       {"client/api", kBase + Folders{"proto", "server/keys", "server/link/secure"}},
       {"client/doctor", kModel + Folders{"proto", "server/keys", "server/link", "client/api"}},
       {"client/experiment",
@@ -79,7 +80,7 @@ Table program_rows() {
 }
 
 Table lab_rows() {
-  const Folders sides = {"server/master", "server/slave"};
+  const Folders sides = {"server/master", "server/slave", "server/kinematics"};
   const Folders network = kModel + Folders{"server/lab/network"};
   // What a command of the lab is made of.
   const Folders lab =
@@ -112,11 +113,10 @@ Table lab_rows() {
       {"server/lab/stability",
        lab + kHands + sides +
            Folders{"server/lab/sequences", "server/lab/faults/audit", "server/lab/study",
-                   "server/haptic", "server/stability", "server/kinematics"}},
+                   "server/haptic", "server/stability"}},
       {"server/lab/contact", lab + Folders{"server/lab/study", "server/follow"}},
-      {"server/lab/delay",
-       lab + kHands + kRigs + sides +
-           Folders{"server/lab/study", "server/haptic", "server/follow", "server/kinematics"}},
+      {"server/lab/delay", lab + kHands + kRigs + sides +
+                               Folders{"server/lab/study", "server/haptic", "server/follow"}},
       {"server/lab/links",
        lab + Folders{"server/lab/faults", "server/lab/study", "server/session"}},
       {"server/lab/sequences", lab + Folders{"devices/omni", "server/master", "server/haptic",
@@ -131,7 +131,7 @@ Table device_rows() {
   const Folders sim = kModel + Folders{"devices", "devices/hand"};
   return {{"devices", kModel + kHands},
           {"devices/udp", kBase},
-          {"devices/melfa", kBase + Folders{"devices", "devices/udp"}},
+          {"devices/melfa", kModel + Folders{"devices", "devices/udp"}},
           {"devices/net_ft", kBase + Folders{"devices", "devices/udp"}},
           {"devices/hand", sim},
           {"devices/omni", sim},

@@ -6,7 +6,7 @@ import { toHand } from '../../client/console/page/src/hand/drag_tip.js';
 import { toolOrder } from '../../client/console/page/src/link/tool_orders.js';
 import { lieOf, toDevice, window2d } from '../../client/console/page/src/map2d/frames.js';
 import { palette, recolour } from '../../client/console/page/src/map2d/recolour.js';
-import { inverse, tipOf } from '../../client/console/page/src/scene3d/inverse.js';
+import { inverse, mountedAt, tipOf } from '../../client/console/page/src/scene3d/inverse.js';
 import { rotationVector } from '../../client/console/page/src/scene3d/rotation.js';
 
 const status = JSON.parse(readFileSync(new URL('data/status_line.json', import.meta.url), 'utf8'));
@@ -23,6 +23,17 @@ test('TheTipOfItsJointsIsWhereItWas', () => {
   near(tipOf(status.joints_deg.map((deg) => deg * DEG), 301), status.tip.position_mm, 0.01);
   const place = tipOf(joints, 85);
   assert.ok(place.every(Number.isFinite));
+});
+
+test('AMountedTipIsTakenBackToTheFlangesAxis', () => {
+  const { position_mm: p, quaternion: q } = status.tip;
+  near(mountedAt(p, q, {}).p, p, 1e-9);
+  near(mountedAt(p, q, {}).q, q, 1e-9);
+  // Mounted by a quarter turn about x: for a tip that is not turned the flange is turned back by one.
+  const half = Math.SQRT1_2, mount = { position_mm: [10, 20, 30], quaternion: [half, half, 0, 0] };
+  const at = mountedAt([0, 0, 0], [1, 0, 0, 0], mount);
+  near(at.q, [half, -half, 0, 0], 1e-9);
+  near(at.p, [-10, -30, 20], 1e-9);
 });
 
 test('WhatIsOutOfReachHasNoJoints', () => {

@@ -17,6 +17,14 @@ inline JointVector joints_deg(double j1, double j2, double j3, double j4, double
   return q * kDeg;
 }
 
+// The mount of a bent tool: its tip 60 mm aside of the flange's axis, and pointing aside.
+inline Pose bent() { return {Vec3(0.06, -0.02, -0.05), rotation_exp(Vec3(0.3, 0.9, -0.4))}; }
+inline ArmGeometry bent_arm() {
+  ArmGeometry arm;
+  arm.X_AT = bent();
+  return arm;
+}
+
 // Uniform within the arm's joint ranges.
 inline JointVector random_joints(std::mt19937_64& random) {
   const JointLimits& limits = rv2a_limits();

@@ -66,6 +66,7 @@ void set_arm(const Scene& scene, pb::ArmShape& out) {
   out.set_forearm_mm(arm.d4 / kMm);
   out.set_flange_mm(kFlangeLength / kMm);
   out.set_tip_mm(scene.tip_length / kMm);
+  if (scene.X_AT) set_place(out.mutable_mount(), *scene.X_AT);
   set_numbers(out.mutable_joint_lower_deg(), scene.limits.joints.lower, kDeg);
   set_numbers(out.mutable_joint_upper_deg(), scene.limits.joints.upper, kDeg);
 }

@@ -170,6 +170,10 @@ void add_arm(foxglove::SceneUpdate& out, const pb::ArmShape& arm, Nanos calendar
     foxglove::SceneEntity& entity = add_entity(out, rod.id, rod.frame, calendar);
     add_ball(entity, rod.from, 1.1 * rod.diameter, kMetal);
     add_rod(entity, rod.from, rod.to, rod.diameter, rod.rgb);
+    if (rod.id != std::string_view("arm tool") || arm.mount().position_mm_size() != 3) continue;
+    const auto& aside = arm.mount().position_mm();
+    const Vec3 tip = rod.to + kMm * Vec3(aside[0], aside[1], aside[2]);
+    if (tip != rod.to) add_rod(entity, rod.to, tip, rod.diameter, rod.rgb);
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include "devices/omni/sim_omni.h"
 #include "server/base/units.h"
+#include "server/kinematics/arm_of.h"
 #include "server/kinematics/rv2a.h"
 #include "server/lab/cell/cell.h"
 #include "server/master/haptic_settings.h"
@@ -27,8 +28,7 @@ Scene scene_of(const DelayCase& of) {
   scene.name = "contact-delay";
   scene.limits.joints = rv2a_limits();
   scene.guidance.local_surface = of.local;
-  ArmGeometry arm;
-  arm.d6 = scene.tip_length;
+  const ArmGeometry arm = arm_of(scene);
   PlaneSpec plane;
   plane.at = forward(arm, ServoArmOptions::default_start()).p - kGap * Vec3::UnitZ();
   plane.surface.stiffness = of.stiffness;
@@ -54,7 +54,7 @@ std::unique_ptr<Cell> make_cell(const Scene& scene, std::uint64_t seed) {
   // The motors' heat is another limit, of long presses.
   options->haptic.force.continuous = options->haptic.force.peak;
   options->follow = follow_settings(scene, options->rig.controller.period, true, 1000.0);
-  options->rig.controller.arm.geometry.d6 = scene.tip_length;
+  options->rig.controller.arm.geometry = arm_of(scene);
   run_only_listed(scene, options->rig);
   options->rig.controller.arm.seed = seed;
   options->rig.sensor.seed = seed + 1;

@@ -9,6 +9,7 @@
 #include "devices/omni/omni_data.h"
 #include "server/base/in_32_bits.h"
 #include "server/base/units.h"
+#include "server/kinematics/arm_of.h"
 #include "server/master/haptic_settings.h"
 #include "server/slave/follow_settings.h"
 
@@ -25,8 +26,7 @@ Scene scene_of(const FaultOptions& fault) {
   scene.name = "faults";
   scene.limits.joints = rv2a_limits();
   if (!fault.contact) return scene;
-  ArmGeometry arm;
-  arm.d6 = scene.tip_length;
+  const ArmGeometry arm = arm_of(scene);
   PlaneSpec plane;
   plane.normal = FaultRun::normal();
   plane.at = forward(arm, ServoArmOptions::default_start()).p - FaultRun::kGap * FaultRun::normal();
@@ -45,7 +45,7 @@ std::unique_ptr<Cell> make_cell(std::uint64_t seed, const FaultOptions& fault) {
   options->haptic.ladder.fade_loop = fault.fade_loop;
   options->haptic.presence = fault.presence;
   options->follow = follow_settings(scene, options->rig.controller.period, true, 1000.0);
-  options->rig.controller.arm.geometry.d6 = scene.tip_length;
+  options->rig.controller.arm.geometry = arm_of(scene);
   run_only_listed(scene, options->rig);
   options->rig.controller.arm.seed = seed;
   options->rig.sensor.seed = seed + 1;
@@ -61,7 +61,7 @@ AuditLimits audit_limits() {
   AuditLimits limits;
   limits.joints = scene.limits.joints;
   limits.max_jerk = scene.limits.joints.max_jerk;
-  limits.arm.d6 = scene.tip_length;
+  limits.arm = arm_of(scene);
   limits.force = omni_capabilities(false).max_force;
   return limits;
 }

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "devices/omni/omni_data.h"
+#include "server/kinematics/arm_of.h"
 #include "server/lab/cell/cell.h"
 #include "server/master/haptic_settings.h"
 #include "server/slave/follow_settings.h"
@@ -90,7 +91,7 @@ Result<HandRunResult> run_hand(const Scene& scene, const RecordedMotion& motion,
   cell_options->haptic = haptic_settings(scene, omni_capabilities(false));
   cell_options->follow = follow_settings(scene, cell_options->rig.controller.period, true, 1000.0);
   cell_options->rig.controller.arm.seed = options.seed;
-  cell_options->rig.controller.arm.geometry.d6 = scene.tip_length;
+  cell_options->rig.controller.arm.geometry = arm_of(scene);
   cell_options->rig.sensor.seed = options.seed + 1;
   run_only_listed(scene, cell_options->rig);
   auto cell = std::make_unique<Cell>(*cell_options);

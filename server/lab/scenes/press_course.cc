@@ -9,6 +9,7 @@
 #include <string>
 
 #include "devices/net_ft/rdt_packet.h"
+#include "server/kinematics/arm_of.h"
 #include "server/kinematics/rv2a.h"
 
 namespace handrail {
@@ -116,8 +117,7 @@ Simulate simulated_by(const Scene& scene) {
 }
 
 Result<PressCourse> press_course(const Scene& scene) {
-  ArmGeometry arm;
-  arm.d6 = scene.tip_length;
+  const ArmGeometry arm = arm_of(scene);
   JointVector q = ServoArmOptions::default_start();
   const Way way = way_of(simulated_by(scene), forward(arm, q));
   PressCourse out;

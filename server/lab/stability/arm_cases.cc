@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "server/base/units.h"
+#include "server/kinematics/arm_of.h"
 #include "server/kinematics/rv2a.h"
 #include "server/lab/stability/arm_cell.h"
 #include "server/lab/stability/stability_case.h"
@@ -23,8 +24,7 @@ JointVector degrees(double j1, double j2, double j3, double j4, double j5, doubl
 
 // The way of the tip from one pose to another, straight.
 ArmWay between(const JointVector& from, const JointVector& to) {
-  ArmGeometry arm;
-  arm.d6 = Scene().tip_length;
+  const ArmGeometry arm = arm_of(Scene());
   const Pose a = forward(arm, from), b = forward(arm, to);
   return {from, b.p - a.p, rotation_log(b.q * a.q.conjugate())};
 }

@@ -6,6 +6,7 @@
 
 #include "devices/omni/omni_data.h"
 #include "server/base/units.h"
+#include "server/kinematics/arm_of.h"
 #include "server/lab/faults/audit/joint_audit.h"
 #include "server/lab/stability/bench_device.h"
 #include "server/lab/stability/whole_loop.h"
@@ -54,7 +55,7 @@ AuditLimits audit_limits() {
   AuditLimits out;
   out.joints = rv2a_limits();
   out.max_jerk = out.joints.max_jerk;
-  out.arm.d6 = arm_scene().tip_length;
+  out.arm = arm_of(arm_scene());
   return out;
 }
 

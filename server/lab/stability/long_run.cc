@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "server/base/units.h"
+#include "server/kinematics/arm_of.h"
 #include "server/kinematics/rv2a.h"
 #include "server/lab/stability/bench_device.h"
 #include "server/lab/stability/bench_scene.h"
@@ -29,8 +30,7 @@ Scene long_scene(bool surface) {
   scene.name = "long-run";
   scene.limits.joints = rv2a_limits();
   scene.guidance.local_surface = true;
-  ArmGeometry arm;
-  arm.d6 = scene.tip_length;
+  const ArmGeometry arm = arm_of(scene);
   PlaneSpec plane;
   plane.at = forward(arm, ServoArmOptions::default_start()).p - kBelow * Vec3::UnitZ();
   plane.surface.stiffness = 10e3;

@@ -6,6 +6,7 @@
 
 #include "devices/omni/omni_data.h"
 #include "server/base/units.h"
+#include "server/kinematics/arm_of.h"
 #include "server/kinematics/rv2a.h"
 #include "server/lab/stability/bench_device.h"
 #include "server/lab/stability/whole_loop.h"
@@ -43,8 +44,7 @@ Scene scene_of(const TeleopCell& of) {
   scene.guidance.local_surface = of.local;
   Simulate world{{ServoLagSpec(), ArmComplianceSpec{kArm}, SensorSaturationSpec()}};
   if (of.stiffness > 0.0) {
-    ArmGeometry arm;
-    arm.d6 = scene.tip_length;
+    const ArmGeometry arm = arm_of(scene);
     PlaneSpec plane;
     plane.at = forward(arm, ServoArmOptions::default_start()).p - kGap * Vec3::UnitZ();
     plane.surface.stiffness = of.stiffness;
@@ -95,8 +95,7 @@ class TeleopRun {
 
  private:
   static double forward_start(const Scene& scene) {
-    ArmGeometry arm;
-    arm.d6 = scene.tip_length;
+    const ArmGeometry arm = arm_of(scene);
     return forward(arm, ServoArmOptions::default_start()).p.z();
   }
   bool pass(double seconds);

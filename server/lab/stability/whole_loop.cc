@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "devices/omni/omni_data.h"
+#include "server/kinematics/arm_of.h"
 #include "server/master/haptic_settings.h"
 #include "server/slave/follow_settings.h"
 
@@ -30,7 +31,7 @@ std::unique_ptr<Cell> cell_of(const WholeLoopOptions& of, const HapticSettings& 
   auto options = std::make_unique<CellOptions>();
   options->haptic = settings;
   options->follow = follow_settings(of.scene, options->rig.controller.period, true, kSensorRange);
-  options->rig.controller.arm.geometry.d6 = of.scene.tip_length;
+  options->rig.controller.arm.geometry = arm_of(of.scene);
   options->rig.controller.arm.q_start = of.q_start;
   run_only_listed(of.scene, options->rig);
   options->rig.controller.arm.seed = of.seed;

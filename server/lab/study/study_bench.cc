@@ -1,5 +1,6 @@
 #include "server/lab/study/study_bench.h"
 
+#include "server/kinematics/arm_of.h"
 #include "server/master/haptic_settings.h"
 #include "server/slave/follow_settings.h"
 
@@ -26,7 +27,7 @@ Result<std::unique_ptr<CellOptions>> study_cell(const StudyMachine& machine, con
   cell->rig.controller.arm.seed = arm_seed;
   cell->rig.sensor.seed = sensor_seed;
   ServoArmOptions& arm = cell->rig.controller.arm;
-  arm.geometry.d6 = machine.scene.tip_length;
+  arm.geometry = arm_of(machine.scene);
   if (inverse_near(arm.geometry, X_ST, ServoArmOptions::default_start(), arm.q_start) !=
       InverseStatus::kOk) {
     return Status::error("scene '" + machine.scene.name + "': the arm cannot stand at " + what);

@@ -35,6 +35,23 @@ TEST(FollowPayload, OnlyTheEnvironmentsPartIsLeftHoweverTheWristIsTurned) {
   }
 }
 
+// The sensor sits between flange and tool, and is turned as the flange is.
+TEST(FollowPayload, ATipThatIsMountedTurnedFeelsWhatTheEnvironmentDoes) {
+  FollowRig straight;
+  FollowRig rig;
+  MotionSettings bent = rig.settings.motion.settings();
+  bent.arm.X_AT = Pose{Vec3(0.04, -0.02, 0.03), rotation_exp({0.4, 1.0, -0.3})};
+  rig.settings.motion = bent;
+  rig.settings.payload = kHeavy;
+  place(rig.settings, home(), rig.state);
+  for (const Vec3& push : {Vec3(0, 0, 0), Vec3(5, -7, 20)}) {
+    rig.in.f_E_T = reading(straight, home(), push);
+    rig.cycle();
+    EXPECT_LT((rig.out.link.f_E_S.force - push).norm(), 1e-9);
+    EXPECT_LT(rig.out.link.f_E_S.torque.norm(), 1e-9);
+  }
+}
+
 TEST(FollowPayload, WithoutOneTheReadingStandsAsItIs) {
   FollowRig rig;
   rig.in.f_E_T = {{0.1, 0.2, 0.3}, {0.4, 0.5, 0.6}};

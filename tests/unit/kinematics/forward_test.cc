@@ -22,7 +22,7 @@ struct CheckPose {
 };
 
 TEST(Forward, GivesTheCheckPosesOfTheFlange) {
-  const ArmGeometry flange{.d6 = kFlangeLength};
+  const ArmGeometry flange{.d6 = kFlangeLength, .X_AT = {}};
   const CheckPose poses[] = {
       {joints_deg(0, 0, 90, 0, 0, 0), {435, 0, 730}, {0, 90, 0}},
       {joints_deg(0, 0, 90, 0, 90, 0), {350, 0, 645}, {180, 0, 180}},
@@ -43,7 +43,7 @@ TEST(Forward, GivesTheCheckPosesOfTheFlange) {
 
 TEST(Forward, PutsTheHexKeyBeyondTheFlangeOnTheToolAxis) {
   const JointVector q = joints_deg(45, -20, 100, 30, 60, -40);
-  const Pose flange = forward({.d6 = kFlangeLength}, q);
+  const Pose flange = forward({.d6 = kFlangeLength, .X_AT = {}}, q);
   const Pose key = forward({}, q);
   const Vec3 in_flange = inverse(flange).q * (key.p - flange.p);
   EXPECT_LT((in_flange - Vec3(0, 0, kHexKeyLength - kFlangeLength)).norm(), 1e-15);
@@ -51,7 +51,7 @@ TEST(Forward, PutsTheHexKeyBeyondTheFlangeOnTheToolAxis) {
 }
 
 TEST(Forward, ReachesTheCatalogueRadiusAtTheElbowsLimit) {
-  const ArmGeometry wrist{.d6 = 0.0};
+  const ArmGeometry wrist{.d6 = 0.0, .X_AT = {}};
   double best = 0.0;
   int best_j2 = 0;
   for (int j2 = -45; j2 <= 135; ++j2) {
@@ -114,7 +114,7 @@ TEST(SingularityMargin, IsZeroAtEachSingularPoseAndOneWhereTheWristIsSquare) {
 }
 
 TEST(SingularityMargin, MeasuresTheShoulderInMetresFromTheAxis) {
-  const ArmGeometry wrist{.d6 = 0.0};
+  const ArmGeometry wrist{.d6 = 0.0, .X_AT = {}};
   for (const double j2 : {-45.0, -10.0, 20.0, 90.0}) {
     const JointVector q = joints_deg(33, j2, 60, 0, 0, 0);
     const Vec3 p = forward(wrist, q).p;

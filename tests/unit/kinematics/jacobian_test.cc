@@ -7,9 +7,12 @@
 namespace handrail {
 namespace {
 
-TEST(TipJacobian, IsWhatForwardKinematicsDoesWhenAJointTurnsALittle) {
+// On the flange's axis, and mounted aside.
+class TipJacobianOf : public testing::TestWithParam<bool> {};
+
+TEST_P(TipJacobianOf, AnArmIsWhatForwardKinematicsDoesWhenAJointTurnsALittle) {
   std::mt19937_64 random(9);
-  const ArmGeometry arm;
+  const ArmGeometry arm = GetParam() ? test::bent_arm() : ArmGeometry();
   constexpr double kTurn = 1e-6;
   for (int run = 0; run < 500; ++run) {
     const JointVector q = test::random_joints(random);
@@ -25,6 +28,8 @@ TEST(TipJacobian, IsWhatForwardKinematicsDoesWhenAJointTurnsALittle) {
     }
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(StraightAndBent, TipJacobianOf, testing::Bool());
 
 }  // namespace
 }  // namespace handrail

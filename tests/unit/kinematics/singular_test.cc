@@ -15,7 +15,7 @@ using test::turn_free_distance;
 double j2_on_axis_deg() {
   double low = -45.0, high = 0.0;
   const auto radius = [](double j2) {
-    return forward({.d6 = 0.0}, joints_deg(0, j2, 60, 0, 0, 0)).p.x();
+    return forward({.d6 = 0.0, .X_AT = {}}, joints_deg(0, j2, 60, 0, 0, 0)).p.x();
   };
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (low + high);

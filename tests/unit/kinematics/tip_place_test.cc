@@ -8,8 +8,11 @@
 namespace handrail {
 namespace {
 
-TEST(TipPlace, TurnedStepByStepItIsWhereTheJointsAre) {
-  const ArmGeometry arm;
+// On the flange's axis, and mounted aside.
+class TipPlaceOf : public testing::TestWithParam<bool> {};
+
+TEST_P(TipPlaceOf, AnArmTurnedStepByStepIsWhereTheJointsAre) {
+  const ArmGeometry arm = GetParam() ? test::bent_arm() : ArmGeometry();
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> step(-0.19, 0.19);
   for (int run = 0; run < 200; ++run) {
@@ -27,6 +30,8 @@ TEST(TipPlace, TurnedStepByStepItIsWhereTheJointsAre) {
     }
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(StraightAndBent, TipPlaceOf, testing::Bool());
 
 }  // namespace
 }  // namespace handrail

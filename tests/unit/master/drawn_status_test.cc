@@ -84,7 +84,7 @@ TEST_F(DrawnStatusTest, TheJointsCommandedAreThoseOfTheCommandOnTheArmsBranch) {
   command[3] -= 3.0 * kDeg;
   slave.X_ST_command = forward(ArmGeometry(), command);
   pb::Status s = status();
-  show_joints(ArmGeometry().d6, slave, s);
+  show_joints(ArmGeometry(), slave, s);
   ASSERT_EQ(s.joints_deg_size(), 6);
   ASSERT_EQ(s.joints_commanded_deg_size(), 6);
   for (int i = 0; i < 6; ++i) {
@@ -96,7 +96,7 @@ TEST_F(DrawnStatusTest, TheJointsCommandedAreThoseOfTheCommandOnTheArmsBranch) {
 TEST_F(DrawnStatusTest, AnArmThatIsNotHeardHasNoJoints) {
   link.peer_epoch = 0;
   pb::Status s = status();
-  show_joints(ArmGeometry().d6, slave, s);
+  show_joints(ArmGeometry(), slave, s);
   EXPECT_EQ(s.joints_deg_size(), 0);
   EXPECT_EQ(s.joints_commanded_deg_size(), 0);
 }

@@ -39,6 +39,14 @@ TEST(SectionHashes, ChangeWithTheirOwnSectionOnly) {
       {[](Scene& s) { s.bumper.stiffest = 30e3; }, false, true, false},
       {[](Scene& s) { s.bumper.sensor_lag = 0.002; }, false, true, false},
       {[](Scene& s) { s.tip_length = 0.085; }, false, false, true},
+      {[](Scene& s) {
+         s.X_AT = Pose{Vec3(0.01, 0, 0), Quat::Identity()};
+       },
+       false, false, true},
+      {[](Scene& s) {
+         s.X_AT = Pose{Vec3::Zero(), Quat(0, 1, 0, 0)};
+       },
+       false, false, true},
       {[](Scene& s) { s.description = "other"; }, false, false, false},
       {[](Scene& s) { s.guidance.stiffness = 1.0; }, false, false, false},
       {[](Scene& s) { s.task.emplace(); }, false, false, false},

@@ -135,6 +135,22 @@ TEST(Guard, ATipAtFullSpeedStopsInsideTheWorkspace) {
   EXPECT_GT(furthest, 0.25);
 }
 
+// The lever bounds how far a joint takes the tip, wherever that is mounted.
+TEST(Guard, NoJointTakesTheTipFurtherThanItsLever) {
+  std::mt19937_64 random(31);
+  for (const bool mounted : {false, true}) {
+    const ArmGeometry arm = mounted ? test::bent_arm() : ArmGeometry();
+    const GuardLimits l(rv2a_limits(), arm, Workspace(), 0.0071);
+    EXPECT_EQ(l.lever[5] > 0.0, mounted);
+    for (int run = 0; run < 2000; ++run) {
+      const JointVector q = test::random_joints(random);
+      JointVector by = 0.02 * (test::random_joints(random) - q);
+      const double moved = (forward(arm, q + by).p - forward(arm, q).p).norm();
+      ASSERT_LE(moved, l.lever.dot(by.cwiseAbs()) + 1e-12);
+    }
+  }
+}
+
 TEST(Guard, AJointFoundOutsideItsRangeMayOnlyComeBack) {
   JointVector outside = home();
   outside[2] = rv2a_limits().upper[2] + 0.01;

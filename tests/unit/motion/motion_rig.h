@@ -24,7 +24,8 @@ struct MotionRig {
   double off_space = 0.0;  // the worst [m]
   double off_rest = 0.0;  // the place that a plan says it ends at from where it does, the worst [m]
 
-  explicit MotionRig(const JointVector& q) {
+  explicit MotionRig(const JointVector& q, const ArmGeometry& arm = {}) {
+    settings.arm = arm;
     state = standing_at(settings.arm, q);
     watch.see(settings.limits, settings.dt, q);
   }

@@ -24,18 +24,26 @@ TipSpace space_of(int free, const Vec3& p, Random& random) {
   return {};
 }
 
-class TipMotionIn : public testing::TestWithParam<int> {};
+// How many directions are free, and whether the tip is mounted aside of the flange's axis and
+// turned.
+struct Way {
+  int free;
+  bool mounted;
+};
+class TipMotionIn : public testing::TestWithParam<Way> {};
 
 // Targets that jump, wave and shake, in and out of reach; stops asked for at any time.
 TEST_P(TipMotionIn, ItsSpaceStaysThereAndWithinEveryLimitAndStopsInTimeWithoutTheGuard) {
   Random random(3);
   int stops = 0;
+  ArmGeometry arm;
+  if (GetParam().mounted) arm.X_AT = test::bent();
   for (int run = 0; run < 12; ++run) {
     JointVector q = kHome;
     for (int i = 0; i < kJoints; ++i) q[i] += between(random, -0.4, 0.4);
-    MotionRig rig(q);
+    MotionRig rig(q, arm);
     const Pose start = rig.state.X_ST;
-    rig.space = space_of(GetParam(), start.p, random);
+    rig.space = space_of(GetParam().free, start.p, random);
     const Vec3 direction = normal(random).normalized();
     Pose aim = start;
     int mode = 0, left = 0;
@@ -63,7 +71,9 @@ TEST_P(TipMotionIn, ItsSpaceStaysThereAndWithinEveryLimitAndStopsInTimeWithoutTh
   EXPECT_EQ(stops, 12 * 8);
 }
 
-INSTANTIATE_TEST_SUITE_P(PointLinePlaneAndFree, TipMotionIn, testing::Range(0, 4));
+INSTANTIATE_TEST_SUITE_P(PointLinePlaneAndFree, TipMotionIn,
+                         testing::Values(Way{0, false}, Way{1, false}, Way{2, false}, Way{3, false},
+                                         Way{0, true}, Way{1, true}, Way{2, true}, Way{3, true}));
 
 // Delay and shape error of the tip behind a sine of 1 Hz, best fit.
 struct Lag {

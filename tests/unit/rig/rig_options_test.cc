@@ -86,11 +86,12 @@ TEST(RigOptions, NamesAnOverrideThatTheRigCannotTake) {
 
 TEST(RigOptions, RunsWhatItsSceneListsAndNothingElse) {
   TempFolder folder;
-  folder.write("press.scene",
-               "name: 'press' robot { tip_length_mm: 250 } simulate {"
-               " effect { servo_lag { lag_ms: 50 } } effect { sensor_drift { n: 2 } }"
-               " effect { sensor_quantisation { n: 0.1 } }"
-               " effect { plane { at_mm: [0, 0, 100] normal: [0, 0, 1] } } }");
+  folder.write(
+      "press.scene",
+      "name: 'press' robot { tip_length_mm: 250 mount { offset_mm: [10, 0, 0] } } simulate {"
+      " effect { servo_lag { lag_ms: 50 } } effect { sensor_drift { n: 2 } }"
+      " effect { sensor_quantisation { n: 0.1 } }"
+      " effect { plane { at_mm: [0, 0, 100] normal: [0, 0, 1] } } }");
   pb::RigConfig config;
   config.set_scene("press");
   config.add_scene_path(folder.path());
@@ -99,6 +100,8 @@ TEST(RigOptions, RunsWhatItsSceneListsAndNothingElse) {
   EXPECT_DOUBLE_EQ(options->controller.arm.lag, 0.050);
   EXPECT_EQ(options->controller.arm.repeatability, 0.0);
   EXPECT_DOUBLE_EQ(options->controller.arm.geometry.d6, 0.250);
+  ASSERT_TRUE(options->controller.arm.geometry.X_AT);
+  EXPECT_DOUBLE_EQ(options->controller.arm.geometry.X_AT->p.x(), 0.010);
   EXPECT_EQ(options->sensor.noise_n, 0.0);
   EXPECT_EQ(options->sensor.drift_n, 2.0);
   EXPECT_EQ(options->sensor.step_n, 0.1);

@@ -93,7 +93,7 @@ TEST(SetFields, RefusesAFieldThatDoesNotExist) {
   EXPECT_EQ(error_of("guidence.delta_mm", "1"),
             "--set guidence.delta_mm=1: no field 'guidence'; did you mean 'guidance'?");
   EXPECT_EQ(error_of("robot.colour", "1"),
-            "--set robot.colour=1: no field 'robot.colour'; expected one of tip_length_mm");
+            "--set robot.colour=1: no field 'robot.colour'; expected one of tip_length_mm, mount");
   EXPECT_EQ(error_of("mapping.", "1"),
             "--set mapping.=1: no field 'mapping.'; expected one of scale, rotation, "
             "absolute, hand_centre_mm, tip_centre_mm");

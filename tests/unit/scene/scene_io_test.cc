@@ -87,6 +87,21 @@ TEST(SceneIo, ConvertsUnits) {
   EXPECT_DOUBLE_EQ(s.tip_length, 0.085);
 }
 
+TEST(SceneIo, AToolMayBeMountedAsideAndTurned) {
+  EXPECT_FALSE(scene_of("").X_AT);
+  EXPECT_FALSE(scene_of("robot { mount { offset_mm: [0, 0, 0] } }").X_AT);
+  const Scene s = scene_of("robot { mount { offset_mm: [40, -5, 25] turn_deg: [0, 90, 0] } }");
+  ASSERT_TRUE(s.X_AT);
+  EXPECT_LT((s.X_AT->p - Vec3(0.040, -0.005, 0.025)).norm(), 1e-15);
+  EXPECT_LT((s.X_AT->q * Vec3::UnitZ() - Vec3::UnitX()).norm(), 1e-12);
+  EXPECT_EQ(
+      error_of("robot { tip_length_mm: 100 mount { offset_mm: [50, 0, -90] } }"),
+      "/x/a.scene:2:36: field 'robot.mount.offset_mm': the tip would be 51 mm from the wrist's "
+      "centre, expected at least 85");
+  EXPECT_EQ(error_of("robot { mount { turn_deg: [120, 160, 0] } }"),
+            "/x/a.scene:2:17: field 'robot.mount.turn_deg': 200 deg long, expected at most 180");
+}
+
 TEST(SceneIo, WantsTheNameOfTheFile) {
   EXPECT_EQ(parse_scene("/x/b.scene", "\nname: 'a'").message(),
             "/x/b.scene:2:1: field 'name': 'a' differs from the file's name 'b'");

@@ -55,7 +55,7 @@ bool PlaceAudit::in_reach(const Pose& X, const JointVector& from) const noexcept
 // goes along with the turn asked for.
 double PlaceAudit::went_to(const Pose& asked) noexcept {
   double went = (asked.p - asked_.p).norm();
-  if (beyond_reach_) went += limits_.arm.d6 * angle_between(asked.q, asked_.q);
+  if (beyond_reach_) went += limits_.arm.tip_radius() * angle_between(asked.q, asked_.q);
   asked_ = asked;
   return went;
 }

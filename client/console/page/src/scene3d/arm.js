@@ -52,10 +52,10 @@ export class Arm {
 
 /**
  * The arm as it is, and the ghost of it where the hand wants it.
- * @param {number} tip [mm]
+ * @param {number} tip [mm] @param {Vec} [aside] from there to a tip that is mounted aside [mm]
  */
-export function armAndGhost(tip) {
-  const geometries = armGeometries(tip);
+export function armAndGhost(tip, aside) {
+  const geometries = armGeometries(tip, aside);
   const solid = new THREE.MeshLambertMaterial({ vertexColors: true });
   const glass = new THREE.MeshBasicMaterial({ color: 0x3aa0ff, transparent: true, opacity: 0.2, depthWrite: false });
   const arm = new Arm(solid, geometries), ghost = new Arm(glass, geometries);

@@ -110,8 +110,11 @@ function wrist() {
   ]);
 }
 
-/** Flange, and beyond it sensor and hex key as far as the tip. @param {number} tip */
-function flange(tip) {
+/**
+ * Flange, and beyond it sensor and hex key as far as the tip, or as the tool that is mounted there.
+ * @param {number} tip @param {import('../link/wire.d.ts').Vec} aside
+ */
+function flange(tip, aside) {
   const face = LENGTHS.flange;
   const parts = [
     round('z', 31, 31, 22, METAL, [0, 0, face - 11]),
@@ -126,10 +129,21 @@ function flange(tip) {
   } else if (beyond > 1) {
     parts.push(round('z', 12, 4, beyond, METAL, [0, 0, face + beyond / 2]));
   }
+  const [x = 0, y = 0, z = 0] = aside, length = Math.hypot(x, y, z);
+  if (length > 1) {
+    const way = new THREE.Vector3(x / length, y / length, z / length);
+    const rod = new THREE.CylinderGeometry(3.4, 4, length, 6).translate(0, length / 2, 0);
+    rod.applyQuaternion(new THREE.Quaternion().setFromUnitVectors(new THREE.Vector3(0, 1, 0), way));
+    parts.push(part(rod, KEY, [0, 0, tip]), part(new THREE.SphereGeometry(4.2, 12, 8), KEY, [x, y, tip + z]));
+  }
   return merged(parts);
 }
 
-/** Link by link, from the base on. @param {number} tip [mm] @returns {THREE.BufferGeometry[]} */
-export function armGeometries(tip) {
-  return [base(), shoulder(), upperArm(), elbow(), forearm(), wrist(), flange(tip)];
+/**
+ * Link by link, from the base on.
+ * @param {number} tip [mm] @param {import('../link/wire.d.ts').Vec} [aside] from there [mm]
+ * @returns {THREE.BufferGeometry[]}
+ */
+export function armGeometries(tip, aside = []) {
+  return [base(), shoulder(), upperArm(), elbow(), forearm(), wrist(), flange(tip, aside)];
 }

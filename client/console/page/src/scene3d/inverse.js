@@ -19,6 +19,19 @@ export function axes([w = 1, x = 0, y = 0, z = 0]) {
 const nearest = (a, seed) => a + 2 * Math.PI * Math.round((seed - a) / (2 * Math.PI));
 
 /**
+ * The place and turn of the point on the flange's axis that a tool is mounted at.
+ * @param {Vec} p of the tip, S [mm] @param {Vec} q w x y z
+ * @param {{position_mm?: Vec, quaternion?: Vec}} mount of the tip, from there
+ * @returns {{p: Vec, q: Vec}}
+ */
+export function mountedAt(p, [w = 1, x = 0, y = 0, z = 0], { position_mm: m = [], quaternion: [a = 1, b = 0, c = 0, d = 0] = [] }) {
+  // The tip's turn, and the mount's taken back.
+  const turn = [w * a + x * b + y * c + z * d, x * a - w * b - y * d + z * c, y * a - w * c - z * b + x * d, z * a - w * d - x * c + y * b];
+  const R = axes(turn);
+  return { p: p.map((value, i) => value - (R.x[i] ?? 0) * (m[0] ?? 0) - (R.y[i] ?? 0) * (m[1] ?? 0) - (R.z[i] ?? 0) * (m[2] ?? 0)), q: turn };
+}
+
+/**
  * @param {Vec} p of the tip, S [mm]
  * @param {Vec} q w x y z
  * @param {number} tip from the wrist's centre to the tip [mm]

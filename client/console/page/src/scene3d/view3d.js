@@ -3,7 +3,7 @@ import * as THREE from 'three';
 import { armAndGhost } from './arm.js';
 import { drawBodies } from './bodies.js';
 import { Eye } from './camera.js';
-import { inverse } from './inverse.js';
+import { inverse, mountedAt } from './inverse.js';
 import { Labels } from './labels.js';
 import { dispose, ToolMarks } from './tools.js';
 import { ForceVectors } from './vectors.js';
@@ -49,6 +49,8 @@ export class View3d {
     this.forces = new ForceVectors(this.labels);
     this.tip = placeOf(undefined);
     this.tipLength = HEX_KEY;
+    /** The tip from where tipLength ends. @type {PoseMm} */
+    this.mount = {};
     /** Kinds of bodies that could not be drawn. @type {string[]} */
     this.unknown = [];
     this.bodies = new THREE.Group();
@@ -91,12 +93,13 @@ export class View3d {
     this.scene.add(group);
     this.labels.drop('goal');
     (scene.goal ?? []).forEach((goal, i) => this.labels.put(`goal ${i}`, 'ABCDEFGH'[i] ?? `${i + 1}`, placeOf(goal)));
-    const tip = scene.arm?.tip_mm ?? HEX_KEY;
-    if (tip !== this.tipLength) {
+    const tip = scene.arm?.tip_mm ?? HEX_KEY, mount = scene.arm?.mount ?? {};
+    if (tip !== this.tipLength || JSON.stringify(mount) !== JSON.stringify(this.mount)) {
       this.scene.remove(this.arms.arm.root, this.arms.ghost.root);
       dispose(this.arms.arm.root);
       this.tipLength = tip;
-      this.arms = armAndGhost(tip);
+      this.mount = mount;
+      this.arms = armAndGhost(tip, mount.position_mm);
       this.addArms();
     }
     this.dirty = true;
@@ -120,7 +123,8 @@ export class View3d {
   /** @param {PoseMm} pose */
   solve(pose) {
     if (pose.position_mm?.length !== 3) return null;
-    return inverse(pose.position_mm ?? [], pose.quaternion ?? [], this.tipLength, this.arms.arm.angles);
+    const { p, q } = mountedAt(pose.position_mm, pose.quaternion ?? [], this.mount);
+    return inverse(p, q, this.tipLength, this.arms.arm.angles);
   }
 
   /** @param {PoseMm | undefined} wanted @param {PoseMm | undefined} tip */
