@@ -8,6 +8,7 @@
 #include "server/base/joints.h"
 #include "server/base/status.h"
 #include "server/base/time.h"
+#include "server/model/gripper.h"
 #include "server/model/reason.h"
 
 namespace handrail {
@@ -28,6 +29,7 @@ struct RobotReply {
   // It was silent for 0.1 s and may be another controller: what was sent before is over. Until
   // `fresh` nothing is sent, and it is asked when its cycles begin.
   bool anew = false;
+  GripperState gripper = GripperState::kNone;
   int cycles = 1;                   // of the controller since the event before, 1 or more
   std::uint32_t missed_cycles = 0;  // cycles the controller says it waited for us
 };
@@ -57,6 +59,9 @@ class Robot {
   // Instead of a target: asks where the controller holds the arm, and moves nothing. Real-time
   // safe.
   virtual void ask() noexcept = 0;
+  // What the gripper is to be from the next packet on, said with every one; nothing where the arm
+  // has none. Real-time safe.
+  virtual void grip(Grip /*wanted*/) noexcept {}
   // Ends external control; the controller's program goes on. Safe to call twice.
   virtual void end() noexcept = 0;
 };

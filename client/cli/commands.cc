@@ -61,6 +61,14 @@ ExitCode run_stage(const Options& o, const Console& c) {
   return send_order(o, c, r, "stage " + *o.word);
 }
 
+template <bool closed>
+ExitCode run_grip(const Options& o, const Console& c) {
+  pb::Request r;
+  r.set_grip(closed);
+  return send_order(o, c, r,
+                    closed ? "the gripper is told to close" : "the gripper is told to open");
+}
+
 // Its range is the master's to judge.
 ExitCode run_screw(const Options& o, const Console& c) {
   constexpr double kAny = std::numeric_limits<double>::max();
@@ -188,6 +196,8 @@ constexpr Command kCommands[] = {
     {"scene load", "Load a scene in master and slave", run_scene_load, {.word = "NAME"}},
     {"stage", "Put the walls as they are in a stage of the scene", run_stage, {.word = "NAME"}},
     {"screw", "How the friction of a wrench's screw grows: c of (2.2)", run_screw, {.word = "C"}},
+    {"robot grip", "Close the gripper; the arm must be engaged", run_grip<true>, {}},
+    {"robot release", "Open the gripper; the arm must be engaged", run_grip<false>, {}},
     {"mark",
      "Say that something is done now: an experiment's next step",
      run_mark,
@@ -229,7 +239,9 @@ constexpr Command kCommands[] = {
     {"experiment",
      "One person's trials of an experiment of the dissertation, judged and written down",
      run_experiment_command,
-     {.json = true, .word = "linear-movement|gearshift|wrench", .experiment = true}},
+     {.json = true,
+      .word = "linear-movement|gearshift|wrench|wrench-loosening",
+      .experiment = true}},
     {"demo",
      "Drive A to B to C with the simulated hand, without and with tools",
      run_demo,
@@ -246,6 +258,7 @@ std::string group_help(const std::string& word) {
   if (word == "lease") return "Who drives: one operator at a time, by name (--as)";
   if (word == "calibrate") return "Find what the slave's file has to say of this arm";
   if (word == "keys") return "Who may reach the programs of this user over the network";
+  if (word == "robot") return "What is fixed to the arm";
   if (word == "hand") return "Move the hand of a simulated device";
   return {};
 }

@@ -251,9 +251,10 @@ std::string status_text(const pb::Status& s, long most_rows) {
       {line("force [N]",
             {share_text("tool", s.tool_force()), share_text("spring", s.spring_force()),
              share_text("limits", s.limited_force()), share_text("device", s.device_force())})});
-  screen.push_back(
-      {line("touch [N]",
-            {s.has_contact_force() ? vector_text(s.contact_force_n(), 2, 0) : "no sensor"})});
+  const std::string touch =
+      s.has_contact_force() ? vector_text(s.contact_force_n(), 2, 0) : "no sensor";
+  screen.push_back({s.has_gripper() ? line("touch [N]", {touch, labelled("gripper", s.gripper())})
+                                    : line("touch [N]", {touch})});
   if (s.has_walls()) screen.push_back({walls_text(s.walls()), 2});
   screen.push_back({line("pose [mm]", {pose_text("command", s.command())})});
   screen.push_back({line("", {pose_text("slave command", s.slave_command())})});

@@ -54,6 +54,8 @@ SubjectSight sight_of(const pb::Status& now) {
 
 StartSight start_of(const pb::Status& now) {
   StartSight out;
+  out.gripper = now.has_gripper();
+  out.closed = now.gripper() == "closed";
   out.X_ST = pose_of(now.tip());
   out.drives = drives_in(now) && now.has_tip();
   out.clutched = now.state() == "clutched";

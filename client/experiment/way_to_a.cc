@@ -22,6 +22,12 @@ pb::Request no_tools() {
   return request;
 }
 
+pb::Request grip_order(bool closed) {
+  pb::Request request;
+  request.set_grip(closed);
+  return request;
+}
+
 }  // namespace
 
 std::optional<pb::Request> order_to_a(const StartSight& now, const Pose& X_SA) {
@@ -31,8 +37,10 @@ std::optional<pb::Request> order_to_a(const StartSight& now, const Pose& X_SA) {
   if (near && upright && !now.turning) {
     if (!now.clutched) return clutch_order(true);
     if (now.tool) return no_tools();
+    if (now.gripper && !now.closed) return grip_order(true);
     return std::nullopt;
   }
+  if (now.closed && !now.at_a) return grip_order(false);
   if (now.clutched) return clutch_order(false);
   if (!now.at_a) return to_tool("at-A", true);
   if (near && !now.down) return to_tool("down", false);

@@ -1,5 +1,6 @@
-// How the arm comes to where a trial begins: it goes there by itself, and waits with the clutch
-// closed, as in the simulated studies. The hand is free meanwhile.
+// How the arm comes to where a trial begins: it puts down what it holds, goes there by itself,
+// waits with the clutch closed, as in the simulated studies, and picks the work up. The hand is
+// free meanwhile.
 #pragma once
 
 #include <optional>
@@ -21,6 +22,8 @@ struct StartSight {
   bool at_a = false;     // the tool of that name is
   bool down = false;     // likewise
   bool turning = false;  // it still turns the tip
+  bool gripper = false;  // there is one
+  bool closed = false;   // and it is closed
 };
 
 // The next order on the way, or none: the arm is there, or is not there yet, or nobody drives it.

@@ -29,6 +29,7 @@ class MelfaRobot : public Robot {
   RobotEvent wait(RobotReply& reply) noexcept override;
   void send(const JointVector& q_target) noexcept override;
   void ask() noexcept override;
+  void grip(Grip wanted) noexcept override { client_.grip(wanted); }
   void end() noexcept override;
 
   const MxtCounters& counters() const noexcept { return client_.counters(); }

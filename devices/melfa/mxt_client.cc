@@ -7,7 +7,6 @@
 #include "server/base/deletable.h"
 
 namespace handrail {
-
 namespace {
 
 // Replies of which the earliest tells whether the phase has moved: half a second of them.
@@ -222,6 +221,8 @@ std::optional<RobotEvent> MxtClient::on_datagram(Bytes bytes, Nanos now,
   has_measured_ = has_measured_ || measured != nullptr;
   has_commanded_ = has_commanded_ || commanded != nullptr;
   reply.missed_cycles = packet.t_count;
+  if (options_.gripper)
+    reply.gripper = state_of(*options_.gripper, packet.io).value_or(reply.gripper);
   ++counters_.replies;
   losses_ = 0;
   if (opening()) {
@@ -388,10 +389,9 @@ MxtClient::Bytes MxtClient::write(MxtCommand command, const JointVector& q_targe
   asked_measured_ = answered_ ? command == MxtCommand::kMove && doubt_ == 0 : !has_measured_;
   doubt_ = std::max(doubt_ - 1, 0);
   // A second packet that opens a session, and a short one in doubt.
-  const bool held_first = !answered_ || short_form();
-  if (held_first && !asked_measured_ && command != MxtCommand::kEnd) {
-    std::swap(packet.type[0], packet.type[1]);
-  }
+  const bool held_first = (!answered_ || short_form()) && command != MxtCommand::kEnd;
+  if (held_first && !asked_measured_) std::swap(packet.type[0], packet.type[1]);
+  if (options_.gripper && open_ && !opening()) packet.io = io_of(*options_.gripper, grip_);
   ++counters_.sent;
   packet_ = encode_mxt(packet, options_.packet_bytes, buffer_);
   return packet_;

@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 
+#include "devices/melfa/mxt_gripper.h"
 #include "devices/melfa/mxt_packet.h"
 #include "devices/robot.h"
 
@@ -17,6 +18,7 @@ struct MxtClientOptions {
   std::size_t packet_bytes = kMxtLong;  // kMxtShort or kMxtLong; replies must have the same size
   Nanos period = kMxtPeriod;            // the controller's cycle, > 0
   int max_losses = 211;                 // silent cycles in a row that end the session, > 0
+  std::optional<MxtGripper> gripper{};  // none: outputs are neither set nor read
 
   // To the controller and back, over which a session opens.
   Nanos longest_way() const noexcept;
@@ -85,6 +87,10 @@ class MxtClient {
   // while opening().
   Bytes ask() noexcept;
 
+  // What every packet from the next on says of the gripper, if there is one. One that opens a
+  // session says nothing of it.
+  void grip(Grip wanted) noexcept { grip_ = wanted; }
+
   // The packet that ends external control, and closes the session. Empty when none is open.
   Bytes end() noexcept;
 
@@ -138,6 +144,7 @@ class MxtClient {
 
   MxtClientOptions options_;
   MxtCounters counters_;
+  Grip grip_ = Grip::kAsItIs;
   bool open_ = false;
   bool answered_ = false;  // the session has opened
   bool anew_ = false;      // it may be another controller, and where its cycles begin is not known

@@ -59,7 +59,12 @@ struct MxtBlock {
   void set_joints(const JointVector& q) noexcept;
 };
 
-// Digital input and output; Handrail sends none.
+// What a packet's word of digital signals is of; 0: it has none, 2: inputs.
+inline constexpr std::uint16_t kMxtOutputs = 1;
+inline constexpr int kMxtIoBits = 16;
+
+// Digital input and output. Request: outputs bit_top and on, as many as bit_mask has, become those
+// of `data`. Reply: `data` is what send_type says, from bit_top on.
 struct MxtIo {
   std::uint16_t send_type = 0;
   std::uint16_t recv_type = 0;

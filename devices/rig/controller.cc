@@ -114,6 +114,7 @@ bool Controller::serve(const Incoming& in) noexcept {
       if (session_ != in.from) t_count_ = 0;
       session_ = in.from;
       ++counters_.packets;
+      set_outputs(in.packet.io);
       return true;
     case MxtCommand::kMove:
       ++counters_.packets;
@@ -123,6 +124,7 @@ bool Controller::serve(const Incoming& in) noexcept {
         raise(AlarmKind::kNotFinite, 0, 0.0);
       } else {
         counters_.lost_moves += next_target_ ? 1 : 0;
+        set_outputs(in.packet.io);
         next_target_ = in.packet.block[0].joints();
       }
       return true;
@@ -158,6 +160,24 @@ void Controller::raise(AlarmKind kind, int joint, double value) noexcept {
   t_count_ = 0;
 }
 
+void Controller::set_outputs(const MxtIo& io) noexcept {
+  if (io.send_type != kMxtOutputs) return;
+  for (std::size_t i = 0; i < kMxtIoBits && io.bit_top + i < kOutputs; ++i) {
+    if ((io.bit_mask >> i & 1) != 0) outputs_[io.bit_top + i] = (io.data >> i & 1) != 0;
+  }
+}
+
+MxtIo Controller::outputs_for(const MxtIo& asked) const noexcept {
+  MxtIo io;
+  io.send_type = asked.recv_type;
+  io.bit_top = asked.bit_top;
+  if (asked.recv_type != kMxtOutputs) return io;
+  for (std::size_t i = 0; i < kMxtIoBits && asked.bit_top + i < kOutputs; ++i) {
+    io.data = static_cast<std::uint16_t>(io.data | (outputs_[asked.bit_top + i] ? 1u << i : 0u));
+  }
+  return io;
+}
+
 void Controller::reply(const Incoming& in) noexcept {
   if (!switch_.passes()) return;
   MxtPacket packet;
@@ -167,8 +187,7 @@ void Controller::reply(const Incoming& in) noexcept {
   for (std::size_t b = 0; b < packet.block.size(); ++b) {
     packet.block[b] = monitor_block(packet.type[b], arm_);
   }
-  packet.io.send_type = in.packet.io.recv_type;
-  packet.io.bit_top = in.packet.io.bit_top;
+  packet.io = outputs_for(in.packet.io);
   packet.t_count = t_count_;
   packet.c_count = in.packet.c_count;
   Outgoing& out = outgoing_[outgoing_count_++];

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -57,6 +58,7 @@ struct ControllerCounters {
 // the arm. The packets that came since the last cycle are worked off in the next, or one of them
 // (ControllerOptions::queues): the newest MOVE becomes the servos' target, every NULL and MOVE gets
 // one reply in the size it came in. END gets none. Without a packet the last target is held.
+// Digital outputs are set and read back as the packet says; there are no inputs.
 //
 // Alarms latch. A real controller's answer to an alarm is not documented beyond its network error,
 // so this one does what a driver has to survive: it stops on the last accepted target and stays
@@ -73,6 +75,7 @@ class Controller {
   };
   static constexpr std::size_t kMaxPerCycle = 8;
   static constexpr std::size_t kMaxQueued = 64;  // where they queue
+  static constexpr std::size_t kOutputs = 1024;  // digital, from 0; those of the hand begin at 900
 
   explicit Controller(const ControllerOptions& options) noexcept;
 
@@ -99,6 +102,8 @@ class Controller {
   std::optional<PeerId> session() const noexcept { return session_; }
   // Cycles in a row without a packet from the session's peer.
   std::uint16_t t_count() const noexcept { return t_count_; }
+  // Whether digital output `number`, below kOutputs, is on. It stays so without a session.
+  bool output(std::size_t number) const noexcept { return outputs_[number]; }
   ServoArm& arm() noexcept { return arm_; }
   const ServoArm& arm() const noexcept { return arm_; }
   const ControllerCounters& counters() const noexcept { return counters_; }
@@ -118,7 +123,11 @@ class Controller {
   void raise(AlarmKind kind, int joint, double value) noexcept;
   void reply(const Incoming& in) noexcept;
 
+  void set_outputs(const MxtIo& io) noexcept;
+  MxtIo outputs_for(const MxtIo& asked) const noexcept;
+
   ControllerOptions options_;
+  std::bitset<kOutputs> outputs_;
   ServoArm arm_;
   LossySwitch switch_;
   ControllerCounters counters_;

@@ -121,6 +121,14 @@ struct Found {
   Reason intervention = Reason::kNone;
 };
 
+// A gripper moves only while the arm may. A gap in the link changes nothing about it. Where nobody
+// leads, nothing is said of it: its outputs stay as they are, and somebody at the controller is not
+// worked against.
+Grip gripped(Grip wanted, const FollowState& s) {
+  if (follows(s.session)) return wanted;
+  return s.session == SessionState::kHold ? s.grip : Grip::kAsItIs;
+}
+
 // For the master, but for the ledger.
 void fill_link(const FollowSettings& settings, const FollowInput& in, const Found& found,
                const FollowState& s, SlaveState& link) {
@@ -156,6 +164,7 @@ void fill_link(const FollowSettings& settings, const FollowInput& in, const Foun
   link.cycles = s.cycles;
   link.applied_sequence = s.applied_sequence;
   link.surface = s.surface.surface();
+  link.gripper = in.gripper;
   link.hashes = settings.hashes;
   link.hashes.tools = s.tube.hash();
   link.scene = settings.scene;
@@ -209,6 +218,7 @@ void follow_step(const FollowSettings& settings, const FollowInput& in, FollowSt
   if (found.fault == Reason::kNone && follows(s.session)) found.fault = contact;
   found.obstacle = settings.sensor_required ? found.sensor : Reason::kNone;
   advance_session(settings, in, s, found.fault, found.obstacle);
+  out.grip = s.grip = gripped(in.master.grip, s);
   found.intervention = move_commands(settings, in, s, ledger, out.send);
   out.q_target = s.placed ? s.motion.joints.q : found.q_measured;
   if (s.fault == Reason::kEncoderInvalid && s.elsewhere >= 0) {

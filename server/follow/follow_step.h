@@ -58,11 +58,12 @@ struct FollowInput {
   Nanos master_age = kForever;        // since that datagram came [ns]
   std::uint64_t master_sequence = 0;  // of that datagram
   LinkView link;
-  Wrench f_E_T;                  // sensor reading as it is, axes of the tip frame
-  bool wrench_valid = false;     // fresh and without a fault flag
-  Reason fault = Reason::kNone;  // a fault of robot or daemon, now
-  bool shutdown = false;         // come to a stop, take no more commands
-  bool stop_input = false;       // the local stop circuit is open
+  GripperState gripper = GripperState::kNone;  // as the controller said last
+  Wrench f_E_T;                                // sensor reading as it is, axes of the flange
+  bool wrench_valid = false;                   // fresh and without a fault flag
+  Reason fault = Reason::kNone;                // a fault of robot or daemon, now
+  bool shutdown = false;                       // come to a stop, take no more commands
+  bool stop_input = false;                     // the local stop circuit is open
 };
 
 // What the controller gets in this cycle.
@@ -75,7 +76,8 @@ enum class Send : std::uint8_t {
 struct FollowOutput {
   JointVector q_target = JointVector::Zero();  // [rad], through the guard
   Send send = Send::kNothing;
-  SlaveState link;  // for the master
+  Grip grip = Grip::kAsItIs;  // what every packet says of the gripper
+  SlaveState link;            // for the master
 };
 
 struct FollowState {
@@ -98,6 +100,7 @@ struct FollowState {
   std::uint64_t stop_epoch = 0;
   std::uint64_t fault_epoch = 0;  // the program begins it at a random number of its own
   std::uint64_t engagement_epoch = 0;
+  Grip grip = Grip::kAsItIs;
   int invalid_wrenches = 0;        // in a row
   Vec3 f_E_S = Vec3::Zero();       // of the valid readings, without the payload's, filtered [N]
   Vec3 torque_E_S = Vec3::Zero();  // of the last valid one, without the payload's [N m]

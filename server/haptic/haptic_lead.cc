@@ -87,6 +87,8 @@ void note_session(const HapticInput& in, const MasterSessionInput& session, cons
   if (!stays_in_fault || next.reason == Reason::kStopRequested) lead.reason = next.reason;
   if (next.state == SessionState::kFault || next.state == SessionState::kOff) {
     lead.want_engaged = lead.want_clutched = false;
+    // A grip left over would close the gripper at the next engagement, on whatever is there then.
+    lead.grip = Grip::kAsItIs;
   }
   if (next.state == SessionState::kOff) {
     if (session.overdue || next.reason == session.obstacle) lead.off_reason = next.reason;
@@ -196,11 +198,13 @@ Reason carry_out(const HapticSettings& settings, const HapticInput& in, const La
     case OrderKind::kScrew:
       // One that exists is set by whoever runs the walls.
       return Reason::kNoSuchStage;
+    case OrderKind::kGrip:
+      if (!follows(s.lead.session)) return Reason::kNotEngaged;
+      s.lead.grip = in.order.grip;
+      return Reason::kNone;
     case OrderKind::kTool:
       // Without an engagement there is no place to anchor at or to start from.
-      if (!may_drive(s.lead.session) && s.lead.session != SessionState::kClutched) {
-        return Reason::kNotEngaged;
-      }
+      if (!follows(s.lead.session)) return Reason::kNotEngaged;
       return call_tool(settings, in.order.tool,
                        in.slave.has_pose ? in.slave.X_ST_command.p : s.command.X_SU.p, s,
                        tool_distance);

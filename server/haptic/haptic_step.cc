@@ -77,6 +77,7 @@ void fill_link(const HapticSettings& settings, const HapticState& s, MasterState
   link.released_epoch = s.lead.released_epoch;
   link.fault_reset = s.lead.fault_reset;
   link.engagement_epoch = s.lead.engagement_epoch;
+  link.grip = s.lead.grip;
   link.position_tool = s.command.guide.position().definition();
   link.orientation_tool = s.command.guide.orientation().definition();
   link.hashes = settings.hashes;

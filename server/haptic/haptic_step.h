@@ -47,7 +47,8 @@ enum class OrderKind : std::uint8_t {
   kTool,
   kToolOff,
   kStage,
-  kScrew
+  kScrew,
+  kGrip
 };
 
 // An operator's order, applied at the start of a tick.
@@ -58,6 +59,7 @@ struct HapticOrder {
   bool drop_orientation = true;
   int stage = 0;                     // kStage: of the scene's walls
   double screw_c = 0.0;              // kScrew: of (2.2) [N s/(m rad)]
+  Grip grip = Grip::kAsItIs;         // kGrip
   Reason why = Reason::kNotEngaged;  // kDisengage: what the session says from then on
 };
 
@@ -122,6 +124,7 @@ struct LeadState {
   std::uint64_t released_epoch = 0;
   std::uint64_t fault_reset = 0;
   std::uint64_t engagement_epoch = 0;
+  Grip grip = Grip::kAsItIs;  // of this engagement
   bool present = true;
   double absent_for = 0.0;    // at most kAbsence [s]
   double aligning_for = 0.0;  // homing or aligning [s]

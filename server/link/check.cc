@@ -129,15 +129,16 @@ Reject check_orientation_tool(const ToolDefinition& tool) noexcept {
 }
 
 Reject check(const MasterState& state) noexcept {
-  return first_of(check_enum(state.desired), check_enum(state.state), check_pose(state.X_SU),
-                  check_position_tool(state.position_tool),
+  return first_of(check_enum(state.desired), check_enum(state.state), check_enum(state.grip),
+                  check_pose(state.X_SU), check_position_tool(state.position_tool),
                   check_orientation_tool(state.orientation_tool), check_scene(state.scene));
 }
 
 Reject check(const SlaveState& state) noexcept {
   return first_of(
       check_enum(state.state), check_enum(state.reason), check_enum(state.fault),
-      check_enum(state.obstacle), check_pose(state.X_ST_command), check_pose(state.X_ST),
+      check_enum(state.obstacle), check_enum(state.gripper), check_pose(state.X_ST_command),
+      check_pose(state.X_ST),
       require(state.q_measured.allFinite() && is_finite(state.f_E_S), Reject::kNotFinite),
       require(state.oldest_applied >= 0 && state.program.calendar >= 0, Reject::kRange),
       check_ledger(state.ledger), check_surface(state.surface), check_scene(state.scene));

@@ -13,11 +13,11 @@
 
 namespace handrail {
 
-inline constexpr std::uint8_t kWireVersion = 9;
+inline constexpr std::uint8_t kWireVersion = 10;
 
-// Largest datagram: the longest is 575 bytes, a slave's with the longest name of a scene. With all
+// Largest datagram: the longest is 578 bytes, a slave's with the longest name of a scene. With all
 // that the encrypted link puts around it, it fits twice into the 1280 of every IPv6 path (WIRE.md).
-inline constexpr std::size_t kMaxDatagram = 576;
+inline constexpr std::size_t kMaxDatagram = 578;
 
 // What every datagram says about itself and about the newest one accepted from its receiver. Times
 // are on the sender's monotonic clock, but echo_sent, which is the receiver's own given back: no

@@ -19,6 +19,9 @@ static_assert(static_cast<int>(SessionState::kCount) == pb::LinkSessionState_ARR
 static_assert(static_cast<int>(SessionState::kFault) == pb::SESSION_FAULT);
 static_assert(static_cast<int>(SessionState::kHoming) == pb::SESSION_HOMING);
 static_assert(static_cast<int>(Desired::kCount) == pb::LinkDesired_ARRAYSIZE);
+static_assert(static_cast<int>(Grip::kCount) == pb::LinkGrip_ARRAYSIZE);
+static_assert(static_cast<int>(GripperState::kCount) == pb::LinkGripper_ARRAYSIZE);
+static_assert(static_cast<int>(GripperState::kBetween) == pb::GRIPPER_BETWEEN);
 static_assert(static_cast<int>(ToolKind::kFRotation) == pb::TOOL_F_ROTATION);
 
 // Appending in the order of link.proto, and taking back in the same order.
@@ -142,6 +145,7 @@ void put(const MasterState& s, pb::MasterDatagram& m) {
   m.set_stop_epoch(s.stop_epoch);
   m.set_released_epoch(s.released_epoch);
   m.set_fault_reset(s.fault_reset);
+  m.set_grip(static_cast<pb::LinkGrip>(s.grip));
   m.set_engagement_epoch(s.engagement_epoch);
   const ToolDefinition& p = s.position_tool;
   m.set_position_kind(static_cast<pb::LinkToolKind>(p.kind));
@@ -169,7 +173,7 @@ void put(const MasterState& s, pb::MasterDatagram& m) {
 
 bool present(const pb::MasterDatagram& m) {
   return m.has_desired() && m.has_state() && m.command_pose_size() == 7 && m.has_command_valid() &&
-         m.has_stop_epoch() && m.has_released_epoch() && m.has_fault_reset() &&
+         m.has_stop_epoch() && m.has_released_epoch() && m.has_fault_reset() && m.has_grip() &&
          m.has_engagement_epoch() && m.has_position_kind() && m.has_position_id() &&
          m.has_position_epoch() && m.position_geometry_size() == 11 && m.has_position_one_way() &&
          m.has_position_has_end() && m.has_orientation_kind() && m.has_orientation_id() &&
@@ -185,6 +189,7 @@ Reject take(const pb::MasterDatagram& m, MasterState& s) {
   s.stop_epoch = m.stop_epoch();
   s.released_epoch = m.released_epoch();
   s.fault_reset = m.fault_reset();
+  s.grip = static_cast<Grip>(m.grip());
   s.engagement_epoch = m.engagement_epoch();
   ToolDefinition& p = s.position_tool = ToolDefinition{};
   p.kind = static_cast<ToolKind>(m.position_kind());
@@ -237,6 +242,7 @@ void put(const SlaveState& s, pb::SlaveDatagram& m) {
   m.set_calendar_ns(s.program.calendar);
   m.set_program(s.program.version);
   m.set_marks(marks_of(s));
+  m.set_gripper(static_cast<pb::LinkGripper>(s.gripper));
   put(s.ledger, m);
   put(m.mutable_surface(), s.surface);
   put(m.mutable_hashes(), s.hashes);
@@ -252,7 +258,7 @@ bool present(const pb::SlaveDatagram& m) {
          m.has_scene() && m.has_applied_sequence() && m.has_payload_removed() &&
          m.stage_offsets_size() == 3 * FollowLedger::kStages && m.has_stage_reasons() &&
          m.has_limiting_joint() && m.has_engagement_epoch() && m.has_obstacle() && m.has_marks() &&
-         m.has_calendar_ns() && m.has_program() && m.surface_size() == 3;
+         m.has_calendar_ns() && m.has_program() && m.has_gripper() && m.surface_size() == 3;
 }
 
 Reject take(const pb::SlaveDatagram& m, SlaveState& s) {
@@ -279,6 +285,7 @@ Reject take(const pb::SlaveDatagram& m, SlaveState& s) {
   s.applied_sequence = m.applied_sequence();
   s.payload_removed = m.payload_removed();
   s.program = {m.calendar_ns(), m.program(), {}};
+  s.gripper = static_cast<GripperState>(m.gripper());
   take(m, s.ledger);
   s.hashes = take_hashes(m.hashes());
   if (!take_scene(m.scene(), s.scene)) return Reject::kScene;

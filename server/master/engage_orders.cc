@@ -1,4 +1,5 @@
-// The order desk's work on engaging: waiting for both sides, for a better link, for who holds on.
+// The order desk's work on engaging: waiting for both sides, for a better link, for who holds on;
+// and on the gripper, which moves only while engaged.
 #include <algorithm>
 #include <utility>
 
@@ -72,6 +73,36 @@ void OrderDesk::retry_engaging() {
   OrderTicket ticket;
   ticket.order = plain(OrderKind::kEngage);
   push(ticket, std::move(*again));
+}
+
+void OrderDesk::grip(bool closed, ReplyTo reply) {
+  if (slave_.gripper == GripperState::kNone) {
+    const bool there = link_.peer_epoch != 0 && slave_.has_pose;
+    return reply(refused(there ? "the slave's arm has no gripper: robot { gripper { } } of its "
+                                 "configuration names the outputs of one"
+                               : "no gripper is known of: no slave is heard, or it has no arm"));
+  }
+  OrderTicket ticket;
+  ticket.order = plain(OrderKind::kGrip);
+  ticket.order.grip = closed ? Grip::kClosed : Grip::kOpen;
+  Pending order{std::move(reply), Until::kGripped, now_};
+  order.deadline = now_ + kGripPatience;
+  order.grip = ticket.order.grip;
+  push(ticket, std::move(order));
+}
+
+std::optional<pb::Reply> OrderDesk::check_gripped(const Pending& order) const {
+  const HapticOutput& out = report_->out;
+  if (out.link.grip != order.grip) {
+    const bool over = !follows(out.link.state) && out.link.state != SessionState::kHold;
+    return refused(over ? "not engaged any more: " + reason_text(out.reason, out.peer_fault)
+                        : "another order to the gripper came after this one");
+  }
+  if (is_as_wanted(order.grip, slave_.gripper)) return done();
+  if (now_ <= order.deadline) return std::nullopt;
+  return refused(std::string("the controller's outputs say '") + name_of(slave_.gripper) +
+                 "' after " + std::to_string(kGripPatience / kSecond) +
+                 " s; the order stands as long as the arm is engaged");
 }
 
 void OrderDesk::hold_alive(ReplyTo reply) {

@@ -111,6 +111,7 @@ void OrderDesk::obey(const pb::Request& request, const std::string& who, ReplyTo
     }
     case pb::Request::kSceneLoad: return load(request.scene_load(), who, std::move(reply));
     case pb::Request::kStage: return stage(request.stage(), std::move(reply));
+    case pb::Request::kGrip: return grip(request.grip(), std::move(reply));
     case pb::Request::kScrewC: return screw(request.screw_c(), std::move(reply));
     case pb::Request::kMark: return mark(request.mark(), who, reply);
     case pb::Request::kPrompt: return prompt(request, reply);
@@ -329,6 +330,7 @@ void OrderDesk::settle(const OrderAnswer& answer, Pending order) {
       order.deadline = now_ + kResetPatience;
       break;
     case Until::kSlaveStopped:
+    case Until::kGripped:
     case Until::kScene: break;
   }
   pending_.push_back(std::move(order));
@@ -340,6 +342,7 @@ std::optional<pb::Reply> OrderDesk::check(const Pending& order) {
     case Until::kSlaveReset: return check_reset(order);
     case Until::kSlaveStopped: return check_stop(order);
     case Until::kScene: return check_scene(order);
+    case Until::kGripped: return check_gripped(order);
     case Until::kTaken:
     case Until::kDropped: break;
   }

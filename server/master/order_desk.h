@@ -40,6 +40,7 @@ class OrderDesk : public OperatorHandler {
   static constexpr Nanos kEngageRetry = 20 * kMillisecond;
   static constexpr Nanos kStopPatience = kSecond;
   static constexpr Nanos kResetPatience = kSecond;
+  static constexpr Nanos kGripPatience = kSecond;  // for the controller's outputs, as for a stop
   static constexpr Nanos kScenePatience = 3 * kSecond;  // a slave looks once a second
   static constexpr Nanos kReadPatience = 2 * kSecond;   // before that, for the disk
   static constexpr std::size_t kMostOrders = 64;        // that wait for the loop
@@ -73,6 +74,7 @@ class OrderDesk : public OperatorHandler {
     kSlaveReset,
     kSlaveStopped,
     kScene,
+    kGripped,
   };
   // How far an order has come.
   enum class Place : std::uint8_t { kHere, kInLoop, kTaken };
@@ -88,6 +90,7 @@ class OrderDesk : public OperatorHandler {
     Nanos deadline = kForever;  // kTaken: for what it waits for
     StillWaits waits{};         // kEngaged: somebody for the answer
     std::string name{};         // of the scene's tool that was called by it; else empty
+    Grip grip{};                // kGripped: what was wanted
   };
 
   // The request is its sender's to make.
@@ -112,6 +115,7 @@ class OrderDesk : public OperatorHandler {
   void show_task(pb::Status& status) const;
   void stage(const std::string& name, ReplyTo reply);
   void screw(double c, ReplyTo reply);
+  void grip(bool closed, ReplyTo reply);
   void load(const std::string& name, const std::string& who, ReplyTo reply);
   void push(OrderTicket ticket, Pending order);
   void feed_loop();
@@ -127,6 +131,7 @@ class OrderDesk : public OperatorHandler {
   std::optional<pb::Reply> check_stop(const Pending& order) const;
   std::optional<pb::Reply> check_reset(const Pending& order) const;
   std::optional<pb::Reply> check_engaged(const Pending& order);
+  std::optional<pb::Reply> check_gripped(const Pending& order) const;
   std::optional<pb::Reply> check_scene(const Pending& order);
   void answer_taken();
   void stop(ReplyTo reply);

@@ -9,6 +9,7 @@
 
 #include "server/base/plain_text.h"
 #include "server/base/units.h"
+#include "server/kinematics/arm_of.h"
 #include "server/master/order_desk.h"
 #include "server/master/replies.h"
 #include "server/scene/tool_io.h"
@@ -105,7 +106,10 @@ void OrderDesk::screw(double c, ReplyTo reply) {
 void OrderDesk::show_scene(pb::Status& status) const {
   if (status.scene() != scene_.name) return;
   status.set_scene_file(scene_.file);
-  if (!status.has_walls()) return show_joints(scene_.tip_length, slave_, status);
+  if (!status.has_walls()) {
+    if (scene_.X_AT) status.set_mounted(true);
+    return show_joints(arm_of(scene_), slave_, status);
+  }
   if (!scene_.walls) return;
   // The loop counts stages; their names are the scene's.
   const std::vector<WallStage>& stages = scene_.walls->stages;

@@ -95,6 +95,7 @@ void set_slave(const SlaveState& slave, bool known, pb::Status& s) {
   s.set_slave_log_lost(known && slave.log_lost);
   s.set_oldest_applied_ms(milliseconds(slave.oldest_applied));
   s.set_slave_overruns(slave.silences);
+  if (slave.gripper != GripperState::kNone) s.set_gripper(name_of(slave.gripper));
   if (known && slave.has_pose) {
     set_pose(s.mutable_slave_command(), slave.X_ST_command);
     set_pose(s.mutable_tip(), slave.X_ST);
@@ -258,11 +259,9 @@ void set_joints(google::protobuf::RepeatedField<double>* out, const JointVector&
 
 }  // namespace
 
-void show_joints(double tip_length, const SlaveState& slave, pb::Status& status) {
+void show_joints(const ArmGeometry& arm, const SlaveState& slave, pb::Status& status) {
   if (!status.has_tip()) return;
   set_joints(status.mutable_joints_deg(), slave.q_measured);
-  ArmGeometry arm;
-  arm.d6 = tip_length;
   JointVector q;
   if (inverse_near(arm, slave.X_ST_command, slave.q_measured, q) != InverseStatus::kOk) return;
   set_joints(status.mutable_joints_commanded_deg(), q);

@@ -9,6 +9,7 @@
 #include "server/base/joints.h"
 #include "server/base/spatial.h"
 #include "server/base/time.h"
+#include "server/model/gripper.h"
 #include "server/model/reason.h"
 #include "server/model/surface.h"
 #include "server/model/tool.h"
@@ -79,6 +80,7 @@ struct MasterState {
   std::uint64_t released_epoch = 0;    // the stop the operator has reset last
   std::uint64_t fault_reset = 0;       // the slave's fault the operator saw and has reset last
   std::uint64_t engagement_epoch = 0;  // the newest engagement
+  Grip grip = Grip::kAsItIs;           // of the gripper, while engaged
   ToolDefinition position_tool;
   ToolDefinition orientation_tool;
   SectionHashes hashes;
@@ -142,6 +144,7 @@ struct SlaveState {
   std::uint64_t applied_sequence = 0;  // of the datagram the newest cycle moved toward; 0 = none
   FollowLedger ledger;
   std::optional<Surface> surface;  // that the tip touches, or touched last nearby
+  GripperState gripper = GripperState::kNone;
   SectionHashes hashes;
   SceneName scene{};
   ProgramNews program;

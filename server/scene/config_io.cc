@@ -135,6 +135,18 @@ Problem check_payload(const pb::SlaveConfig& c) {
   return std::nullopt;
 }
 
+// A packet sets one word of outputs.
+Problem check_gripper(const pb::RobotConfig& robot) {
+  constexpr int kWord = 16;
+  if (!robot.gripper().has_open_output()) return std::nullopt;
+  const int close = static_cast<int>(robot.gripper().close_output());
+  const int open = static_cast<int>(robot.gripper().open_output());
+  if (open != close && std::abs(open - close) < kWord) return std::nullopt;
+  return FieldProblem{"robot.gripper.open_output",
+                      std::to_string(open) + ", expected another than close_output, " +
+                          std::to_string(close) + ", and at most 15 from it"};
+}
+
 Problem check(const pb::SlaveConfig& c) {
   Problem bytes;
   const std::uint32_t n = c.robot().packet_bytes();
@@ -153,8 +165,8 @@ Problem check(const pb::SlaveConfig& c) {
   return first({address, check_link(c, c.has_link_address(), "link_address"),
                 check_link(c, c.has_link_port(), "link_port"),
                 check_ipv4("robot.address", c.robot().address()),
-                check_peer_port("robot.port", c.robot().port()), bytes, sensor, check_payload(c),
-                check_scene_name(c.scene()), check_distinct(ends)});
+                check_peer_port("robot.port", c.robot().port()), bytes, check_gripper(c.robot()),
+                sensor, check_payload(c), check_scene_name(c.scene()), check_distinct(ends)});
 }
 
 Problem check(const pb::RigConfig& c) {

@@ -97,6 +97,7 @@ Nanos RobotLoop::turn_unconnected() {
 }
 
 void RobotLoop::send() noexcept {
+  robot_.grip(output_.grip);
   if (output_.send == Send::kTarget) robot_.send(output_.q_target);
   if (output_.send == Send::kQuestion) robot_.ask();
 }
@@ -113,6 +114,7 @@ void RobotLoop::take_reply() noexcept {
 void RobotLoop::connect() {
   // Waiting for the controller is no stall: what was said stands meanwhile.
   publish(kConnectPatience);
+  reply_.gripper = GripperState::kNone;  // the controller may be another one
   Status status = robot_.connect(kConnectPatience, reply_);
   refused_ = -1;
   if (status) {
@@ -140,6 +142,7 @@ void RobotLoop::step(Nanos now, Reason fault) {
   input_.unseen = stepped_at_ == -kForever ? 0 : now - stepped_at_;
   stepped_at_ = now;
   input_.robot_ready = connected_;
+  input_.gripper = connected_ ? reply_.gripper : GripperState::kNone;
   input_.fault = fault;
   input_.shutdown = stop_requested_.load(std::memory_order_relaxed);
   follow_step(settings_, input_, state_, output_);

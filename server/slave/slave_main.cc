@@ -47,13 +47,21 @@ const char kNoStopCircuit[] =
 
 int fail(const std::string& message) { return fail_start("handrail-slave", message); }
 
-std::uint16_t port_of(std::uint32_t value) { return static_cast<std::uint16_t>(value); }
+std::uint16_t in_16_bits(std::uint32_t value) { return static_cast<std::uint16_t>(value); }
+
+MxtGripper gripper_of(const pb::GripperConfig& config) {
+  MxtGripper out;
+  out.close = in_16_bits(config.close_output());
+  if (config.has_open_output()) out.open = in_16_bits(config.open_output());
+  return out;
+}
 
 MelfaOptions robot_options(const pb::RobotConfig& config) {
   MelfaOptions out;
   out.address = config.address();
-  out.port = port_of(config.port());
+  out.port = in_16_bits(config.port());
   out.client.packet_bytes = config.packet_bytes();
+  if (config.has_gripper()) out.client.gripper = gripper_of(config.gripper());
   return out;
 }
 
@@ -61,7 +69,7 @@ std::unique_ptr<NetFtSensor> make_sensor(const pb::FtConfig& config) {
   if (!config.enabled()) return nullptr;
   NetFtOptions options;
   options.address = config.address();
-  options.port = port_of(config.port());
+  options.port = in_16_bits(config.port());
   options.range_n = config.range_n();
   options.client.counts_per_n = config.counts_per_n();
   options.client.counts_per_n_m = config.counts_per_n_m();
@@ -160,7 +168,7 @@ Result<TransportMaker> link_of(const pb::SlaveConfig& config) {
                            "; leave both out for the plain link with a master on this computer");
     }
     return listening_link(*options, config.has_link_address() ? config.link_address() : "any",
-                          port_of(config.link_port()));
+                          in_16_bits(config.link_port()));
   }
   return TransportMaker([path = config.link_socket()](boost::asio::io_context& io) {
     return std::make_unique<UnixTransport>(io, UnixTransport::End::kSlave, path);

@@ -36,10 +36,10 @@ class WholeCell : public ::testing::Test {
     sensor_port = rig->number_after(" sensor_port=");
   }
   void launch_slave() {
-    slave =
-        launch("handrail-slave",
-               "link_socket: '" + link_socket + "' robot { port: " + std::to_string(robot_port) +
-                   " } force_sensor { port: " + std::to_string(sensor_port) + " } " + slave_extra);
+    slave = launch("handrail-slave", "link_socket: '" + link_socket + "' robot { port: " +
+                                         std::to_string(robot_port) + " " + robot_extra +
+                                         " } force_sensor { port: " + std::to_string(sensor_port) +
+                                         " } " + slave_extra);
   }
   void start_slave() {
     launch_slave();
@@ -156,7 +156,7 @@ class WholeCell : public ::testing::Test {
   TempFolder folder;
   int robot_port = 0, sensor_port = 0;
   std::string link_socket = folder.path() + "/link.sock";  // where slave and master meet
-  std::string rig_extra, slave_extra, master_extra, device_kind;
+  std::string rig_extra, robot_extra, slave_extra, master_extra, device_kind;
   Streams streams;  // of what is launched next
   std::unique_ptr<Program> rig, slave, master;
   OperatorClient client{socket()};

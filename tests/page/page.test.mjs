@@ -131,6 +131,21 @@ test('EachKeyGivesItsOrder', async () => {
   assert.equal(gateway.orders.length, wanted.length);
 });
 
+test('TheGripperClosesAndOpensAndIsNotShownWhereThereIsNone', async () => {
+  await start();
+  assert.equal(await page.locator('#grip').isVisible(), false);
+  await page.keyboard.press('g');
+  await until(page, () => /no gripper/.test(document.querySelector('#said').textContent));
+  assert.equal(gateway.orders.length, 0);
+  gateway.master.status.gripper = 'between';
+  await until(page, () => document.querySelector('#grip-text')?.textContent === 'Grip' && !document.querySelector('#grip').hidden);
+  await page.keyboard.press('g');
+  await ordered((o) => o.grip === true);
+  await until(page, () => document.querySelector('#grip-text')?.textContent === 'Let go');
+  await page.locator('#grip').click();
+  await ordered((o) => o.grip === false);
+});
+
 test('TheClutchGoesOnAndOff', async () => {
   await start();
   await hold();

@@ -28,7 +28,7 @@ export class Programs {
     this.consolePort = await freePort();
     const [robot, sensor] = [await freePort(), await freePort()];
     await this.start('rig', `robot_port: ${robot} sensor_port: ${sensor}`);
-    await this.start('slave', `link_socket: 'link.sock' scene: '${scene}' robot { port: ${robot} } force_sensor { port: ${sensor} }`);
+    await this.start('slave', `link_socket: 'link.sock' scene: '${scene}' robot { port: ${robot} gripper { open_output: 901 } } force_sensor { port: ${sensor} }`);
     await this.start('master', `link_socket: 'link.sock' scene: '${scene}' operator_socket: "${this.socket}" device { kind: PAGE }`);
     return this;
   }

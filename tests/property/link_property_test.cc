@@ -103,6 +103,7 @@ MasterState any_master() {
   s.released_epoch = u64();
   s.fault_reset = u64();
   s.engagement_epoch = u64();
+  s.grip = any_of<Grip>();
   s.position_tool = any_position_tool();
   s.orientation_tool = any_orientation_tool();
   s.hashes = any_hashes();
@@ -139,6 +140,7 @@ SlaveState any_slave() {
   for (Reason& why : s.ledger.why) why = any_of<Reason>();
   s.ledger.joint = *rc::gen::inRange<std::int8_t>(-1, kJoints);
   if (coin()) s.surface = told(any_touched());
+  s.gripper = any_of<GripperState>();
   s.hashes = any_hashes();
   s.scene = any_scene();
   return s;

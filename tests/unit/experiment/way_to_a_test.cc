@@ -13,6 +13,7 @@ const Pose kStart{Vec3(0.35, 0.0375, 0.329), Quat(0.0, 0.0, 1.0, 0.0)};
 // A master that does what it is told, and an arm that takes its time.
 struct Arm {
   StartSight sight;
+  bool grips_at_a = true, let_go = false;
 
   void obey(const pb::Request& order) {
     if (order.has_clutch()) {
@@ -23,6 +24,11 @@ struct Arm {
     if (order.named_tool() == "down") sight.down = sight.turning = true;
     if (order.has_tool_off()) sight.at_a = sight.down = sight.turning = false;
     sight.tool = sight.at_a || sight.down;
+    if (!order.has_grip()) return;
+    sight.closed = order.grip();
+    const bool at_a = (sight.X_ST.p - kStart.p).norm() <= kNearA;
+    if (order.grip()) grips_at_a = grips_at_a && at_a;
+    let_go = let_go || !order.grip();
   }
   void pass() {
     if (sight.clutched) return;
@@ -40,6 +46,8 @@ TEST(WayToA, FromAnywhereTheArmComesAndWaitsWithoutTools) {
     arm.sight.drives = true;
     arm.sight.clutched = random.bits() % 2 == 0;
     arm.sight.tool = random.bits() % 2 == 0;
+    arm.sight.gripper = random.bits() % 2 == 0;
+    const bool carried = arm.sight.closed = arm.sight.gripper && random.bits() % 2 == 0;
     const Vec3 off(random.normal(), random.normal(), random.normal());
     const Vec3 turn(random.normal(), random.normal(), random.normal());
     arm.sight.X_ST.p = kStart.p + (i % 4 == 0 ? 0.0 : 0.05) * off;
@@ -56,7 +64,12 @@ TEST(WayToA, FromAnywhereTheArmComesAndWaitsWithoutTools) {
     EXPECT_TRUE(arm.sight.clutched && !arm.sight.tool) << i;
     EXPECT_LE((arm.sight.X_ST.p - kStart.p).norm(), kNearA) << i;
     EXPECT_LE(angle_between(arm.sight.X_ST.q, kStart.q), kNearUpright) << i;
-    EXPECT_LE(orders, 6) << i;
+    EXPECT_LE(orders, 8) << i;
+    EXPECT_EQ(arm.sight.closed, arm.sight.gripper) << i;
+    EXPECT_TRUE(arm.grips_at_a) << i;
+    if (i % 4 != 0) {
+      EXPECT_EQ(arm.let_go, carried) << "before it goes, not on the way; " << i;
+    }
   }
 }
 

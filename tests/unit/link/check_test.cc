@@ -36,8 +36,14 @@ TEST(Check, CodesOutOfRangeAreRefused) {
   m = {};
   m.state = static_cast<SessionState>(200);
   EXPECT_EQ(check(m), Reject::kEnum);
+  m = {};
+  m.grip = Grip::kCount;
+  EXPECT_EQ(check(m), Reject::kEnum);
   SlaveState s;
   s.fault = Reason::kCount;
+  EXPECT_EQ(check(s), Reject::kEnum);
+  s = {};
+  s.gripper = GripperState::kCount;
   EXPECT_EQ(check(s), Reject::kEnum);
 }
 

@@ -54,6 +54,7 @@ inline MasterState sample_master() {
   s.released_epoch = 0x8000000000000003;
   s.fault_reset = 0x9000000000000002;
   s.engagement_epoch = 0xa000000000000004;
+  s.grip = Grip::kClosed;
   s.position_tool = sample_plane();
   s.orientation_tool = sample_f_rotation();
   s.hashes = sample_hashes();
@@ -88,6 +89,7 @@ inline SlaveState sample_slave() {
       0, 0.5f, -0.0f, -2;
   s.ledger.why = {Reason::kNone, Reason::kBumper, Reason::kOutOfReach, Reason::kJointAcceleration};
   s.ledger.joint = 4;
+  s.gripper = GripperState::kBetween;
   s.surface = {from_octahedral(octahedral({2.0, -3.0, -2.0})), -0.21875, 60e3};
   s.hashes = sample_hashes();
   s.scene = scene_name("linear-movement");
@@ -143,9 +145,9 @@ inline bool same(const MasterState& a, const MasterState& b) {
   return a.desired == b.desired && a.state == b.state && same(a.X_SU, b.X_SU) &&
          a.has_command == b.has_command && a.stop_epoch == b.stop_epoch &&
          a.released_epoch == b.released_epoch && a.fault_reset == b.fault_reset &&
-         a.engagement_epoch == b.engagement_epoch && same(a.position_tool, b.position_tool) &&
-         same(a.orientation_tool, b.orientation_tool) && same(a.hashes, b.hashes) &&
-         a.scene == b.scene;
+         a.engagement_epoch == b.engagement_epoch && a.grip == b.grip &&
+         same(a.position_tool, b.position_tool) && same(a.orientation_tool, b.orientation_tool) &&
+         same(a.hashes, b.hashes) && a.scene == b.scene;
 }
 inline bool same(const SlaveState& a, const SlaveState& b) {
   return a.state == b.state && a.reason == b.reason && a.fault == b.fault &&
@@ -155,7 +157,7 @@ inline bool same(const SlaveState& a, const SlaveState& b) {
          a.payload_removed == b.payload_removed && a.log_lost == b.log_lost &&
          a.stop_epoch == b.stop_epoch && a.fault_epoch == b.fault_epoch &&
          a.engagement_epoch == b.engagement_epoch && a.obstacle == b.obstacle &&
-         a.position_tool_epoch == b.position_tool_epoch &&
+         a.gripper == b.gripper && a.position_tool_epoch == b.position_tool_epoch &&
          a.orientation_tool_epoch == b.orientation_tool_epoch &&
          a.oldest_applied == b.oldest_applied && a.cycles == b.cycles && a.silences == b.silences &&
          a.applied_sequence == b.applied_sequence && same(a.ledger, b.ledger) &&

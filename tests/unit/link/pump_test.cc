@@ -181,7 +181,7 @@ TEST_F(PumpTest, SendsWhatIsDueAndNoMore) {
   for (Nanos t = 0; t < 10 * kMillisecond; t += kMillisecond / 4) {
     pump.send(kPumpStart + t, sample_slave());
   }
-  EXPECT_EQ(net.sent, std::vector<std::size_t>(10, 543));
+  EXPECT_EQ(net.sent, std::vector<std::size_t>(10, 546));
 }
 
 TEST_F(PumpTest, AStateThatIsNoLongerTrueIsNotSentAndDoesNotHurryTheSchedule) {

@@ -104,6 +104,13 @@ TEST(Config, RefusesAnyOtherPacketSizeOfTheController) {
   EXPECT_EQ(slave_error("robot { packet_bytes: 100 }"),
             "c.conf:1:9: field 'robot.packet_bytes': 100 is neither 64 nor 196");
   EXPECT_EQ(slave_error("robot { packet_bytes: 64 }"), "");
+  EXPECT_EQ(slave_error("robot { gripper { } }"), "");
+  EXPECT_EQ(slave_error("robot { gripper { close_output: 915 open_output: 900 } }"), "");
+  EXPECT_THAT(slave_error("robot { gripper { open_output: 916 } }"),
+              ::testing::HasSubstr("field 'robot.gripper.open_output': 916, expected another than "
+                                   "close_output, 900, and at most 15 from it"));
+  EXPECT_THAT(slave_error("robot { gripper { close_output: 901 open_output: 901 } }"),
+              ::testing::HasSubstr("'robot.gripper.open_output': 901, expected another"));
 }
 
 TEST(Config, TakesThePayloadOfASensor) {

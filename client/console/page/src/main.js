@@ -135,6 +135,7 @@ function updatePanels() {
   notice(noticeText(), wayOn());
   setText(box('prompt-text'), facts.status.prompt ?? '');
   show(box('prompt'), !!facts.status.prompt);
+  show(button('mark'), !facts.isWalls); // what is done among walls is seen there
 }
 
 function frame() {

@@ -37,7 +37,7 @@ export interface Status {
   position_tool?: ToolStatus; orientation_tool?: ToolStatus;
   tool_force?: ForceShare; spring_force?: ForceShare; device_force?: ForceShare;
   command?: PoseMm; slave_command?: PoseMm; tip?: PoseMm; hand?: PoseMm; desired_tip?: PoseMm;
-  contact_force_n?: Vec; has_contact_force?: boolean; time_s?: number;
+  gripper?: string; contact_force_n?: Vec; has_contact_force?: boolean; time_s?: number;
   walls?: WallStatus; lease?: LeaseStatus; link_quality?: string; peer_quality?: string;
   ledger?: Ledger; peer?: { problem?: string; name?: string };
   joints_deg?: Vec; joints_commanded_deg?: Vec; haptic?: DeviceStatus;
@@ -72,7 +72,7 @@ export interface SceneMap {
 }
 export interface SceneNews {
   name?: string; problem?: string; kind?: 'ARM' | 'WALLS'; description?: string; scale?: number;
-  rotation?: Vec; arm?: { link?: ArmLink[]; tip_mm?: number };
+  rotation?: Vec; arm?: { link?: ArmLink[]; tip_mm?: number; mount?: PoseMm };
   workspace_low_mm?: Vec; workspace_high_mm?: Vec; body?: SceneBody[]; goal?: PoseMm[];
   map?: SceneMap; number?: string;
 }
@@ -88,7 +88,7 @@ export interface Order {
   engage?: boolean; disengage?: boolean; clutch?: boolean; stop?: boolean; reset?: boolean;
   tool?: Tool; tool_off?: { position?: boolean; orientation?: boolean };
   scene_load?: string; stage?: string; lease?: { act: 'SHOW' | 'TAKE' | 'GRANT' | 'REFUSE' | 'RELEASE' };
-  hold?: boolean; approach?: boolean; named_tool?: string; mark?: string;
+  hold?: boolean; approach?: boolean; named_tool?: string; mark?: string; grip?: boolean;
 }
 export type LeadAct = 'TAKE' | 'TAKE_OVER' | 'RELEASE';
 export interface CursorOrder {

@@ -10,7 +10,7 @@ import { block, box, button, element, setData, setText, show } from './dom.js';
 /** @typedef {import('../link/wire.d.ts').Tool['kind']} Kind */
 
 /** @type {Record<string, string>} */
-const ORDER_KEYS = { KeyE: 'engage', KeyD: 'disengage', KeyC: 'clutch', KeyR: 'reset', KeyX: 'tool-off', KeyM: 'mark' };
+const ORDER_KEYS = { KeyE: 'engage', KeyD: 'disengage', KeyC: 'clutch', KeyR: 'reset', KeyG: 'grip', KeyX: 'tool-off', KeyM: 'mark' };
 /** @type {Record<string, Kind>} */
 const TOOL_KEYS = { KeyL: 'LINE', KeyP: 'PLANE', KeyO: 'POINT', KeyN: 'N_ROTATION', KeyF: 'F_ROTATION' };
 
@@ -46,7 +46,8 @@ export class OrderPanel {
   byKey(selector) {
     const node = document.querySelector(selector);
     if (!(node instanceof HTMLButtonElement)) return;
-    if (node.disabled) this.say(node.title, 'bad');
+    if (node.hidden) this.say('there is no gripper', 'bad');
+    else if (node.disabled) this.say(node.title, 'bad');
     else this.press(node);
   }
 
@@ -69,6 +70,7 @@ export class OrderPanel {
       case 'disengage': return { disengage: true };
       case 'reset': return { reset: true };
       case 'clutch': return { clutch: !this.clutched };
+      case 'grip': return { grip: this.facts.status.gripper !== 'closed' };
       case 'mark': return { mark: 'page' };
       case 'tool-off': return { tool_off: { position: true, orientation: true } };
       default:
@@ -138,6 +140,8 @@ export class OrderPanel {
     document.querySelector('[data-order="engage"]')?.classList.toggle('primary', ['off', 'fault', undefined].includes(facts.status.state));
     this.markTools();
     show(box('tools-card'), !facts.isWalls);
+    show(button('grip'), !facts.isWalls && !!facts.status.gripper);
+    setText(box('grip-text'), facts.status.gripper === 'closed' ? 'Let go' : 'Grip');
     setData(document.documentElement, 'kind', facts.isWalls ? 'walls' : 'arm');
   }
 
