@@ -139,7 +139,8 @@ TEST(Guard, ATipAtFullSpeedStopsInsideTheWorkspace) {
 TEST(Guard, NoJointTakesTheTipFurtherThanItsLever) {
   std::mt19937_64 random(31);
   for (const bool mounted : {false, true}) {
-    const ArmGeometry arm = mounted ? test::bent_arm() : ArmGeometry();
+    ArmGeometry arm;
+    if (mounted) arm.X_AT = Pose{Vec3(0.1, -0.05, 0.25), rotation_exp(Vec3(0.3, 0.9, -0.4))};
     const GuardLimits l(rv2a_limits(), arm, Workspace(), 0.0071);
     EXPECT_EQ(l.lever[5] > 0.0, mounted);
     for (int run = 0; run < 2000; ++run) {
