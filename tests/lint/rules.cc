@@ -67,8 +67,12 @@ Table program_rows() {
       {"client/api", kBase + Folders{"proto", "server/keys", "server/link/secure"}},
       {"client/doctor", kModel + Folders{"proto", "server/keys", "server/link", "client/api"}},
       {"client/experiment",
-       task + Folders{"server/lab/study", "server/lab/study/linear", "server/lab/walls",
-                      "server/lab/figure", "devices/hand"}},
+       task + Folders{"client/experiment/screw", "server/lab/study", "server/lab/study/linear",
+                      "server/lab/study/screw", "server/lab/walls", "server/lab/figure",
+                      "devices/hand"}},
+      {"client/experiment/screw",
+       kModel + Folders{"proto", "server/task", "server/lab/study", "server/lab/study/screw",
+                        "devices/hand", "devices/rig/world"}},
       {"client/cli", task + Folders{"server/keys", "server/keys/pairing", "server/link",
                                     "server/link/secure", "client/doctor", "client/experiment"}},
       {"client/console/gateway", kBase + Folders{"proto"}},
@@ -139,8 +143,8 @@ Table device_rows() {
           {"devices/page", sim + Folders{"devices/joystick"}},
           {"devices/rig/world", kModel + Folders{"server/kinematics"}},
           {"devices/rig", kModel + kRigs +
-                              Folders{"proto", "server/daemon", "server/kinematics", "server/scene",
-                                      "devices/udp"}}};
+                              Folders{"proto", "server/daemon", "server/kinematics", "server/link",
+                                      "server/scene", "devices/udp"}}};
 }
 
 // A folder's own files are always allowed; a folder inside it is another one. "devices" is the
