@@ -92,6 +92,7 @@ ExitCode run_experiment_command(const Options& options, const Console& console) 
                                          shown(words.experiment), fmt::join(known, ", ")));
   }
   if (options.folder) words.folder = *options.folder;
+  words.rig = options.rig.value_or("");
   words.resume = options.resume;
   words.simulated = options.simulated;
   words.json = options.json;
@@ -229,7 +230,9 @@ constexpr Command kCommands[] = {
     {"experiment",
      "One person's trials of an experiment of the dissertation, judged and written down",
      run_experiment_command,
-     {.json = true, .word = "linear-movement|gearshift|wrench", .experiment = true}},
+     {.json = true,
+      .word = "linear-movement|gearshift|wrench|screw-fastening",
+      .experiment = true}},
     {"demo",
      "Drive A to B to C with the simulated hand, without and with tools",
      run_demo,

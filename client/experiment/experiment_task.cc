@@ -2,17 +2,19 @@
 
 #include "client/experiment/gearshift_experiment.h"
 #include "client/experiment/linear_experiment.h"
+#include "client/experiment/screw_experiment.h"
 #include "client/experiment/wrench_experiment.h"
 
 namespace handrail {
 
 const std::vector<std::string>& experiment_names() {
-  static const std::vector<std::string> names = {"linear-movement", "gearshift", "wrench"};
+  static const std::vector<std::string> names = {"linear-movement", "gearshift", "wrench",
+                                                 "screw-fastening"};
   return names;
 }
 
-Result<std::unique_ptr<ExperimentTask>> make_task(const std::string& experiment,
-                                                  const Scene& scene) {
+Result<std::unique_ptr<ExperimentTask>> make_task(const std::string& experiment, const Scene& scene,
+                                                  const std::string& rig) {
   if (experiment == "gearshift") {
     Result<GearGate> gate = GearGate::of(scene);
     if (!gate) return gate.status();
@@ -23,6 +25,10 @@ Result<std::unique_ptr<ExperimentTask>> make_task(const std::string& experiment,
     const Result<WrenchPath> path = WrenchPath::of(scene);
     if (!path) return path.status();
     return std::unique_ptr<ExperimentTask>(std::make_unique<WrenchExperiment>(scene, *path));
+  }
+  if (experiment == "screw-fastening") {
+    if (!scene.screw) return Status::error(scene.file + ": the scene has no screw block");
+    return std::unique_ptr<ExperimentTask>(std::make_unique<ScrewExperiment>(scene, rig));
   }
   if (!scene.task) return Status::error(scene.file + ": the scene has no task block");
   return std::unique_ptr<ExperimentTask>(std::make_unique<LinearExperiment>(scene));
