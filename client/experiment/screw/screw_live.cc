@@ -140,7 +140,7 @@ std::string ScrewLive::to_do() const {
   const bool tools = has_tools(mode_);
   const bool in = rig_->depth > work_.chamfer;
   if (!in && !tools) return so_far + "The key upright into the screw.";
-  if (!in) return so_far + "Over the screw: along-screw (1), N-rotation (N); the key into it.";
+  if (!in) return so_far + "Over the screw: axis (1), N-rotation (N); the key into it.";
   return so_far + (tools ? "F-rotation (F): turn" : "Turn") +
          " clockwise by half a turn; lift the key, turn it back.";
 }
