@@ -1,10 +1,12 @@
 #include "client/api/master_stream.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <optional>
 
 #include "server/base/clock.h"
+#include "server/base/length_prefix.h"
 
 namespace handrail {
 namespace {
@@ -48,6 +50,18 @@ Status MasterStream::write(const std::string& bytes, Nanos deadline) {
 
 Status MasterStream::read(boost::asio::mutable_buffer to, Nanos deadline) {
   return settled(deadline, [&](Done done) { begin_read(to, std::move(done)); });
+}
+
+Result<std::string> MasterStream::ask(const std::string& message, Nanos deadline) {
+  // A peer that refuses the connection answers and closes, perhaps before the message is out.
+  const Status sent = write(framed(message), deadline);
+  std::array<char, kFrameHeader> header{};
+  if (Status s = read(boost::asio::buffer(header), deadline); !s) return sent ? s : sent;
+  const std::uint32_t size = frame_size(header.data());
+  if (size > kMaxFrame) return failure("the reply is larger than 64 KiB");
+  std::string body(size, '\0');
+  if (Status s = read(boost::asio::buffer(body), deadline); !s) return s;
+  return body;
 }
 
 std::string MasterStream::text_of(const boost::system::error_code& error) const {

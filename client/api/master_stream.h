@@ -1,4 +1,4 @@
-// Bytes to a master and back, waited for.
+// Bytes to a master, or another program's socket on this computer, and back, waited for.
 #pragma once
 
 #include <cstddef>
@@ -33,6 +33,8 @@ class MasterStream {
   virtual bool wants_other_key() const { return false; }
   Status write(const std::string& bytes, Nanos deadline);
   Status read(boost::asio::mutable_buffer to, Nanos deadline);  // all of it
+  // Sends a message, and waits for the one that answers it (server/base/length_prefix.h).
+  Result<std::string> ask(const std::string& message, Nanos deadline);
 
   Status failure(const std::string& what) const { return Status::error(place_ + ": " + what); }
 
@@ -62,9 +64,15 @@ class MasterStream {
   Cancelled cancelled_;
 };
 
+// Whose socket on this computer, for people.
+struct SocketWords {
+  std::string place;  // how an error begins
+  std::string start;  // how it ends where nobody serves the socket
+};
+
 // Not connected. `with_next`: with the key that is to take the place of ours, if there is one.
 // Throws boost::system::system_error where no descriptors are left.
-std::unique_ptr<MasterStream> make_socket_stream(const MasterPlace& place,
+std::unique_ptr<MasterStream> make_socket_stream(const std::string& path, SocketWords words,
                                                  MasterStream::Cancelled cancelled);
 std::unique_ptr<MasterStream> make_tls_stream(const MasterPlace& place,
                                               MasterStream::Cancelled cancelled, bool with_next);

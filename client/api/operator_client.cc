@@ -1,9 +1,7 @@
 #include "client/api/operator_client.h"
 
-#include <array>
 #include <utility>
 
-#include <boost/asio/buffer.hpp>
 #include <boost/system/system_error.hpp>
 
 #include "client/api/master_stream.h"
@@ -15,8 +13,8 @@ namespace {
 
 std::unique_ptr<MasterStream> stream_to(const MasterPlace& place, bool (*cancelled)(),
                                         bool with_next) {
-  return place.host.empty() ? make_socket_stream(place, cancelled)
-                            : make_tls_stream(place, cancelled, with_next);
+  if (!place.host.empty()) return make_tls_stream(place, cancelled, with_next);
+  return make_socket_stream(place.socket, {name_of(place), kStartMaster}, cancelled);
 }
 
 }  // namespace
@@ -50,17 +48,11 @@ Result<pb::Reply> OperatorClient::exchange(const pb::Request& order, Nanos deadl
     }
     if (Status status = stream_->connect(deadline); !status) return status;
   }
-  // A master that refuses the connection answers and closes, perhaps before the request is out.
-  const Status sent = stream_->write(framed(payload), deadline);
-  std::array<char, kFrameHeader> header{};
-  if (Status s = stream_->read(boost::asio::buffer(header), deadline); !s) return sent ? s : sent;
-  const std::uint32_t size = frame_size(header.data());
-  if (size > kMaxFrame) return failure("the reply is larger than 64 KiB");
-  std::string body(size, '\0');
-  if (Status s = stream_->read(boost::asio::buffer(body), deadline); !s) return s;
+  const Result<std::string> body = stream_->ask(payload, deadline);
+  if (!body) return body.status();
   stream_->was_answered();
   pb::Reply reply;
-  if (!reply.ParseFromString(body)) return failure("the reply is garbled");
+  if (!reply.ParseFromString(*body)) return failure("the reply is garbled");
   return reply;
 }
 

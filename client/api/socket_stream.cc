@@ -1,4 +1,4 @@
-// The operator socket of a master on this computer.
+// A socket on this computer: of a master's operators, or of the simulated rig.
 #include "client/api/master_stream.h"
 
 #include <fcntl.h>
@@ -15,7 +15,6 @@
 #include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
 
-#include "client/api/operator_client.h"
 #include "server/base/clock.h"
 #include "server/base/folder_owner.h"
 #include "server/base/pacer.h"
@@ -25,8 +24,10 @@ namespace {
 
 class SocketStream final : public MasterStream {
  public:
-  SocketStream(const MasterPlace& place, Cancelled cancelled)
-      : MasterStream(name_of(place), cancelled), path_(place.socket) {}
+  SocketStream(std::string path, SocketWords words, Cancelled cancelled)
+      : MasterStream(std::move(words.place), cancelled),
+        path_(std::move(path)),
+        start_(std::move(words.start)) {}
 
   Status connect(Nanos deadline) override;
 
@@ -44,7 +45,7 @@ class SocketStream final : public MasterStream {
   // Who listens is root, this user, or who owns the folder that nobody else can put there.
   Status check_peer();
 
-  const std::string path_;
+  const std::string path_, start_;
   boost::asio::local::stream_protocol::socket stream_{io_};
 };
 
@@ -67,9 +68,9 @@ Status SocketStream::connect(Nanos deadline) {
   while (::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
     if (errno != EAGAIN && errno != EINTR) {
       const int cause = errno;
-      if (cause == ENOENT) return failure(std::string("no such socket; ") + kStartMaster);
+      if (cause == ENOENT) return failure("no such socket; " + start_);
       if (cause != ECONNREFUSED) return failure(std::strerror(cause));
-      return failure(std::string("nobody listens on the socket; ") + kStartMaster);
+      return failure("nobody listens on the socket; " + start_);
     }
     if (is_cancelled()) return failure("interrupted");
     if (monotonic_now() >= deadline) return failure("it does not accept connections");
@@ -109,9 +110,9 @@ Status SocketStream::check_peer() {
 
 }  // namespace
 
-std::unique_ptr<MasterStream> make_socket_stream(const MasterPlace& place,
+std::unique_ptr<MasterStream> make_socket_stream(const std::string& path, SocketWords words,
                                                  MasterStream::Cancelled cancelled) {
-  return std::make_unique<SocketStream>(place, cancelled);
+  return std::make_unique<SocketStream>(path, std::move(words), cancelled);
 }
 
 }  // namespace handrail

@@ -100,6 +100,7 @@ ExitCode run_experiment_command(const Options& options, const Console& console) 
                                          shown(words.experiment), fmt::join(known, ", ")));
   }
   if (options.folder) words.folder = *options.folder;
+  words.rig = options.rig.value_or("");
   words.resume = options.resume;
   words.simulated = options.simulated;
   words.json = options.json;
@@ -240,7 +241,7 @@ constexpr Command kCommands[] = {
      "One person's trials of an experiment of the dissertation, judged and written down",
      run_experiment_command,
      {.json = true,
-      .word = "linear-movement|gearshift|wrench|wrench-loosening",
+      .word = "linear-movement|gearshift|wrench|wrench-loosening|screw-fastening",
       .experiment = true}},
     {"demo",
      "Drive A to B to C with the simulated hand, without and with tools",

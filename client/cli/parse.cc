@@ -83,6 +83,8 @@ void add_experiment_options(CLI::App& app, Options& o) {
   add_text(app, "--out", o.folder, "DIR", "where files are written; experiments without it");
   add_text(app, "--trials", o.trials, "N",
            "successes that count in each mode, 1 to 20; 2 without it");
+  add_text(app, "--rig-socket", o.rig, "PATH",
+           "screw-fastening: the status_socket of handrail-rig, which says what the screw does");
   app.add_flag("--resume", o.resume, "go on where this subject ended");
   app.add_flag("--simulated", o.simulated, "a simulated operator in place of a person");
   app.add_flag("--report", o.report, "what all in the folder have done, without a master");

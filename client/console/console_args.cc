@@ -111,6 +111,11 @@ constexpr ConsoleOption kOptions[] = {
        out.scenes.push_back(text);
        return Status::ok();
      }},
+    {"--rig", "SOCKET", "the status_socket of handrail-rig, which says what its workpiece does",
+     [](const std::string& text, ConsoleArgs& out) {
+       out.rig = text;
+       return Status::ok();
+     }},
     {"--viewer-origin", "ORIGIN",
      "of a viewer that is a page, such as https://app.foxglove.dev; may be given again",
      set_viewer_origin},

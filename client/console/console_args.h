@@ -21,6 +21,7 @@ struct ConsoleArgs {
   bool observe = false;
   std::string page;                         // folder of the page; empty: the shipped one
   std::vector<std::string> scenes;          // folders searched before the shipped ones
+  std::string rig;                          // the simulated rig's status socket; empty: none
   std::vector<std::string> viewer_origins;  // of pages that may look as viewers
   bool help = false, version = false;
 };

@@ -18,6 +18,7 @@
 #include "client/console/console_identity.h"
 #include "client/console/link_keeper.h"
 #include "client/console/master_link.h"
+#include "client/console/rig_link.h"
 #include "client/console/web_server.h"
 #include "server/base/clock.h"
 #include "server/base/output.h"
@@ -184,11 +185,16 @@ int serve(const ConsoleArgs& args) {
   // What these two have in hand comes while the context runs: the desk is there by then.
   std::unique_ptr<PageDesk> desk;
   std::unique_ptr<SceneWatch> scenes;
+  std::unique_ptr<RigLink> rig;
+  const auto post = [&io](std::function<void()> work) { boost::asio::post(io, std::move(work)); };
   ViewerDesk viewers(server, program_version(), std::to_string(calendar_now()));
   std::string said = "?";
   const MasterLink::Told told{[&](const Result<pb::Reply>& reply, Nanos asked) {
                                 say_master(reply, said);
-                                if (reply && reply->has_status()) scenes->see(reply->status());
+                                if (reply && reply->has_status()) {
+                                  scenes->see(reply->status());
+                                  if (rig) rig->follow(reply->status().scene());
+                                }
                                 desk->status(reply, asked, monotonic_now());
                                 viewers.status(reply, calendar_now());
                               },
@@ -196,13 +202,15 @@ int serve(const ConsoleArgs& args) {
                                 desk->answered(ticket, reply, monotonic_now());
                               },
                               [&](const Result<pb::Reply>& reply) { desk->pointed(reply); }};
-  MasterLink link(
-      {args.master, args.as, args.observe},
-      [&io](std::function<void()> work) { boost::asio::post(io, std::move(work)); }, told);
+  MasterLink link({args.master, args.as, args.observe}, post, told);
   const std::string master = args.master.host.empty() ? args.master.socket : args.master.host;
   desk = std::make_unique<PageDesk>(
       server, link,
       PageDeskOptions{args.observe, program_version(), args.as, master, scene_names(args)});
+  if (!args.rig.empty()) {
+    rig = std::make_unique<RigLink>(args.rig, post,
+                                    [&desk](const pb::RigNews& news) { desk->rig(news); });
+  }
   ConsoleApp app(page_of(args), *desk, viewers, server);
   LinkKeeper links(io, OnceLinks(default_key_folder()));
   scenes = std::make_unique<SceneWatch>(args, app);

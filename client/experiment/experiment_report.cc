@@ -7,6 +7,7 @@
 #include "client/experiment/wall_results_io.h"
 #include "server/base/plain_text.h"
 #include "server/lab/study/linear/linear_drawing.h"
+#include "server/lab/study/screw/screw_drawing.h"
 #include "server/lab/study/study_drawing.h"
 #include "server/scene/scene_library.h"
 
@@ -52,6 +53,10 @@ Status draw(const std::string& experiment, const std::string& folder,
   const Result<Scene> scene = SceneLibrary().load(experiment);
   if (!scene) return scene.status();
   if (Status s = make_folder(folder); !s) return s;
+  if (scene->screw) {
+    return draw_screw(folder, header_of(people), screw_study_of(people),
+                      *scene->simulate->find<HexSocketSpec>());
+  }
   if (!scene->task) return draw_wall_results(folder, people);
   return draw_linear(folder, header_of(people), study_of(people), *scene->task);
 }

@@ -6,6 +6,7 @@
 
 #include "client/experiment/wall_results_io.h"
 #include "server/lab/study/linear/linear_report_io.h"
+#include "server/lab/study/screw/screw_report_io.h"
 
 namespace handrail {
 namespace {
@@ -14,7 +15,58 @@ StudyMode mode_of(const pb::LinearTrial& trial) {
   return trial.mode() == name_of(StudyMode::kTools) ? StudyMode::kTools : StudyMode::kFree;
 }
 
+ScrewMode mode_of(const pb::ScrewTrial& trial) {
+  auto out = ScrewMode::kNCNV;
+  for (int i = 0; i < kScrewModes; ++i) {
+    if (trial.mode() == name_of(static_cast<ScrewMode>(i))) out = static_cast<ScrewMode>(i);
+  }
+  return out;
+}
+
+// The trials that count, as `take` makes them of a record's and a person's number.
+template <typename Study, typename Take>
+Study study_from(const std::vector<ExperimentRecord>& people, const Take& take) {
+  Study out;
+  int person = 0;
+  for (const ExperimentRecord& record : people) {
+    for (const pb::ExperimentTrial& trial : record.trials) {
+      if (!trial.practice() && !trial.interrupted()) out.trials.push_back(take(trial, person));
+    }
+    ++person;
+  }
+  return out;
+}
+
+TrialMade made_of(const pb::ExperimentTrial& trial) {
+  TrialMade out{0, trial.practice(), trial.interrupted(), false};
+  std::string end = trial.linear().end();
+  if (trial.has_walls()) {
+    end = trial.walls().end();
+  } else if (trial.has_screw()) {
+    end = trial.screw().end();
+    out.mode = static_cast<int>(mode_of(trial.screw()));
+  } else {
+    out.mode = static_cast<int>(mode_of(trial.linear()));
+  }
+  out.done = end == name_of(TrialEnd::kDone);
+  return out;
+}
+
 }  // namespace
+
+pb::ExperimentTrial screw_line(const TrialNext& next) {
+  pb::ExperimentTrial out;
+  pb::ScrewTrial& screw = *out.mutable_screw();
+  screw.set_mode(name_of(static_cast<ScrewMode>(next.mode)));
+  screw.set_number(static_cast<std::uint32_t>(next.number));
+  screw.set_attempt(static_cast<std::uint32_t>(next.attempt));
+  return out;
+}
+
+void fill_ended(const TrialNext& next, const ScrewResult& result, pb::ExperimentTrial& out) {
+  fill(ScrewStudyTrial{0, static_cast<ScrewMode>(next.mode), next.number, next.attempt, result},
+       *out.mutable_screw());
+}
 
 pb::ExperimentTrial trial_line(const TrialNext& next) {
   pb::ExperimentTrial out;
@@ -32,27 +84,24 @@ void fill_ended(const TrialNext& next, const TrialResult& result, pb::Experiment
 
 std::vector<TrialMade> trials_made(const ExperimentRecord& record) {
   std::vector<TrialMade> out;
-  for (const pb::ExperimentTrial& trial : record.trials) {
-    const std::string& end = trial.has_walls() ? trial.walls().end() : trial.linear().end();
-    const int mode = trial.has_walls() ? 0 : static_cast<int>(mode_of(trial.linear()));
-    out.push_back({mode, trial.practice(), trial.interrupted(), end == name_of(TrialEnd::kDone)});
-  }
+  for (const pb::ExperimentTrial& trial : record.trials) out.push_back(made_of(trial));
   return out;
 }
 
 LinearStudy study_of(const std::vector<ExperimentRecord>& people) {
-  LinearStudy out;
-  int person = 0;
-  for (const ExperimentRecord& record : people) {
-    for (const pb::ExperimentTrial& trial : record.trials) {
-      if (trial.practice() || trial.interrupted()) continue;
-      const pb::LinearTrial& linear = trial.linear();
-      out.trials.push_back({person, mode_of(linear), static_cast<int>(linear.number()),
-                            static_cast<int>(linear.attempt()), result_of(linear)});
-    }
-    ++person;
-  }
-  return out;
+  return study_from<LinearStudy>(people, [](const pb::ExperimentTrial& trial, int person) {
+    const pb::LinearTrial& linear = trial.linear();
+    return LinearStudyTrial{person, mode_of(linear), static_cast<int>(linear.number()),
+                            static_cast<int>(linear.attempt()), result_of(linear)};
+  });
+}
+
+ScrewStudy screw_study_of(const std::vector<ExperimentRecord>& people) {
+  return study_from<ScrewStudy>(people, [](const pb::ExperimentTrial& trial, int person) {
+    const pb::ScrewTrial& screw = trial.screw();
+    return ScrewStudyTrial{person, mode_of(screw), static_cast<int>(screw.number()),
+                           static_cast<int>(screw.attempt()), result_of(screw)};
+  });
 }
 
 StudyHeader header_of(const std::vector<ExperimentRecord>& people) {
@@ -69,8 +118,12 @@ StudyHeader header_of(const std::vector<ExperimentRecord>& people) {
 }
 
 std::string results_text(const std::vector<ExperimentRecord>& people, bool json) {
-  if (people.front().subject.experiment() != "linear-movement")
-    return wall_results_text(people, json);
+  const std::string& experiment = people.front().subject.experiment();
+  if (experiment == "screw-fastening") {
+    return (json ? screw_json : screw_table)(header_of(people), BumperSettings::Form::kDefault,
+                                             screw_study_of(people), {});
+  }
+  if (experiment != "linear-movement") return wall_results_text(people, json);
   return (json ? linear_json : linear_table)(header_of(people), study_of(people), {});
 }
 

@@ -7,26 +7,31 @@
 #include "client/experiment/experiment_file_io.h"
 #include "server/base/time.h"
 #include "server/lab/study/linear/linear_study.h"
+#include "server/lab/study/screw/screw_study.h"
 
 namespace handrail {
 
 // Of the bootstrap: the same files give the same table.
 inline constexpr std::uint32_t kReportSeed = 1;
 
-// A trial of linear movement as it stands in the file before it has ended.
+// A trial of linear movement, or of screw fastening, as it stands in the file before it has ended.
 pb::ExperimentTrial trial_line(const TrialNext& next);
+pb::ExperimentTrial screw_line(const TrialNext& next);
 // What it has come to.
 void fill_ended(const TrialNext& next, const TrialResult& result, pb::ExperimentTrial& out);
+void fill_ended(const TrialNext& next, const ScrewResult& result, pb::ExperimentTrial& out);
 
 // What next_trial() asks for.
 std::vector<TrialMade> trials_made(const ExperimentRecord& record);
 
 // The counted trials of these people, in their order: practice and interrupted trials are left out.
 LinearStudy study_of(const std::vector<ExperimentRecord>& people);
+ScrewStudy screw_study_of(const std::vector<ExperimentRecord>& people);
 // How the study was made. All people are simulated, or none.
 StudyHeader header_of(const std::vector<ExperimentRecord>& people);
 
-// Of linear movement the study's own table or JSON, of the others wall_results_text().
+// Of linear movement and screw fastening the study's own table or JSON, of the others
+// wall_results_text().
 std::string results_text(const std::vector<ExperimentRecord>& people, bool json);
 
 // "2026-11-27T12:24:53Z", of a time since 1970.

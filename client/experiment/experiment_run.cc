@@ -9,7 +9,7 @@
 #include <sstream>
 #include <utility>
 
-#include "client/experiment/cursor_sender.h"
+#include "client/api/cursor_sender.h"
 #include "client/experiment/experiment_results_io.h"
 #include "client/experiment/experiment_task.h"
 #include "client/experiment/live_status.h"
@@ -61,13 +61,14 @@ class Experiment {
   void prompt(const TaskPrompt& wanted);
 
   Status prepare();
-  Status load_scene(const pb::Status& now);
+  Status take_scene(const pb::Status& now);
+  Status load_scene(const std::string& name);
   Status suits(const pb::Status& now) const;
   Status begin_file();
   Status order(pb::Request request);
   Status order_for_driver(const pb::Status& now, pb::Request request);
   bool make(const TrialNext& next);
-  bool live();
+  bool live(const std::string& scene);
   bool write(const pb::ExperimentLine& line);
   void question();
   ExitCode finish();
@@ -83,7 +84,8 @@ class Experiment {
   ExperimentFile file_;
   ExperimentRecord record_;
   std::string prompted_;
-  Nanos prompt_at_ = 0;                   // from when on it is said again
+  bool trials_begun_ = false;  // trials have begun: a scene between them is ours to change
+  Nanos prompt_at_ = 0;        // from when on it is said again
   std::unique_ptr<CursorSender> cursor_;  // null: a person
 };
 
@@ -114,18 +116,45 @@ Status Experiment::order_for_driver(const pb::Status& now, pb::Request request) 
   return order(std::move(request));
 }
 
-Status Experiment::load_scene(const pb::Status& now) {
+Status Experiment::take_scene(const pb::Status& now) {
   const Result<Scene> scene = SceneLibrary().load(scene_of_experiment(words_.experiment));
   if (!scene) return scene.status();
   scene_ = *scene;
-  auto task = make_task(words_.experiment, scene_);
+  auto task = make_task(words_.experiment, scene_, words_.rig);
   if (!task) return task.status();
   task_ = std::move(*task);
-  if (now.scene() == scene_.name) return Status::ok();
-  say("loading the scene " + scene_.name + " in place of " + now.scene());
-  pb::Request load;
-  load.set_scene_load(scene_.name);
-  return order_for_driver(now, load);
+  const auto modes = static_cast<int>(task_->modes().size());
+  for (int mode = 0; mode < modes; ++mode) {
+    if (now.scene() == task_->scene_of(mode)) return Status::ok();
+  }
+  return load_scene(scene_.name);
+}
+
+// Where the master has another. Once trials have begun nobody drives while it changes, and a master
+// that is gone is waited for.
+Status Experiment::load_scene(const std::string& name) {
+  bool told = false, gone = false;
+  Nanos give_up = monotonic_now() + kAnswer;
+  for (;;) {
+    const Result<pb::Status> now = status_of(client_, kAnswer);
+    if (now && now->scene() == name) return Status::ok();
+    if (!now && (!trials_begun_ || place_.cancelled())) return now.status();
+    if (!now) {
+      if (!std::exchange(gone, true)) say("  the master does not answer: " + now.message());
+      give_up = monotonic_now() + kAnswer;
+      ::poll(nullptr, 0, static_cast<int>(kRetry / kMillisecond));
+      continue;
+    }
+    if (!std::exchange(told, true))
+      say("loading the scene " + name + " in place of " + now->scene());
+    pb::Request end, load;
+    end.set_disengage(true);
+    load.set_scene_load(name);
+    if (trials_begun_ && now->state() != "off") (void)order_for_driver(*now, end);
+    const Status loaded = order_for_driver(*now, load);
+    if (loaded || !trials_begun_ || monotonic_now() > give_up || place_.cancelled()) return loaded;
+    ::poll(nullptr, 0, static_cast<int>(kSample / kMillisecond));
+  }
 }
 
 // What the task asks of the device, and a simulated person of it.
@@ -176,7 +205,7 @@ Status Experiment::prepare() {
     return Status::error("--subject: " + problem);
   const Result<pb::Status> now = status_of(client_, kAnswer);
   if (!now) return now.status();
-  if (Status s = load_scene(*now); !s) return s;
+  if (Status s = take_scene(*now); !s) return s;
   if (Status s = suits(*now); !s) return s;
   if (Status s = begin_file(); !s) return s;
   if (!words_.simulated) return Status::ok();
@@ -208,7 +237,7 @@ bool Experiment::write(const pb::ExperimentLine& line) {
 }
 
 // False: it was interrupted, and why has been said.
-bool Experiment::live() {
+bool Experiment::live(const std::string& scene) {
   bool told = false;
   while (!task_->ended()) {
     ::poll(nullptr, 0, static_cast<int>((told ? kRetry : kSample) / kMillisecond));
@@ -217,9 +246,9 @@ bool Experiment::live() {
       return false;
     }
     const Result<pb::Status> now = status_of(client_, kAnswer);
-    if (now && now->scene() != scene_.name) {
+    if (now && now->scene() != scene) {
       fail("the scene '" + now->scene() + "' was loaded in the middle of a trial, expected '" +
-           scene_.name + "': load it again, then go on with --resume");
+           scene + "': load it again, then go on with --resume");
       return false;
     }
     if (!now && !told) say("  the master does not answer: " + now.message());
@@ -239,6 +268,12 @@ bool Experiment::make(const TrialNext& next) {
   say(fmt::format("Trial {}{}{}", next.number,
                   modes.size() > 1 ? ", " + modes[static_cast<std::size_t>(next.mode)] : "",
                   next.practice ? ", practice" : fmt::format(", attempt {}", next.attempt)));
+  const std::string scene = task_->scene_of(next.mode);
+  trials_begun_ = true;
+  if (const Status there = load_scene(scene); !there) {
+    fail(there.message());
+    return false;
+  }
   pb::ExperimentLine line;
   pb::ExperimentTrial& begun = *line.mutable_began();
   begun = task_->begin(next);
@@ -246,7 +281,7 @@ bool Experiment::make(const TrialNext& next) {
   begun.set_began(calendar_text(calendar_now()));
   if (!write(line)) return false;
   pb::ExperimentTrial ended = begun;
-  const bool whole = live();
+  const bool whole = live(scene);
   ended.set_interrupted(!whole);
   if (whole) {
     task_->fill(ended);

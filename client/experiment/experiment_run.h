@@ -17,6 +17,7 @@ struct ExperimentWords {
   bool resume = false;
   bool simulated = false;  // nobody is there: a simulated operator leads the page's cursor
   bool json = false;       // of what is told at the end
+  std::string rig;         // the simulated rig's status socket; empty: none is named
   int trials = 0;          // successes wanted in each mode; 0: as usual, or as was begun with
 };
 

@@ -2,6 +2,7 @@
 
 #include "client/experiment/gearshift_experiment.h"
 #include "client/experiment/linear_experiment.h"
+#include "client/experiment/screw_experiment.h"
 #include "client/experiment/wrench_experiment.h"
 
 namespace handrail {
@@ -13,7 +14,7 @@ constexpr const char* kLoosening = "wrench-loosening";
 
 const std::vector<std::string>& experiment_names() {
   static const std::vector<std::string> names = {"linear-movement", "gearshift", "wrench",
-                                                 kLoosening};
+                                                 kLoosening, "screw-fastening"};
   return names;
 }
 
@@ -21,8 +22,8 @@ std::string scene_of_experiment(const std::string& experiment) {
   return experiment == kLoosening ? "wrench" : experiment;
 }
 
-Result<std::unique_ptr<ExperimentTask>> make_task(const std::string& experiment,
-                                                  const Scene& scene) {
+Result<std::unique_ptr<ExperimentTask>> make_task(const std::string& experiment, const Scene& scene,
+                                                  const std::string& rig) {
   if (experiment == "gearshift") {
     Result<GearGate> gate = GearGate::of(scene);
     if (!gate) return gate.status();
@@ -35,6 +36,10 @@ Result<std::unique_ptr<ExperimentTask>> make_task(const std::string& experiment,
     return std::unique_ptr<ExperimentTask>(std::make_unique<WrenchExperiment>(
         scene, *path,
         experiment == kLoosening ? WrenchWay::kTightenAndLoosen : WrenchWay::kTighten));
+  }
+  if (experiment == "screw-fastening") {
+    if (!scene.screw) return Status::error(scene.file + ": the scene has no screw block");
+    return std::unique_ptr<ExperimentTask>(std::make_unique<ScrewExperiment>(scene, rig));
   }
   if (!scene.task) return Status::error(scene.file + ": the scene has no task block");
   return std::unique_ptr<ExperimentTask>(std::make_unique<LinearExperiment>(scene));

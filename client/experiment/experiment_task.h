@@ -36,6 +36,8 @@ class ExperimentTask {
 
   // Of each mode, as the files have it.
   virtual std::vector<std::string> modes() const = 0;
+  // The scene that the master is to have for a trial of a mode.
+  virtual std::string scene_of(int mode) const = 0;
   virtual ExperimentRules rules() const = 0;
   // What is asked of the device; the error says what to do.
   virtual Status suits(const pb::Status& now) const = 0;
@@ -63,8 +65,9 @@ const std::vector<std::string>& experiment_names();
 // The scene that it is made in.
 std::string scene_of_experiment(const std::string& experiment);
 
-// The experiment of that name. The error says what its scene lacks. `scene` outlives it.
-Result<std::unique_ptr<ExperimentTask>> make_task(const std::string& experiment,
-                                                  const Scene& scene);
+// The experiment of that name. The error says what its scene lacks. `scene` outlives it. `rig`: the
+// status socket of the simulated rig; empty: none is named.
+Result<std::unique_ptr<ExperimentTask>> make_task(const std::string& experiment, const Scene& scene,
+                                                  const std::string& rig);
 
 }  // namespace handrail

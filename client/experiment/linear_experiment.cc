@@ -65,7 +65,10 @@ void LinearExperiment::see(const pb::Status* now) {
 // An order that is refused is said once, and made again: what stands against it may go.
 void LinearExperiment::to_a(const pb::Status& now, const TaskHelp& help) {
   if (monotonic_now() < again_at_) return;
-  const auto wanted = order_to_a(start_of(now), {scene_.task->p_SA, scene_.task->q_first});
+  StartSight sight = start_of(now);
+  sight.gripper = now.has_gripper();
+  sight.closed = now.gripper() == "closed";
+  const auto wanted = order_to_a(sight, {scene_.task->p_SA, scene_.task->q_first});
   if (!wanted) return;
   const Status given = help.order(*wanted);
   again_at_ = monotonic_now() + (given ? kOrderPause : kRefusedPause);

@@ -19,6 +19,7 @@ class LinearExperiment final : public ExperimentTask {
   explicit LinearExperiment(const Scene& scene) : scene_(scene) {}
 
   std::vector<std::string> modes() const override;
+  std::string scene_of(int) const override { return scene_.name; }
   ExperimentRules rules() const override { return {}; }
   Status suits(const pb::Status& now) const override;
   Status simulate(const std::string& subject) override;

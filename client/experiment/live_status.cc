@@ -3,12 +3,14 @@
 #include "client/api/status_pose.h"
 
 namespace handrail {
+
+Vec3 vector_of(const google::protobuf::RepeatedField<double>& v) {
+  return v.size() == 3 ? Vec3(v[0], v[1], v[2]) : Vec3(Vec3::Zero());
+}
+
 namespace {
 
-Vec3 force_in(const pb::ForceShare& share) {
-  if (share.force_n_size() != 3) return Vec3::Zero();
-  return {share.force_n(0), share.force_n(1), share.force_n(2)};
-}
+Vec3 force_in(const pb::ForceShare& share) { return vector_of(share.force_n()); }
 
 bool has_tool(const pb::ToolStatus& slot) { return slot.has_geometry(); }
 
@@ -54,14 +56,18 @@ SubjectSight sight_of(const pb::Status& now) {
 
 StartSight start_of(const pb::Status& now) {
   StartSight out;
-  out.gripper = now.has_gripper();
-  out.closed = now.gripper() == "closed";
   out.X_ST = pose_of(now.tip());
   out.drives = drives_in(now) && now.has_tip();
   out.clutched = now.state() == "clutched";
   out.tool = has_tool(now.position_tool()) || has_tool(now.orientation_tool());
-  out.at_a = now.position_tool().name() == "at-A";
-  out.down = now.orientation_tool().name() == "down";
+  const pb::ToolStatus& place = now.position_tool();
+  if (place.kind() == "point" && place.geometry().anchor_mm_size() == 3)
+    out.point = kMm * vector_of(place.geometry().anchor_mm());
+  const pb::ToolStatus& turn = now.orientation_tool();
+  if (turn.kind() == "n-rotation" && turn.geometry().quaternion_size() == 4) {
+    const auto& q = turn.geometry().quaternion();
+    out.kept = Quat(q[0], q[1], q[2], q[3]);
+  }
   out.turning = now.orientation_tool().turning();
   return out;
 }

@@ -14,6 +14,9 @@ namespace handrail {
 
 Result<pb::Status> status_of(OperatorClient& client, Nanos patience);
 
+// Three numbers; zeros where the master says nothing.
+Vec3 vector_of(const google::protobuf::RepeatedField<double>& v);
+
 LiveSample sample_of(const pb::Status& now);
 SubjectSight sight_of(const pb::Status& now);
 StartSight start_of(const pb::Status& now);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "client/experiment/cursor_sender.h"
+#include "client/api/cursor_sender.h"
 
 namespace handrail {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "client/experiment/cursor_sender.h"
+#include "client/api/cursor_sender.h"
 
 namespace handrail {
 namespace {

@@ -24,6 +24,7 @@ inline constexpr double kWallLimit = 120.0;  // four times what a slow hand take
 class WallTask : public ExperimentTask {
  public:
   std::vector<std::string> modes() const override { return {"walls"}; }
+  std::string scene_of(int) const override { return scene_.name; }
   // The dissertation tells of neither practice nor repetition here: our choice.
   ExperimentRules rules() const override { return {1, 2}; }
   Status suits(const pb::Status&) const override { return Status::ok(); }

@@ -1,12 +1,31 @@
 #include "client/experiment/way_to_a.h"
 
+#include "server/base/units.h"
+#include "server/model/linear_task.h"
+
 namespace handrail {
 namespace {
 
-pb::Request to_tool(const char* name, bool approach) {
+// A status rounds nothing, an order's millimetres do, a little.
+constexpr double kSamePlace = 1e-5;  // [m]
+constexpr double kSameTurn = 1e-4;   // [rad]
+
+pb::Request go_to(const Vec3& p_S) {
   pb::Request request;
-  request.set_named_tool(name);
-  if (approach) request.set_approach(true);
+  pb::Tool& tool = *request.mutable_tool();
+  tool.set_kind(pb::Tool::POINT);
+  for (const double value : p_S) tool.add_at_mm(value / kMm);
+  request.set_approach(true);
+  return request;
+}
+
+pb::Request turn_to(const Quat& q_ST) {
+  pb::Request request;
+  pb::Tool& tool = *request.mutable_tool();
+  tool.set_kind(pb::Tool::N_ROTATION);
+  // As scene.proto has it: on a tip that points straight down.
+  const Quat down = LinearTask().q_first;
+  for (const double value : rotation_log(q_ST * down.conjugate())) tool.add_turn_deg(value / kDeg);
   return request;
 }
 
@@ -40,10 +59,12 @@ std::optional<pb::Request> order_to_a(const StartSight& now, const Pose& X_SA) {
     if (now.gripper && !now.closed) return grip_order(true);
     return std::nullopt;
   }
-  if (now.closed && !now.at_a) return grip_order(false);
+  const bool goes = now.point && (*now.point - X_SA.p).norm() <= kSamePlace;
+  if (now.closed && !goes) return grip_order(false);
   if (now.clutched) return clutch_order(false);
-  if (!now.at_a) return to_tool("at-A", true);
-  if (near && !now.down) return to_tool("down", false);
+  if (!goes) return go_to(X_SA.p);
+  const bool turns = now.kept && angle_between(*now.kept, X_SA.q) <= kSameTurn;
+  if (near && !turns) return turn_to(X_SA.q);
   return std::nullopt;
 }
 

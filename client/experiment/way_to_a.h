@@ -18,12 +18,12 @@ inline constexpr double kNearUpright = 0.017;  // 1 deg [rad]
 struct StartSight {
   Pose X_ST;  // measured
   bool drives = false, clutched = false;
-  bool tool = false;     // any is called
-  bool at_a = false;     // the tool of that name is
-  bool down = false;     // likewise
-  bool turning = false;  // it still turns the tip
-  bool gripper = false;  // there is one
-  bool closed = false;   // and it is closed
+  bool tool = false;          // any is called
+  std::optional<Vec3> point;  // where a point tool is, that is called [m]
+  std::optional<Quat> kept;   // what an N-rotation keeps, that is called
+  bool turning = false;       // it still turns the tip
+  bool gripper = false;       // there is one, to pick the work up with
+  bool closed = false;        // and it is closed
 };
 
 // The next order on the way, or none: the arm is there, or is not there yet, or nobody drives it.

@@ -32,7 +32,14 @@ void run_only_listed(const Scene& scene, RigOptions& options) {
   const auto* range = list.find<SensorSaturationSpec>();
   sensor.range_n = range != nullptr ? range->force : kEndless;
   sensor.range_n_m = range != nullptr ? range->torque : kEndless;
-  if (World::is_needed(list)) options.world = list;
+  options.world = workpiece_of(scene).world;
+}
+
+Workpiece workpiece_of(const Scene& scene) {
+  Workpiece out;
+  out.geometry.d6 = scene.tip_length;
+  if (scene.simulate && World::is_needed(*scene.simulate)) out.world = scene.simulate;
+  return out;
 }
 
 Rig::Rig(const RigOptions& options, Nanos start) noexcept
@@ -76,6 +83,18 @@ void Rig::step_world(Nanos now) noexcept {
   const Quat turn = controller_.arm().geometry().turn_of_flange(Quat::Identity()).conjugate();
   const Wrench on_tip = world_->on_sensor();
   sensor_.set_wrench({turn * on_tip.force, turn * on_tip.torque});
+}
+
+std::optional<TipInside> Rig::play(const Workpiece& piece) noexcept {
+  std::optional<World> next;
+  if (piece.world) next.emplace(*piece.world, piece.geometry, controller_.arm().joints());
+  if (next) {
+    if (const auto inside = next->inside()) return inside;
+  }
+  world_ = next;
+  world_at_ = sensed_at();
+  sensor_.set_wrench(world_ ? world_->on_sensor() : Wrench());
+  return std::nullopt;
 }
 
 void Rig::skip_late(Nanos now, Nanos period, Nanos& next) noexcept {

@@ -18,9 +18,18 @@ struct RigOptions {
   std::optional<Simulate> world;  // what there is to touch; none: nothing
 };
 
+// What there is to touch from now on, and the tool that touches it.
+struct Workpiece {
+  std::optional<Simulate> world;  // none: nothing
+  ArmGeometry geometry;
+};
+
 // Has the rig run what the scene lists and nothing else: an ideal arm and sensor where nothing is
 // listed for them. A scene without a list leaves `options` alone.
 void run_only_listed(const Scene& scene, RigOptions& options);
+
+// The workpiece that a scene lists.
+Workpiece workpiece_of(const Scene& scene);
 
 enum class RigEvent : std::uint8_t {
   kNone,     // nothing is due
@@ -54,6 +63,12 @@ class Rig {
   const FtSource& sensor() const noexcept { return sensor_; }
   // What the tip touches, as of the last sensor period; null when there is nothing.
   const World* world() const noexcept { return world_ ? &*world_ : nullptr; }
+  // Puts another workpiece in the place of this one, new and untouched, screw and all. The joints
+  // stay where they are and go where they were going; the servos, encoders and sensor are the same.
+  // If the tip is inside of it, nothing changes, and what it is inside of comes back.
+  std::optional<TipInside> play(const Workpiece& piece) noexcept;
+  // When the world was last moved on.
+  Nanos sensed_at() const noexcept { return sensor_next_ - sensor_period_; }
   // X_ST of the true tip: the world's, else the arm's.
   Pose true_tip() const noexcept { return world_ ? world_->tip() : controller_.arm().true_tip(); }
   // Cycles and periods left out so far.

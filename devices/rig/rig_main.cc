@@ -7,6 +7,7 @@
 
 #include "devices/rig/rig_options_io.h"
 #include "devices/rig/rig_server.h"
+#include "devices/rig/rig_status_server.h"
 #include "proto/config.pb.h"
 #include "server/base/output.h"
 #include "server/base/realtime.h"
@@ -52,9 +53,20 @@ int run(int argc, char** argv) {
   if (config->has_tap()) {
     if (const Status tap = server.open_tap(config->tap()); !tap) return fail(tap.message());
   }
+  RigFeed feed(options->world.has_value());
+  RigStatusServer status(
+      feed, options->world ? config->scene() : "",
+      workpiece_finder({config->scene_path().begin(), config->scene_path().end()}));
+  std::string place;
+  if (config->has_status_socket()) {
+    if (const Status told = status.start(config->status_socket()); !told)
+      return fail(told.message());
+    server.tell(feed);
+    place = " status=" + config->status_socket();
+  }
   server.handle_signals();
-  ready.make(
-      fmt::format("READY robot_port={} sensor_port={}", server.robot_port(), server.sensor_port()));
+  ready.make(fmt::format("READY robot_port={} sensor_port={}{}", server.robot_port(),
+                         server.sensor_port(), place));
   // A controller keeps its cycle whatever else runs.
   const RealtimeGrant realtime = enter_realtime(kPriority);
   spdlog::info("control thread: {}", realtime.report);

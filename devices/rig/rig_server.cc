@@ -172,6 +172,7 @@ struct RigServer::Impl {
       }
       if (now - rig->next() > Rig::kPatience) away_until = now;
       deliver_until(std::max(rig->next(), away_until));
+      if (feed != nullptr) feed->serve(*rig);
       const RigEvent event = rig->step(now);
       if (event == RigEvent::kNone) break;
       if (event == RigEvent::kControl) {
@@ -180,8 +181,11 @@ struct RigServer::Impl {
         }
         for (const auto& reply : rig->controller().replies()) send(robot, reply.to, reply.bytes());
         log_changes();
-      } else if (const auto& record = rig->sensor().record()) {
-        send(sensor, record->to, record->bytes);
+      } else {
+        if (feed != nullptr) feed->tell(*rig);
+        if (const auto& record = rig->sensor().record()) {
+          send(sensor, record->to, record->bytes);
+        }
       }
     }
   }
@@ -237,6 +241,7 @@ struct RigServer::Impl {
   Nanos away_until = std::numeric_limits<Nanos>::min();  // what came before nobody hears
   Nanos robot_came = 0;                                  // the newest command to move
   Tap tap;
+  RigFeed* feed = nullptr;
 };
 
 RigServer::RigServer(const RigOptions& options) : impl_(std::make_unique<Impl>(options)) {}
@@ -252,6 +257,8 @@ Status RigServer::open(const std::string& address, std::uint16_t robot_port,
   if (Status s = impl_->bind(impl_->robot, "robot", {ip, robot_port}); !s) return s;
   return impl_->bind(impl_->sensor, "sensor", {ip, sensor_port});
 }
+
+void RigServer::tell(RigFeed& feed) { impl_->feed = &feed; }
 
 Status RigServer::open_tap(const std::string& path) {
   return impl_->tap.open(path, impl_->options.controller.period);

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "devices/rig/rig.h"
+#include "devices/rig/rig_feed.h"
 #include "server/base/status.h"
 
 namespace handrail {
@@ -22,6 +23,9 @@ class RigServer {
   // From here on every control cycle is told in the file at `path`. Before run(). The error names
   // file and cause.
   Status open_tap(const std::string& path);
+  // From here on run() tells `feed`, which must outlive it, every moment at the workpiece, and puts
+  // those in their place that come from there. Before run().
+  void tell(RigFeed& feed);
   std::uint16_t robot_port() const;
   std::uint16_t sensor_port() const;
 

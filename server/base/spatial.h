@@ -6,7 +6,10 @@
 //   M  master: base of the haptic device. X right, Y up, Z toward the user.
 //   H  hand: the stylus tip of the haptic device. X_MH is what the device reports.
 //   S  slave: base of the robot arm. Origin on the mounting face at the J1 axis, X forward, Z up.
-//   T  tip: the tool's control point on the robot flange. X_ST is what the arm's kinematics give.
+//   A  axis: the point at the tool's length on the flange's axis, turned as the flange.
+//   T  tip: the tool's control point; A itself, unless the scene mounts the tool aside or turned
+//   (X_AT).
+//      X_ST is what the arm's kinematics give.
 //   U  user command: where the hand asks the tip to be, in S, before the bumper.
 //   B  bumped command: U after the virtual bumper, in S.
 //   E  environment: f_E_S is the force the environment exerts on the tip, expressed in S.

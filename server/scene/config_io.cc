@@ -276,6 +276,8 @@ Result<pb::RigConfig> load_rig_config(const std::string& path) {
   if (!config) return config;
   resolve_scene_path(path, *config);
   if (config->has_tap()) config->set_tap(from_folder_of(path, config->tap()));
+  if (config->has_status_socket())
+    config->set_status_socket(from_folder_of(path, config->status_socket()));
   return config;
 }
 

@@ -12,6 +12,7 @@
 #include "server/painting/map_detent.h"
 #include "server/scene/effect_io.h"
 #include "server/scene/field_check.h"
+#include "server/scene/numbers.h"
 #include "server/scene/scene_limits_io.h"
 #include "server/scene/simulate_io.h"
 #include "server/scene/text_io.h"

@@ -145,7 +145,9 @@ class Desk {
       moved_ = true;
     }
     OrderTicket ticket;
-    if (boxes_.orders.pop(ticket)) (void)boxes_.answers.push({ticket.id, answers_, 0.3, 0.1});
+    if (!boxes_.orders.pop(ticket)) return;
+    if (ticket.order.kind == OrderKind::kGrip) report_.out.link.grip = ticket.order.grip;
+    (void)boxes_.answers.push({ticket.id, answers_, 0.3, 0.1});
   }
   // Where loop and slave stand, and how the link is.
   void stand() {
@@ -163,6 +165,7 @@ class Desk {
     if ((how >> 12 & 1) != 0) slave_.stop_epoch = report_.out.link.stop_epoch;
     report_.out.link.stop_epoch += how >> 13 & 1;
     connected_ = (how >> 14 & 1) != 0;
+    slave_.gripper = GripperState{static_cast<std::uint8_t>(how >> 24 & 3)};
     disk_waits_ = (how >> 15 & 1) != 0;
     slave_.reason = slave_.fault =
         Reason{static_cast<std::uint8_t>((how >> 16) % static_cast<unsigned>(Reason::kCount))};

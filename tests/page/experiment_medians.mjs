@@ -16,8 +16,8 @@ const json = (program, ...argv) => JSON.parse(execFileSync(join(BIN, program), a
 
 /** A figure's values at the programs and in the lab. Failed trials are the worst. */
 const ofStudy = (mode, figure) => {
-  const values = ({ trials }) => trials.filter((t) => t.mode === mode).map((t) => (t.end === 'done' ? t[figure] : Infinity));
-  return { name: `${mode.padEnd(3)} ${figure}`, live: values, lab: values };
+  const values = ({ trials }) => trials.filter((t) => t.mode === mode).map((t) => (t.end === 'done' ? t[figure] ?? Infinity : Infinity));
+  return { name: `${mode.padEnd(5)} ${figure}`, live: values, lab: values };
 };
 const ofWalls = (name, live, lab) => ({
   name,
@@ -32,6 +32,10 @@ const EXPERIMENTS = {
     lab: ['linear-movement', '--trials', '1'],
     figures: ['NV', 'V'].flatMap((mode) => ['execution_time_s', 'path_mm', 'max_position_error_mm', 'max_orientation_error_deg'].map((f) => ofStudy(mode, f))),
   },
+  'screw-fastening': {
+    lab: ['screw-fastening', '--trials', '1'],
+    figures: ['NC-NV', 'NC-V', 'C-NV', 'C-V'].flatMap((mode) => ['completion_time_s', 'path_mm', 'mean_contact_force_n', 'max_contact_force_n'].map((f) => ofStudy(mode, f))),
+  },
   gearshift: { lab: ['gearshift'], figures: [ofWalls('time, s', 'time_s', (p) => p.duration_s), force, depth] },
   wrench: { lab: ['wrench', '--c', '5', '--turns', '2', '--loosen', '0'], figures: [turned, force, depth] },
   'wrench-loosening': { lab: ['wrench', '--c', '15', '--turns', '2', '--loosen', '2'], figures: [force, depth] },
@@ -42,7 +46,7 @@ async function make(experiment) {
   try {
     for (let i = 1; i <= COUNT; ++i) {
       const subject = `p${String(i).padStart(2, '0')}`;
-      const child = spawn(join(BIN, 'handrail'), ['experiment', experiment, '--subject', subject, '--simulated', '--trials', '1', '--resume', '--out', folder, '--socket', programs.socket], { stdio: ['ignore', 'ignore', 'inherit'] });
+      const child = spawn(join(BIN, 'handrail'), ['experiment', experiment, '--subject', subject, '--simulated', '--trials', '1', '--resume', '--out', folder, '--socket', programs.socket, '--rig-socket', programs.rigSocket], { stdio: ['ignore', 'ignore', 'inherit'] });
       const [code] = await once(child, 'exit');
       if (code !== 0) throw new Error(`${subject}: ended with ${code}`);
       console.error(`${experiment}: ${subject} is done (${i} of ${COUNT})`);

@@ -27,7 +27,7 @@ export class Programs {
     this.folder = await mkdtemp(join(tmpdir(), 'handrail-page.'));
     this.consolePort = await freePort();
     const [robot, sensor] = [await freePort(), await freePort()];
-    await this.start('rig', `robot_port: ${robot} sensor_port: ${sensor}`);
+    await this.start('rig', `robot_port: ${robot} sensor_port: ${sensor} status_socket: 'rig.sock'`);
     await this.start('slave', `link_socket: 'link.sock' scene: '${scene}' robot { port: ${robot} gripper { open_output: 901 } } force_sensor { port: ${sensor} }`);
     await this.start('master', `link_socket: 'link.sock' scene: '${scene}' operator_socket: "${this.socket}" device { kind: PAGE }`);
     return this;
@@ -35,6 +35,11 @@ export class Programs {
 
   get socket() {
     return join(this.folder, 'operator', 'operator.sock');
+  }
+
+  /** Where the rig says what happens at its workpiece. */
+  get rigSocket() {
+    return join(this.folder, 'rig.sock');
   }
 
   /** Starts a daemon with that configuration, or again as it was. */
@@ -46,7 +51,7 @@ export class Programs {
   /** The gateway; its address comes back, and `viewers` has the one for Foxglove where there is one. */
   async console({ observe = false, name = 'console', port = this.consolePort, remote = false, more = [] } = {}) {
     const place = remote ? ['--listen', `any:${port}`, '--name', '127.0.0.1'] : ['--listen', `127.0.0.1:${port}`];
-    const argv = [...place, '--socket', this.socket, '--page', DIST, '--as', name];
+    const argv = [...place, '--socket', this.socket, '--rig', this.rigSocket, '--page', DIST, '--as', name];
     const ready = await this.run('console', [...argv, ...(observe ? ['--observe'] : []), ...more], name);
     this.viewers = /^VIEWERS (\S+)/m.exec(ready)?.[1];
     return /url=(\S+)/.exec(ready)[1];

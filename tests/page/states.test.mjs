@@ -221,6 +221,40 @@ test('WhereAPromptLeadsIsDrawnAndTheScrewThatIsTurned', async () => {
   await until(page, () => !document.querySelector('#canvas2d').dataset.ball);
 });
 
+test('TheScrewIsTurnedAsTheSimulatedRigSaysAndAmissIsSaid', async () => {
+  gateway = await new FakeGateway({}).listen();
+  const { master } = gateway;
+  master.scene = { ...master.scene, body: [{ kind: 'SOCKET', pose: { position_mm: [350, 0, 260], quaternion: [1, 0, 0, 0] }, size_mm: [6, 5] }] };
+  const page = await another();
+  await page.evaluate(() => (document.querySelector('#stats').hidden = false));
+  const hidden = () => page.evaluate(() => document.querySelector('#screw').hidden);
+  const drawn = () => page.evaluate(() => Number(document.querySelector('#stats').dataset.drawn));
+  assert.equal(await hidden(), true, 'a real arm has none');
+  const screw = { turned_deg: 123.4, depth_mm: 4.71, off_flats_deg: 1, slipped: false, jammed: false };
+  gateway.rig = { scene: 'screw-fastening', moment: { force_n: [3, 4, 0], screw } };
+  await until(page, () => document.querySelector('#screw-turned').textContent === '123°');
+  assert.equal(await hidden(), false);
+  assert.equal(await text(page, 'screw-key'), 'key 4.7 mm in, 5 N');
+  assert.equal(await text(page, 'screw-trouble'), '');
+  await page.screenshot({ path: 'shots/screw.png' });
+  // Nothing else moves: what is drawn anew is the screw.
+  const before = await settled(drawn);
+  screw.turned_deg = 153.4;
+  await until(page, (count) => Number(document.querySelector('#stats').dataset.drawn) > count, before);
+  screw.jammed = true;
+  await until(page, () => document.querySelector('#screw-trouble').textContent === 'jammed');
+  screw.slipped = true;
+  await until(page, () => document.querySelector('#screw-trouble').textContent === 'slipped');
+  Object.assign(screw, { depth_mm: -3.2, off_flats_deg: -12 });
+  await until(page, () => document.querySelector('#screw-key').textContent === 'key 3.2 mm above, fits 12° counterclockwise, 5 N');
+  gateway.rig = { problem: "play: scene '<img src=x>': no such file" };
+  await until(page, () => document.querySelector('#screw-trouble').textContent.includes('<img src=x>'));
+  assert.equal(await page.locator('#screw img').count(), 0);
+  delete gateway.rig;
+  await until(page, () => document.querySelector('#screw').hidden);
+  assert.deepEqual(page.faults, []);
+});
+
 test('TheLeverAndTheCursorComeApartAtAWall', async () => {
   const page = await start({ scene: 'gearshift' });
   gateway.master.status.hand.position_mm = [0, 0, 0];

@@ -253,6 +253,7 @@ void PageDesk::status(const Result<pb::Reply>& result, Nanos asked, Nanos now) {
   news.set_gateway_s(to_seconds(now));
   news.set_number(statuses_);
   news.set_pages(static_cast<std::uint32_t>(pages_.size()));
+  if (rig_) *news.mutable_rig() = *rig_;
   const SharedText text = shared_text(json_text(frame));
   for (const auto& [page, state] : pages_) sink_.send(page, text, false, kStatusFrame);
 }

@@ -52,6 +52,8 @@ class PageDesk {
 
   // What the question of `asked` brought.
   void status(const Result<pb::Reply>& reply, Nanos asked, Nanos now);
+  // What is told of the simulated rig from the next status on.
+  void rig(const pb::RigNews& news) { rig_ = news; }
   void scene(const pb::SceneNews& news);
   void answered(std::uint64_t ticket, const Result<pb::Reply>& reply, Nanos now);
   void pointed(const Result<pb::Reply>& reply);
@@ -92,6 +94,7 @@ class PageDesk {
   PageSink& sink_;
   MasterOrders& master_;
   const PageDeskOptions options_;
+  std::optional<pb::RigNews> rig_;  // none: no rig is known
   std::map<PageId, Page> pages_;
   std::map<std::uint64_t, Ticket> tickets_;
   std::uint64_t next_ticket_ = 1;

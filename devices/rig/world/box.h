@@ -1,6 +1,7 @@
 // A box to touch from outside.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 
 #include "devices/rig/world/contact.h"
@@ -27,6 +28,11 @@ class Box {
     contact_.n = side * (spec_.X_SB.q * Vec3::Unit(axis));
     contact_.offset = contact_.n.dot(spec_.X_SB.p) + spec_.half[axis];
     out.add(contact_);
+  }
+  // How far `p_S` is outside of its nearest face, below 0 inside [m].
+  double outside(const Vec3& p_S) const noexcept {
+    const FaceGaps<6> all = gaps(p_S);
+    return *std::max_element(all.begin(), all.end());
   }
 
  private:

@@ -1,7 +1,9 @@
 // A cylinder to touch from outside, or the inside of a tube.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "devices/rig/world/contact.h"
@@ -26,6 +28,13 @@ class Cylinder {
     } else {
       find_outside(tip, out);
     }
+  }
+  // How far `p_S` is outside of its nearest face, below 0 inside [m]. Of a tube there is no inside:
+  // a tip beyond its wall never touches it.
+  double outside(const Vec3& p_S) const noexcept {
+    if (spec_.hole) return std::numeric_limits<double>::infinity();
+    const FaceGaps<3> all = gaps(p_S);
+    return *std::max_element(all.begin(), all.end());
   }
 
  private:

@@ -98,7 +98,7 @@ void HexSocket::find(const TipStep& tip, double turn, ContactList& out) noexcept
   } else {
     bottom_.clear();
   }
-  if (engaged() <= 0.0 || tilt_ <= spec_.jam) {
+  if (!jammed()) {
     clamp_.clear();
     return;
   }

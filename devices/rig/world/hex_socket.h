@@ -40,6 +40,10 @@ class HexSocket {
   // its backlash. Counted on while the key is inside [rad].
   double key_turn() const noexcept { return spin_ - turns_; }
   double tilt() const noexcept { return tilt_; }
+  // The key is in, and tilted so much that two walls clamp it.
+  bool jammed() const noexcept { return engaged() > 0.0 && tilt_ > spec_.jam; }
+  // How far `p_S` is above the rim, and so clear of plate and socket; below 0 it is not [m].
+  double outside(const Vec3& p_S) const noexcept { return in_socket(p_S).z(); }
   // How far the key's flats are from fitting a hexagon turned by `turn`, about the socket's Z, at
   // most 30 degrees either way [rad].
   double off_flats(double turn) const noexcept;

@@ -17,6 +17,8 @@ class Plane {
   }
   // Adds what the tip may touch in this step.
   void find(const TipStep&, ContactList& out) noexcept { out.add(contact_); }
+  // How far `p_S` is outside, below 0 inside [m].
+  double outside(const Vec3& p_S) const noexcept { return contact_.gap(p_S); }
 
  private:
   Contact contact_;

@@ -92,6 +92,23 @@ double World::depth() const noexcept {
   return socket_ ? socket_->depth() : -std::numeric_limits<double>::infinity();
 }
 
+std::optional<TipInside> World::inside() const noexcept {
+  TipInside out;
+  const auto look = [&](RigEffectKind what, double outside) {
+    if (-outside > out.deep) out = {what, -outside};
+  };
+  for (std::size_t i = 0; i < surface_count_; ++i) {
+    if (const auto* plane = std::get_if<Plane>(&surfaces_[i]))
+      look(RigEffectKind::kPlane, plane->outside(tip_.p));
+    if (const auto* box = std::get_if<Box>(&surfaces_[i]))
+      look(RigEffectKind::kBox, box->outside(tip_.p));
+    if (const auto* cylinder = std::get_if<Cylinder>(&surfaces_[i]))
+      look(RigEffectKind::kCylinder, cylinder->outside(tip_.p));
+  }
+  if (socket_) look(RigEffectKind::kHexSocket, socket_->outside(tip_.p));
+  return out.deep > 0.0 ? std::optional(out) : std::nullopt;
+}
+
 Wrench World::on_sensor() const noexcept {
   const Quat q_TS = tip_.q.conjugate();
   const Wrench weight = sag_.weight(tip_.q);

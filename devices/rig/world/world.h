@@ -21,6 +21,12 @@
 
 namespace handrail {
 
+// What a tip is inside of, and how deep [m].
+struct TipInside {
+  RigEffectKind what = RigEffectKind::kCount;
+  double deep = 0.0;
+};
+
 // Holds what the list names and nothing else. Copying is a plain copy; all
 // calls are real-time safe.
 class World {
@@ -54,6 +60,12 @@ class World {
   // The key has left the hexagon's flats under load, and has neither found them
   // again nor been lifted since.
   bool slipped() const noexcept { return slipped_; }
+  // The key is clamped in the socket, as it is tilted too much.
+  bool jammed() const noexcept { return socket_ && socket_->jammed(); }
+  bool has_socket() const noexcept { return socket_.has_value(); }
+  // What of the list the tip is inside of as it stands, deepest first; nothing: it is clear. To be
+  // asked before the first step.
+  std::optional<TipInside> inside() const noexcept;
   // How far clockwise, as one looks at the screw's head, the key has to be turned for its flats to
   // fit; counterclockwise below 0, at most 30 degrees [rad]. 0 without a socket.
   double off_flats() const noexcept { return socket_ ? socket_->off_flats(-screw_.angle()) : 0.0; }

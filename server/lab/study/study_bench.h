@@ -72,6 +72,12 @@ struct TrialPlan {
   bool keep_trace = false;
 };
 
+// What the operator of a trial takes for a decision; practice shortens it [s].
+template <typename Mode>
+double pause_of(const TrialPlan<Mode>& plan) {
+  return plan.person.pause * std::pow(plan.number, -plan.person.practice);
+}
+
 // The procedure's steps give false once the trial has ended. `Outcome`: with its `end`, which is
 // kDone, kSession, kTimeOut or of the trial's own, and `simulated_time`.
 template <typename Outcome>
@@ -81,9 +87,7 @@ class TimedTrial {
 
   template <typename Mode>
   TimedTrial(const TrialPlan<Mode>& plan, StudyBench& bench, double limit)
-      : bench_(bench),
-        limit_(limit),
-        pause_(plan.person.pause * std::pow(plan.number, -plan.person.practice)) {}
+      : bench_(bench), limit_(limit), pause_(pause_of(plan)) {}
   virtual ~TimedTrial() = default;
 
  protected:

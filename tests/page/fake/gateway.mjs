@@ -115,7 +115,7 @@ export class FakeGateway {
   tell() {
     if (this.silent) return;
     const status = this.problem ? undefined : this.master.next();
-    for (const socket of this.pages.keys()) this.send(socket, { status: { status, age_ms: 2, problem: this.problem || undefined } });
+    for (const socket of this.pages.keys()) this.send(socket, { status: { status, age_ms: 2, problem: this.problem || undefined, rig: this.rig } });
   }
 
   /** Orders that pages gave, without how they came to lead. */

@@ -61,9 +61,10 @@ TEST(ConsoleArgs, SayWhichNamesAreMissingOrNone) {
 }
 
 TEST(ConsoleArgs, NameThePagesThatMayLookAsViewers) {
-  const auto args = parsed(
-      {"--viewer-origin", "https://app.foxglove.dev", "--viewer-origin=file://", "--socket", "x"});
+  const auto args = parsed({"--viewer-origin", "https://app.foxglove.dev",
+                            "--viewer-origin=file://", "--socket", "x", "--rig", "/run/rig.sock"});
   ASSERT_TRUE(args) << args.message();
+  EXPECT_EQ(args->rig, "/run/rig.sock");
   EXPECT_EQ(args->viewer_origins,
             (std::vector<std::string>{"https://app.foxglove.dev", "file://"}));
   for (const char* origin : {"null", "*", "app.foxglove.dev", "https://a/b", "https://a?b", "://a",

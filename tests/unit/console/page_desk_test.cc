@@ -130,6 +130,23 @@ TEST_F(PageDeskTest, AMasterThatIsGoneIsSaidWithTheAgeOfWhatIsKnown) {
   EXPECT_NEAR(news.age_ms(), 700.0, 1e-6);
 }
 
+TEST_F(PageDeskTest, AStatusHasWhatTheRigSaysWhereThereIsOne) {
+  pb::Reply r;
+  r.set_done(true);
+  r.mutable_status()->set_state("off");
+  desk.status(r, now, now);
+  EXPECT_FALSE(played.frames[1].back().status().has_rig()) << "a real arm has none";
+  pb::RigNews rig;
+  rig.set_scene("screw-fastening");
+  rig.mutable_moment()->mutable_screw()->set_turned_deg(90.0);
+  desk.rig(rig);
+  desk.status(r, now, now);
+  EXPECT_EQ(played.frames[1].back().status().rig().moment().screw().turned_deg(), 90.0);
+  // Also while the master is silent.
+  desk.status(Status::error("no master"), now, now);
+  EXPECT_EQ(played.frames[1].back().status().rig().scene(), "screw-fastening");
+}
+
 TEST_F(PageDeskTest, OrdersPassFromThePageThatLeadsAndItsRepliesComeBack) {
   say(1, R"({"request": {"id": 3, "order": {"engage": true}}})");
   EXPECT_EQ(reply(1), "3 refused: no page leads: send `lead` first");

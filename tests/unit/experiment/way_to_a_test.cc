@@ -18,12 +18,24 @@ struct Arm {
   void obey(const pb::Request& order) {
     if (order.has_clutch()) {
       sight.clutched = order.clutch();
-      if (sight.clutched) sight.at_a = false;  // ends the approach and drops its tool
+      if (sight.clutched) sight.point.reset();  // ends the approach and drops its tool
     }
-    if (order.named_tool() == "at-A") sight.at_a = true;
-    if (order.named_tool() == "down") sight.down = sight.turning = true;
-    if (order.has_tool_off()) sight.at_a = sight.down = sight.turning = false;
-    sight.tool = sight.at_a || sight.down;
+    if (order.tool().kind() == pb::Tool::POINT) {
+      const auto& at = order.tool().at_mm();
+      if (at.size() == 3) sight.point = kMm * Vec3(at[0], at[1], at[2]);
+    }
+    if (order.tool().kind() == pb::Tool::N_ROTATION) {
+      const auto& turn = order.tool().turn_deg();
+      ASSERT_EQ(turn.size(), 3);
+      sight.kept = rotation_exp(kDeg * Vec3(turn[0], turn[1], turn[2])) * Quat(0.0, 0.0, 1.0, 0.0);
+      sight.turning = true;
+    }
+    if (order.has_tool_off()) {
+      sight.point.reset();
+      sight.kept.reset();
+      sight.turning = false;
+    }
+    sight.tool = sight.point || sight.kept;
     if (!order.has_grip()) return;
     sight.closed = order.grip();
     const bool at_a = (sight.X_ST.p - kStart.p).norm() <= kNearA;
@@ -32,10 +44,10 @@ struct Arm {
   }
   void pass() {
     if (sight.clutched) return;
-    if (sight.at_a) sight.X_ST.p += 0.3 * (kStart.p - sight.X_ST.p);
-    if (!sight.down) return;
-    sight.X_ST.q = sight.X_ST.q.slerp(0.3, kStart.q);
-    sight.turning = angle_between(sight.X_ST.q, kStart.q) > 0.1 * kDeg;
+    if (sight.point) sight.X_ST.p += 0.3 * (*sight.point - sight.X_ST.p);
+    if (!sight.kept) return;
+    sight.X_ST.q = sight.X_ST.q.slerp(0.3, *sight.kept);
+    sight.turning = angle_between(sight.X_ST.q, *sight.kept) > 0.1 * kDeg;
   }
 };
 

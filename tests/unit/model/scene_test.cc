@@ -7,6 +7,15 @@
 namespace handrail {
 namespace {
 
+TEST(SectionHashes, AToolThatIsOrPointsElsewhereIsAnother) {
+  Scene one, aside, turned;
+  one.X_AT = Pose{Vec3(0.01, 0, 0), Quat(1, 0, 0, 0)};
+  aside.X_AT = Pose{Vec3(0.02, 0, 0), Quat(1, 0, 0, 0)};
+  turned.X_AT = Pose{Vec3(0.01, 0, 0), Quat(0, 1, 0, 0)};
+  EXPECT_NE(section_hashes(one).robot, section_hashes(aside).robot);
+  EXPECT_NE(section_hashes(one).robot, section_hashes(turned).robot);
+}
+
 TEST(SectionHashes, ChangeWithTheirOwnSectionOnly) {
   const SectionHashes base = section_hashes(Scene());
   const struct {
@@ -39,14 +48,7 @@ TEST(SectionHashes, ChangeWithTheirOwnSectionOnly) {
       {[](Scene& s) { s.bumper.stiffest = 30e3; }, false, true, false},
       {[](Scene& s) { s.bumper.sensor_lag = 0.002; }, false, true, false},
       {[](Scene& s) { s.tip_length = 0.085; }, false, false, true},
-      {[](Scene& s) {
-         s.X_AT = Pose{Vec3(0.01, 0, 0), Quat::Identity()};
-       },
-       false, false, true},
-      {[](Scene& s) {
-         s.X_AT = Pose{Vec3::Zero(), Quat(0, 1, 0, 0)};
-       },
-       false, false, true},
+      {[](Scene& s) { s.X_AT.emplace(); }, false, false, true},
       {[](Scene& s) { s.description = "other"; }, false, false, false},
       {[](Scene& s) { s.guidance.stiffness = 1.0; }, false, false, false},
       {[](Scene& s) { s.task.emplace(); }, false, false, false},

@@ -15,6 +15,7 @@ import { LeadPanel } from './panels/lead_panel.js';
 import { notice, Said } from './panels/notice.js';
 import { OrderPanel } from './panels/order_panel.js';
 import { ScenePanel } from './panels/scene_panel.js';
+import { updateScrew } from './panels/screw_panel.js';
 import { updateBar, whatIsMissing } from './panels/state_bar.js';
 import { setUpTheme } from './panels/theme.js';
 import { Tour } from './panels/tour.js';
@@ -132,6 +133,7 @@ function updatePanels() {
   scenes.update();
   leads.update();
   charts.update(facts);
+  updateScrew(facts.rig);
   notice(noticeText(), wayOn());
   setText(box('prompt-text'), facts.status.prompt ?? '');
   show(box('prompt'), !!facts.status.prompt);

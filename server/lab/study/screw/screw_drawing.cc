@@ -163,6 +163,9 @@ Status draw_screw(const std::string& folder, const StudyHeader& header, const Sc
                   const HexSocketSpec& socket) {
   const std::string start = folder + "/screw-fastening-";
   if (Status s = measures_figure(header, study).write_file(start + "measures.svg"); !s) return s;
+  const bool traced = std::any_of(study.trials.begin(), study.trials.end(),
+                                  [](const auto& trial) { return !trial.result.trace.empty(); });
+  if (!traced) return Status::ok();
   if (Status s = trajectories_figure(header, study, socket).write_file(start + "trajectories.svg");
       !s) {
     return s;

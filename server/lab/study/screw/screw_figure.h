@@ -24,6 +24,7 @@ struct ScrewFigureInfo {
 const ScrewFigureInfo& info_of(ScrewFigure figure) noexcept;
 
 // What was measured in one trial, however it ended [SI].
+double& value_in(ScrewResult& result, ScrewFigure figure) noexcept;
 double measured_of(const ScrewResult& result, ScrewFigure figure) noexcept;
 
 // What a trial counts as [SI]. A failed one is the worst rank, infinity, in what grows while a

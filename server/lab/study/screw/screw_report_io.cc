@@ -66,16 +66,6 @@ void fill_results(const ScrewStudy& study, std::uint64_t seed, Proto& out) {
   fill(study, ScrewPairing::kProtectionV, seed, *out.mutable_protection_helps()->mutable_v());
 }
 
-void fill(const ScrewStudyTrial& trial, pb::ScrewTrial& out) {
-  fill_trial(trial, out);
-  for (int i = 0; i < kScrewFigures; ++i) {
-    const auto figure = static_cast<ScrewFigure>(i);
-    set_number(out, info_of(figure).name,
-               measured_of(trial.result, figure) * info_of(figure).per_si);
-  }
-  out.set_misses(static_cast<std::uint32_t>(trial.result.misses));
-}
-
 // Modes are keyed by their names, which cannot be names of fields.
 std::string with_mode_names(std::string json) {
   for (int i = 0; i < kScrewModes; ++i) {
@@ -173,12 +163,33 @@ std::string variations_table(const ScrewStudy& study, const std::vector<ScrewVar
   return out;
 }
 
-std::string verdict(const ScrewStudy& study, std::uint64_t seed) {
+std::string heading(const StudyHeader& header, BumperSettings::Form bumper) {
+  const std::string modes = fmt::format(
+      "NC without bumper and virtual spring, C with them ({} bumper); NV without tools, V "
+      "with\nthem.",
+      name_of(bumper));
+  constexpr const char* kImplied = "Implied: by the dissertation's savings, 7 people.\n\n";
+  if (!header.simulated) {
+    return fmt::format(
+        "Screw fastening: {} people, {} successful trials each and mode wanted, scene {},\nat a "
+        "simulated arm. {} {}",
+        header.operators, header.trials, header.scene, modes, kImplied);
+  }
+  return fmt::format(
+      "Screw fastening: {} simulated operators, {} successful trials each and mode, seed {}, scene "
+      "{},\npopulation {}. {} The population was fitted to NC-NV alone. {}",
+      header.operators, header.trials, header.seed, header.scene, header.population, modes,
+      kImplied);
+}
+
+std::string verdict(const StudyHeader& header, const ScrewStudy& study) {
+  const std::uint64_t seed = header.seed;
   const std::vector<ScrewEffect> effects = effects_of(study, seed);
   const auto same = std::count_if(effects.begin(), effects.end(),
                                   [](const ScrewEffect& effect) { return effect.reproduced(); });
-  std::string out = fmt::format("\nOf {} sizes in the dissertation the model reproduces {}:\n",
-                                effects.size(), same);
+  std::string out =
+      fmt::format("\nOf {} sizes in the dissertation {} {}:\n", effects.size(),
+                  header.simulated ? "the model reproduces" : "these people show", same);
   for (const ScrewEffect& effect : effects) out += "  " + text_of(effect) + '\n';
   out += fmt::format("\n{:90}{:>22}\n", "targets", "found");
   for (const ScrewTarget& target : targets_of(study, seed)) {
@@ -189,6 +200,29 @@ std::string verdict(const ScrewStudy& study, std::uint64_t seed) {
 }
 
 }  // namespace
+
+void fill(const ScrewStudyTrial& trial, pb::ScrewTrial& out) {
+  fill_trial(trial, out);
+  for (int i = 0; i < kScrewFigures; ++i) {
+    const auto figure = static_cast<ScrewFigure>(i);
+    set_number(out, info_of(figure).name,
+               measured_of(trial.result, figure) * info_of(figure).per_si);
+  }
+  out.set_misses(static_cast<std::uint32_t>(trial.result.misses));
+}
+
+ScrewResult result_of(const pb::ScrewTrial& trial) {
+  ScrewResult out;
+  for (int i = 0; i < kScrewEnds; ++i) {
+    if (trial.end() == name_of(static_cast<ScrewEnd>(i))) out.end = static_cast<ScrewEnd>(i);
+  }
+  for (int i = 0; i < kScrewFigures; ++i) {
+    const ScrewFigureInfo& info = info_of(static_cast<ScrewFigure>(i));
+    value_in(out, static_cast<ScrewFigure>(i)) = number_of(trial, info.name) / info.per_si;
+  }
+  out.misses = static_cast<int>(trial.misses());
+  return out;
+}
 
 const char* name_of(BumperSettings::Form form) noexcept {
   return form == BumperSettings::Form::kPublished ? "published" : "default";
@@ -211,17 +245,11 @@ std::string screw_json(const StudyHeader& header, BumperSettings::Form bumper,
 
 std::string screw_table(const StudyHeader& header, BumperSettings::Form bumper,
                         const ScrewStudy& study, const std::vector<ScrewVariation>& variations) {
-  std::string out = fmt::format(
-      "Screw fastening: {} simulated operators, {} successful trials each and mode, seed {}, scene "
-      "{},\npopulation {}. NC without bumper and virtual spring, C with them ({} bumper); NV "
-      "without tools, V with\nthem. The population was fitted to NC-NV alone. Implied: by the "
-      "dissertation's savings, 7 people.\n\n",
-      header.operators, header.trials, header.seed, header.scene, header.population,
-      name_of(bumper));
+  std::string out = heading(header, bumper);
   out += measures_table(study, header.seed) + comparison_table(study, header.seed) +
          failures_table(study);
   if (!variations.empty()) out += variations_table(study, variations, header.seed);
-  return out + verdict(study, header.seed);
+  return out + verdict(header, study);
 }
 
 }  // namespace handrail

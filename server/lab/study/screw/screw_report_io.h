@@ -8,6 +8,10 @@
 
 namespace handrail {
 
+namespace pb {
+class ScrewTrial;
+}  // namespace pb
+
 using ScrewVariation = StudyVariation<ScrewStudy>;
 
 // "published" or "default".
@@ -20,5 +24,9 @@ std::string screw_json(const StudyHeader& header, BumperSettings::Form bumper,
 // Ends with the sizes of the dissertation that are and are not reproduced, and the targets.
 std::string screw_table(const StudyHeader& header, BumperSettings::Form bumper,
                         const ScrewStudy& study, const std::vector<ScrewVariation>& variations);
+
+// One trial, to JSON and back; its trace and the simulated time are not told.
+void fill(const ScrewStudyTrial& trial, pb::ScrewTrial& out);
+ScrewResult result_of(const pb::ScrewTrial& trial);
 
 }  // namespace handrail

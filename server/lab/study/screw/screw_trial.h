@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "server/base/status.h"
+#include "server/lab/study/screw/screw_judge.h"
 #include "server/lab/study/study_bench.h"
 #include "server/model/bumper_settings.h"
-#include "server/task/screw_measure.h"
 
 namespace handrail {
 
@@ -23,9 +23,13 @@ constexpr bool has_protection(ScrewMode mode) noexcept {
   return mode == ScrewMode::kCNV || mode == ScrewMode::kCV;
 }
 
-// How a trial ended. Everything but kDone is a failure.
-enum class ScrewEnd : std::uint8_t { kDone, kForce, kKeyLost, kTimeOut, kSession };
-const char* name_of(ScrewEnd end) noexcept;
+// What the modes are made of: without protection the bumper is off and the virtual spring has no
+// force.
+void set_protection(bool protection, Scene& scene) noexcept;
+
+// Where the key waits, beside and above the socket, turned back by half of a half turn [rad]. Of a
+// scene with a screw task.
+Pose screw_start(const Scene& scene, double half_turn) noexcept;
 
 struct ScrewTrialOptions : TrialPlan<ScrewMode> {
   BumperSettings::Form bumper = BumperSettings::Form::kDefault;  // in the modes with protection
@@ -50,14 +54,9 @@ struct ScrewResult {
   std::vector<ScrewTracePoint> trace;  // at the robot's rate, with keep_trace
 };
 
-inline constexpr double kScrewLimit = 120.0;  // a trial that takes longer has failed [s]
-inline constexpr double kTooHard = 500.0;     // as has one that pushes harder [N]
-
-// Runs one trial. The key waits beside and above the socket with the clutch closed. Until the
-// screw is tight the operator inserts the ball end, turns clockwise about half a turn, lifts the
-// key and turns back. With tools: a line along the screw's axis throughout, with N-rotation while
-// inserting and F-rotation while turning, lifting and turning back. Same arguments, same bits.
-// `machine.scene` has a screw task; the error says why none or what the arm cannot reach.
+// Runs one trial: the key waits as screw_start() says with the clutch closed, and the operator does
+// what ScrewPerson does. Same arguments, same bits. `machine.scene` has a screw task; the error
+// says why none or what the arm cannot reach.
 Result<ScrewResult> run_screw_trial(const StudyMachine& machine, const ScrewTrialOptions& options);
 
 }  // namespace handrail

@@ -23,6 +23,8 @@ export class Facts {
     /** Why the master does not take our cursor; empty: it does. */
     this.cursorRefused = '';
     this.hasStatus = false;
+    /** What the simulated rig says; null: nobody told of one, as of a real arm. @type {import('./wire.d.ts').RigNews | null} */
+    this.rig = null;
     /** When the newest status was true, performance.now() [ms]. */
     this.trueAt = -Infinity;
     /** The same as a time of day. @type {Date | null} */
@@ -59,6 +61,7 @@ export class Facts {
   /** @param {import('./wire.d.ts').StatusNews} news */
   setStatus(news) {
     this.problem = news.problem ?? '';
+    this.rig = news.rig ?? null;
     if (!news.status) {
       if (!this.problem) this.problem = 'the master gives no status';
       return;

@@ -44,9 +44,14 @@ export interface Status {
   named_tool?: { name?: string; kind?: string }[]; prompt?: string;
 }
 
+export interface RigScrew {
+  turned_deg?: number; depth_mm?: number; off_flats_deg?: number; slipped?: boolean; jammed?: boolean;
+}
+export interface RigMoment { tip?: PoseMm; force_n?: Vec; torque_n_m?: Vec; screw?: RigScrew }
+export interface RigNews { scene?: string; moment?: RigMoment; problem?: string }
 export interface StatusNews {
   status?: Status; age_ms?: number; gateway_s?: number; round_trip_ms?: number; problem?: string;
-  number?: string; pages?: number;
+  number?: string; pages?: number; rig?: RigNews;
 }
 export interface Hello {
   version?: string; role?: 'OPERATOR' | 'OBSERVER'; page?: number; leader?: number;

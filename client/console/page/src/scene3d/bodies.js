@@ -18,7 +18,7 @@ function socket(flats, depth) {
   const hexagon = new THREE.Path();
   const radius = flats / Math.sqrt(3);
   for (let i = 0; i <= 6; ++i) {
-    const turn = (i * Math.PI) / 3 + Math.PI / 6;
+    const turn = (i * Math.PI) / 3; // corners where the rig's socket has them
     if (i === 0) hexagon.moveTo(radius * Math.cos(turn), radius * Math.sin(turn));
     else hexagon.lineTo(radius * Math.cos(turn), radius * Math.sin(turn));
   }
@@ -31,6 +31,14 @@ function socket(flats, depth) {
   bottom.rotateX(Math.PI / 2);
   bottom.translate(0, 0, -depth - 1);
   return mergeGeometries([rim, bottom]);
+}
+
+/** A notch in the head's edge: a hexagon looks the same after a sixth of a turn. @param {number} flats [mm] */
+function notch(flats) {
+  const from = flats / Math.sqrt(3) + 0.6, to = Math.max(9, 1.5 * flats);
+  const geometry = new THREE.BoxGeometry(to - from, 1.2, 0.3);
+  geometry.translate((from + to) / 2, 0, 0.15);
+  return new THREE.Mesh(geometry, new THREE.MeshBasicMaterial({ color: 0x3a2508 }));
 }
 
 /** The plate that the screw is in. @param {number} depth [mm] */
@@ -57,8 +65,10 @@ function drawn(body) {
       return new THREE.Mesh(new THREE.CylinderGeometry(a, a, b, 40, 1, true).rotateX(Math.PI / 2), inside);
     }
     case 'SOCKET': {
-      const group = new THREE.Group();
-      group.add(new THREE.Mesh(socket(a, body.size_mm?.[1] ?? 5), steel));
+      const group = new THREE.Group(), screw = new THREE.Group();
+      screw.name = 'screw';
+      screw.add(new THREE.Mesh(socket(a, body.size_mm?.[1] ?? 5), steel), notch(a));
+      group.add(screw);
       group.add(new THREE.Mesh(plate(body.size_mm?.[1] ?? 5), work));
       return group;
     }

@@ -54,6 +54,8 @@ export class View3d {
     /** Kinds of bodies that could not be drawn. @type {string[]} */
     this.unknown = [];
     this.bodies = new THREE.Group();
+    /** Turned as the rig says it is. @type {THREE.Object3D | null} */
+    this.screw = null;
     this.handle = new THREE.Mesh(
       new THREE.TorusGeometry(15, 1.7, 10, 40),
       new THREE.MeshBasicMaterial({ color: 0xffb224, depthTest: false, transparent: true }),
@@ -89,6 +91,7 @@ export class View3d {
     this.scene.remove(this.bodies);
     const { group, unknown } = drawBodies(scene.body ?? [], scene.goal ?? []);
     this.bodies = group;
+    this.screw = group.getObjectByName('screw') ?? null;
     this.unknown = unknown;
     this.scene.add(group);
     this.labels.drop('goal');
@@ -106,7 +109,13 @@ export class View3d {
   }
 
   /** @param {Facts} facts */
-  update({ status, scene }) {
+  update({ status, scene, rig }) {
+    // Clockwise, as one looks at its head.
+    const turned = (-(rig?.moment?.screw?.turned_deg ?? 0) * Math.PI) / 180;
+    if (this.screw && Math.abs(this.screw.rotation.z - turned) > 1e-3) {
+      this.screw.rotation.z = turned;
+      this.dirty = true;
+    }
     const { arm } = this.arms;
     const measured = status.joints_deg?.length === 6 ? status.joints_deg.map((deg) => (deg * Math.PI) / 180) : null;
     const joints = measured ?? (status.tip ? this.solve(status.tip) : null);

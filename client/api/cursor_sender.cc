@@ -1,4 +1,4 @@
-#include "client/experiment/cursor_sender.h"
+#include "client/api/cursor_sender.h"
 
 #include <chrono>
 
