@@ -12,7 +12,7 @@ namespace handrail {
 namespace {
 
 using ::testing::HasSubstr;
-using Stage = ScrewLive::Stage;
+using ScrewStage = ScrewLive::Stage;
 
 const Scene& scene() {
   static const Scene it = *SceneLibrary().load("screw-fastening");
@@ -65,21 +65,21 @@ TEST(ScrewLive, TheClockStartsByAMarkAtTheStartWithALooseScrew) {
   EXPECT_THAT(it.live.prompt(), HasSubstr("Engage (E)"));
   it.pass(5);
   EXPECT_TRUE(it.live.waits());
-  EXPECT_EQ(it.live.stage(), Stage::kToStart) << "the screw is another's";
+  EXPECT_EQ(it.live.stage(), ScrewStage::kToStart) << "the screw is another's";
   EXPECT_EQ(it.live.prompt(), "The screw is being loosened.");
   ++it.told.marks;
   it.pass(5);
   it.live.loosened(1);
   it.pass(5);
-  EXPECT_EQ(it.live.stage(), Stage::kReady) << "a mark before counts for nothing";
+  EXPECT_EQ(it.live.stage(), ScrewStage::kReady) << "a mark before counts for nothing";
   EXPECT_THAT(it.live.prompt(), HasSubstr("M starts the clock"));
   it.told.X_ST.p.x() += 2e-3;
   it.pass(1);
-  EXPECT_EQ(it.live.stage(), Stage::kToStart);
+  EXPECT_EQ(it.live.stage(), ScrewStage::kToStart);
   it.told.X_ST = it.start;
   it.told.tool = true;
   it.pass(1);
-  EXPECT_EQ(it.live.stage(), Stage::kToStart);
+  EXPECT_EQ(it.live.stage(), ScrewStage::kToStart);
   it.told.tool = false;
   ++it.told.marks;
   it.pass(1);
@@ -98,7 +98,7 @@ TEST(ScrewLive, IsDoneWhenTheScrewIsTightAndTheKeyClear) {
   EXPECT_THAT(it.live.prompt(), HasSubstr("Tight: lift the key 10 mm."));
   it.rig.force.setZero();
   it.pass(1000, 0.0, 20e-6);
-  ASSERT_EQ(it.live.stage(), Stage::kEnded);
+  ASSERT_EQ(it.live.stage(), ScrewStage::kEnded);
   const ScrewResult& result = it.live.result();
   EXPECT_EQ(result.end, ScrewEnd::kDone);
   EXPECT_NEAR(result.completion_time, 1.010 + 0.750, 2e-3);
@@ -121,7 +121,7 @@ TEST(ScrewLive, OnePushOfAMillisecondIsTooHard) {
     moments.push_back(it.rig);
   }
   it.live.see(it.told, moments);
-  ASSERT_EQ(it.live.stage(), Stage::kEnded);
+  ASSERT_EQ(it.live.stage(), ScrewStage::kEnded);
   EXPECT_EQ(it.live.result().end, ScrewEnd::kForce);
   EXPECT_EQ(it.live.result().measured.max_force, 501.0);
 }
@@ -133,7 +133,7 @@ TEST(ScrewLive, AKeyIsLostWhereItSlipsInATurnAndNotInALift) {
   turns.pass(500, 60e-3 * kDeg);
   turns.rig.slipped = true;
   turns.pass(1, 60e-3 * kDeg);
-  ASSERT_EQ(turns.live.stage(), Stage::kEnded);
+  ASSERT_EQ(turns.live.stage(), ScrewStage::kEnded);
   EXPECT_EQ(turns.live.result().end, ScrewEnd::kKeyLost);
 
   Screwing lifts;
@@ -163,7 +163,7 @@ TEST(ScrewLive, EndsWithTheSessionTheRigTheWorkpieceAndTheTime) {
   EXPECT_EQ(session.live.result().end, ScrewEnd::kSession);
   Screwing rig;
   rig.live.lost();
-  EXPECT_EQ(rig.live.stage(), Stage::kToStart);
+  EXPECT_EQ(rig.live.stage(), ScrewStage::kToStart);
   rig.begin();
   rig.live.lost();
   EXPECT_EQ(rig.live.result().end, ScrewEnd::kSession);
