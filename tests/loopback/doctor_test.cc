@@ -161,7 +161,7 @@ TEST_F(DoctorBesideASecureCell, SaysWhoseKeyIsThereAndWhatGoesThrough) {
   expect_found(report, "keys.partner", Level::OK, "cell can work with our key", "");
   expect_found(report, "link.peer", Level::OK, "session with cell, key " + id, "");
   expect_found(report, "route.way", Level::OK, "goes through lo", "");
-  expect_found(report, "route.mtu", Level::OK, "a datagram of the link has 641 at most", "");
+  expect_found(report, "route.mtu", Level::OK, "a datagram of the link has 643 at most", "");
 }
 
 TEST_F(DoctorBesideASecureCell, AKeyThatTheSlaveRemovedIsToldWithTheLineToType) {

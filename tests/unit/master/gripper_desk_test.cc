@@ -73,7 +73,10 @@ TEST_F(GripperDeskTest, OneThatIsNotThereIsSaid) {
 }
 
 TEST_F(GripperDeskTest, OnlyWhoMayDriveOrdersIt) {
-  ASSERT_EQ(at_once("as: 'anna' clutch: true"), "done: ");
+  const Answer engage = ask("as: 'anna' engage: true");
+  loop();
+  tick();
+  ASSERT_EQ(text(engage), "done: ");
   EXPECT_THAT(refusal("as: 'bert' grip: false"), HasSubstr("anna"));
 }
 
