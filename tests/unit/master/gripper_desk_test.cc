@@ -18,7 +18,7 @@ class GripperDeskTest : public DeskBench {
   }
   // The loop takes the order, and says so to the slave.
   Answer ask_taken(const std::string& request) {
-    const Answer answer = ask(request);
+    Answer answer = ask(request);
     loop();
     report.out.link.grip = taken.back().order.grip;
     tick();
