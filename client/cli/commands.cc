@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <limits>
+#include <thread>
 
 #include "client/cli/calibrate_command.h"
 #include "client/cli/command.h"
@@ -14,12 +16,14 @@
 #include "client/cli/keys_command.h"
 #include "client/cli/lease_command.h"
 #include "client/cli/pair_command.h"
+#include "client/cli/record/record_files.h"
 #include "client/cli/scene_command.h"
 #include "client/cli/status_command.h"
 #include "client/cli/tool_command.h"
 #include "client/cli/vector_text.h"
 #include "client/experiment/experiment_run.h"
 #include "client/experiment/experiment_task.h"
+#include "server/base/clock.h"
 #include "server/base/plain_text.h"
 
 namespace handrail {
@@ -53,6 +57,64 @@ ExitCode run_mark(const Options& o, const Console& c) {
   pb::Request r;
   r.set_mark(o.word.value_or("cli"));
   return send_order(o, c, r, "marked");
+}
+
+// Says where the recording stands, once the master has begun it.
+ExitCode run_record_start(const Options& o, const Console& c) {
+  constexpr Nanos kPatience = 2 * kSecond;
+  constexpr auto kPause = std::chrono::milliseconds(20);
+  pb::Request r;
+  r.mutable_record()->set_on(true);
+  if (o.word) r.mutable_record()->set_label(*o.word);
+  if (const ExitCode code = send_order(o, c, r, "recording"); code != kExitDone) return code;
+  pb::Request ask;
+  ask.set_status(true);
+  for (const Nanos begun = monotonic_now(); monotonic_now() - begun < kPatience;) {
+    const auto reply = OperatorClient(o.master, o.as).call(ask, kPatience);
+    if (!reply) return complain(c, reply.message());
+    const pb::RecordingStatus& state = reply->status().recording();
+    if (state.has_file()) {
+      c.out << state.file() << '\n';
+      return kExitDone;
+    }
+    if (state.has_problem()) {
+      c.err << "handrail: " << state.problem() << '\n';
+      return kExitRefused;
+    }
+    std::this_thread::sleep_for(kPause);
+  }
+  c.err << "handrail: the master does not say where it records\n";
+  return kExitRefused;
+}
+
+// Where the master writes, if none is named.
+ExitCode run_record_list(const Options& o, const Console& c) {
+  std::string folder = o.word.value_or("");
+  if (folder.empty()) {
+    pb::Request ask;
+    ask.set_status(true);
+    const auto reply = OperatorClient(o.master, o.as).call(ask, 2 * kSecond);
+    if (!reply) return complain(c, reply.message() + "; or name a folder: record list FOLDER");
+    folder = reply->status().recording().folder();
+    if (folder.empty()) return complain(c, "the master records nothing; name a folder: record list FOLDER");
+  }
+  const auto text = recordings_text(folder, o.json);
+  if (!text) return complain(c, text.message());
+  c.out << *text;
+  return kExitDone;
+}
+
+ExitCode run_record_repair(const Options& o, const Console& c) {
+  const auto text = repair_text(*o.word, o.out.value_or(""));
+  if (!text) return complain(c, text.message());
+  c.out << *text;
+  return kExitDone;
+}
+
+ExitCode run_record_stop(const Options& o, const Console& c) {
+  pb::Request r;
+  r.mutable_record()->set_on(false);
+  return send_order(o, c, r, "the recording ends");
 }
 
 ExitCode run_stage(const Options& o, const Console& c) {
@@ -203,6 +265,15 @@ constexpr Command kCommands[] = {
      "Say that something is done now: an experiment's next step",
      run_mark,
      {.word = "TEXT", .word_optional = true}},
+    {"record start", "Write down all that happens, on both sides", run_record_start,
+     {.word = "LABEL", .word_optional = true}},
+    {"record stop", "End the recording", run_record_stop, {}},
+    {"record mark", "Say that something is done now; it stands in the recording", run_mark,
+     {.word = "TEXT"}},
+    {"record list", "The recordings on this computer", run_record_list,
+     {.json = true, .word = "FOLDER", .word_optional = true}},
+    {"record repair", "A whole copy of a recording that was cut, as far as it is sound",
+     run_record_repair, {.file = "FILE.mcap", .word = "FILE"}},
     {"keys new",
      "Make this user's key, for what it is to be trusted to do; or the next one, to change it",
      run_keys_new,

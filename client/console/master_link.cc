@@ -140,8 +140,8 @@ void MasterLink::ask_status(Worker& me) {
     const auto reply = call(client, request, kStatusPatience);
     if (!reply) ++broken_;
     post_([this, reply, asked] { tell_.status(reply, asked); });
-    // No two questions at once after a slow answer.
-    next = std::max(next + (reply ? kStatusPeriod : kNextTry), monotonic_now());
+    // After a slow answer at most one question is made up for, so that the rate stays what it is.
+    next = std::max(next + (reply ? kStatusPeriod : kNextTry), monotonic_now() - kStatusPeriod);
     sleep_until(next);
   }
 }

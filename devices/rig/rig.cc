@@ -1,7 +1,8 @@
 #include "devices/rig/rig.h"
-#include "server/kinematics/arm_of.h"
 
 #include <limits>
+
+#include "server/kinematics/arm_of.h"
 
 namespace handrail {
 
@@ -37,7 +38,7 @@ void run_only_listed(const Scene& scene, RigOptions& options) {
 
 Workpiece workpiece_of(const Scene& scene) {
   Workpiece out;
-  out.geometry.d6 = scene.tip_length;
+  out.geometry = arm_of(scene);
   if (scene.simulate && World::is_needed(*scene.simulate)) out.world = scene.simulate;
   return out;
 }
@@ -79,10 +80,7 @@ void Rig::step_world(Nanos now) noexcept {
   controller_.pass(now);
   world_->step(controller_.arm().joints(), to_seconds(now - world_at_));
   world_at_ = now;
-  // The sensor is turned as the flange, the wrench as the tip.
-  const Quat turn = controller_.arm().geometry().turn_of_flange(Quat::Identity()).conjugate();
-  const Wrench on_tip = world_->on_sensor();
-  sensor_.set_wrench({turn * on_tip.force, turn * on_tip.torque});
+  sensor_.set_wrench(world_->on_sensor());
 }
 
 std::optional<TipInside> Rig::play(const Workpiece& piece) noexcept {

@@ -1,8 +1,10 @@
 // The proxy among painted or drawn walls: the nearest surface point of dissertation chapter 2.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 
 #include "server/base/plane.h"
 #include "server/model/walls.h"
@@ -35,6 +37,13 @@ class WallProxy {
   // Wall regions in `gone` (bit = region) are free from now on; others are back. A proxy caught
   // inside a wall that came back is put to the nearest free point.
   virtual void set_gone(std::uint64_t gone) noexcept = 0;
+  // What start() and advance() leave behind, as it lies in the memory of this build, without
+  // addresses: restored to a proxy among the same walls, it goes on from there, bit for bit. save()
+  // returns how much of `out` it took; restore() is false, and nothing is changed, where it is not
+  // as much. Real-time safe.
+  static constexpr std::size_t kMostImage = 256;
+  virtual std::size_t save(std::span<std::byte, kMostImage> out) const noexcept = 0;
+  virtual bool restore(std::span<const std::byte> image) noexcept = 0;
   // Memory held [bytes].
   virtual std::size_t memory() const noexcept = 0;
 };

@@ -32,6 +32,7 @@ struct FollowSettings {
   double catch_up_rotation = 0.262;  // the same for orientation [rad/s]
   SectionHashes hashes;              // of mapping, limits and robot
   SceneName scene{};
+  std::uint32_t number = 0;  // of the scenes that the program has loaded
 };
 
 // What the controller has said since the last step.

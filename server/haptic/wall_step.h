@@ -44,9 +44,9 @@ struct WallOutput {
   int stage = 0;             // in force
 };
 
-// What a step remembers. `proxy` and `effects` are the scene's, put here before the first step.
-struct WallState {
-  std::unique_ptr<WallProxy> proxy;
+// What a step remembers, but for the proxy. `effects` are the scene's, put here before the first
+// step.
+struct WallMemory {
   EffectStack effects;
   EnergyGovernor governor;
   Arbiter arbiter;
@@ -64,6 +64,10 @@ struct WallState {
     arbiter.cut();
     governor.restart();
   }
+};
+
+struct WallState : WallMemory {
+  std::unique_ptr<WallProxy> proxy;  // the scene's, put here before the first step
 };
 
 // Everything a running scene of walls is. May be large.

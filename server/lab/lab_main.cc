@@ -15,6 +15,7 @@
 #include "server/lab/faults/fault_command.h"
 #include "server/lab/hand/hand_command.h"
 #include "server/lab/links/link_command.h"
+#include "server/lab/replay/replay_command.h"
 #include "server/lab/scenes/price_command.h"
 #include "server/lab/sequences/sequence_command.h"
 #include "server/lab/stability/stability_command.h"
@@ -52,6 +53,16 @@ void add_hand(CLI::App& app, HandCommand& hand) {
   sub->add_option("--scene", hand.scene, "scene to run in")->capture_default_str();
   sub->add_flag("--one-way", hand.one_way, "forward along device +X only");
   sub->add_flag("--json", hand.json, "print the result as JSON");
+}
+
+void add_replay(CLI::App& app, ReplayCommand& replay) {
+  CLI::App* sub = app.add_subcommand(
+      "replay", "do again what a recording holds: the same inputs through the same steps");
+  sub->add_option("FILE", replay.file, "recording, .mcap")->required();
+  sub->add_option("--tool", replay.tool, "a tool of the scene in place of each of its sort");
+  sub->add_option("--scene", replay.scene, "another scene in place of all");
+  sub->add_option("--set", replay.set, "KEY=VALUE of the scenes, such as guidance.stiffness_n_mm=1");
+  sub->add_flag("--json", replay.json, "print the result as JSON");
 }
 
 void add_accuracy(CLI::App& app, AccuracyCommand& accuracy) {
@@ -272,6 +283,8 @@ int run(int argc, char** argv) {
   add_sequences(app, sequences);
   PriceCommand prices;
   add_price_check(app, prices);
+  ReplayCommand recording;
+  add_replay(app, recording);
   const std::span<char* const> words(argv + 1, static_cast<std::size_t>(std::max(argc - 1, 0)));
   if (const std::string unknown = unknown_command(app, words); !unknown.empty()) {
     std::fprintf(stderr, "handrail-lab: %s\n", unknown.c_str());
@@ -303,6 +316,9 @@ int run(int argc, char** argv) {
   if (app.got_subcommand("contact-delay")) return run_delay_command(delay, cancelled);
   if (app.got_subcommand("links")) return run_link_command(links, cancelled);
   if (app.got_subcommand("stability")) return run_stability_command(stability, cancelled);
+  if (app.got_subcommand("replay")) {
+    return run_replay_command(recording, [] { return cancelled.load(); });
+  }
   if (app.got_subcommand("tool-sequences")) return run_sequence_command(sequences, cancelled);
   if (const auto code = run_studies(app, studies, cancelled)) return *code;
   return run_fault_command(faults, cancelled);

@@ -147,6 +147,7 @@ void put(const MasterState& s, pb::MasterDatagram& m) {
   m.set_fault_reset(s.fault_reset);
   m.set_grip(static_cast<pb::LinkGrip>(s.grip));
   m.set_engagement_epoch(s.engagement_epoch);
+  m.set_record(s.record);
   const ToolDefinition& p = s.position_tool;
   m.set_position_kind(static_cast<pb::LinkToolKind>(p.kind));
   m.set_position_id(p.id);
@@ -174,7 +175,7 @@ void put(const MasterState& s, pb::MasterDatagram& m) {
 bool present(const pb::MasterDatagram& m) {
   return m.has_desired() && m.has_state() && m.command_pose_size() == 7 && m.has_command_valid() &&
          m.has_stop_epoch() && m.has_released_epoch() && m.has_fault_reset() && m.has_grip() &&
-         m.has_engagement_epoch() && m.has_position_kind() && m.has_position_id() &&
+         m.has_engagement_epoch() && m.has_record() && m.has_position_kind() && m.has_position_id() &&
          m.has_position_epoch() && m.position_geometry_size() == 11 && m.has_position_one_way() &&
          m.has_position_has_end() && m.has_orientation_kind() && m.has_orientation_id() &&
          m.has_orientation_epoch() && m.orientation_geometry_size() == 11 && m.hashes_size() == 4 &&
@@ -191,6 +192,7 @@ Reject take(const pb::MasterDatagram& m, MasterState& s) {
   s.fault_reset = m.fault_reset();
   s.grip = static_cast<Grip>(m.grip());
   s.engagement_epoch = m.engagement_epoch();
+  s.record = m.record();
   ToolDefinition& p = s.position_tool = ToolDefinition{};
   p.kind = static_cast<ToolKind>(m.position_kind());
   p.id = m.position_id();

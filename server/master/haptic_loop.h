@@ -5,8 +5,8 @@
 
 #include "devices/haptic_device.h"
 #include "server/base/pacer.h"
-#include "server/master/loop_scene.h"
 #include "server/master/mailboxes.h"
+#include "server/record/record_tap.h"
 
 namespace handrail {
 
@@ -15,8 +15,10 @@ class HapticLoop {
  public:
   static constexpr Nanos kPeriod = kMillisecond;
 
-  // Device and mailboxes must outlive the loop; the device is open.
-  HapticLoop(HapticDevice& device, const LoopScene& scene, MasterMailboxes& boxes, Nanos start);
+  // Device, mailboxes and tap must outlive the loop; the device is open. `tap`: where each tick is
+  // left for who records; null: nobody does.
+  HapticLoop(HapticDevice& device, const LoopScene& scene, MasterMailboxes& boxes, Nanos start,
+             MasterTap* tap = nullptr);
 
   // When the next tick should run.
   Nanos due() const noexcept { return pacer_.due(); }
@@ -29,25 +31,26 @@ class HapticLoop {
   bool finished() const noexcept { return finished_.load(std::memory_order_acquire); }
 
  private:
-  void let_go() noexcept;
   void take_scene() noexcept;
   void set_device() noexcept;
   void take_slave(Nanos now) noexcept;
-  // The force of the scene's walls in place of an arm's.
-  void feel_walls(double dt) noexcept;
+  void show_walls() noexcept;
+  // For who records: what the loop remembers, when that is due, and each tick.
+  void keep_image(Nanos now) noexcept;
+  void keep_tick(Nanos now) noexcept;
   // The next order of the queue, after those for the hand were carried out.
   OrderTicket next_order() noexcept;
   void publish(Nanos now) noexcept;
 
   HapticDevice& device_;
-  LoopScene scene_;
+  HapticRun run_;
   MasterMailboxes& boxes_;
   Pacer pacer_;
-  HapticInput input_;
-  HapticState state_;
+  HapticTick tick_;
   HapticReport report_;
-  WallInput wall_in_;
-  WallOutput wall_out_;
+  MasterTap* tap_;
+  KeptTick kept_;
+  std::uint64_t begins_;  // where the loop's epochs do, until that is kept
   SlaveNews news_;
   LoopScene next_scene_;
   CursorSample cursor_;

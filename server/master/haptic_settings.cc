@@ -61,4 +61,19 @@ HandReading hand_reading(const HapticSample& sample) noexcept {
   return out;
 }
 
+Presence presence_of(const pb::MasterConfig& config, const HapticCapabilities& device) {
+  if (!config.has_presence()) {
+    if (device.simulated && !device.led_by_cursor) return Presence::kNone;
+    return device.buttons >= 3 ? Presence::kButton : Presence::kHold;
+  }
+  switch (config.presence()) {
+    case pb::MasterConfig::NONE: return Presence::kNone;
+    case pb::MasterConfig::BUTTON: return Presence::kButton;
+    case pb::MasterConfig::HOLD: break;
+  }
+  return Presence::kHold;
+}
+
+Nanos nanos_of_ms(double value) { return static_cast<Nanos>(value * 1e6); }
+
 }  // namespace handrail

@@ -8,9 +8,8 @@
 #include "server/base/mailbox.h"
 #include "server/base/ring.h"
 #include "server/constraint/wall_proxy.h"
-#include "server/haptic/haptic_step.h"
+#include "server/haptic/haptic_run.h"
 #include "server/link/peer.h"
-#include "server/master/loop_scene.h"
 
 namespace handrail {
 

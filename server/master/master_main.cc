@@ -28,6 +28,9 @@
 #include "server/master/haptic_settings.h"
 #include "server/master/master_server.h"
 #include "server/master/wall_runs.h"
+#include "server/record/record_setup.h"
+#include "server/record/scene_records.h"
+#include "server/record/tick_io.h"
 #include "server/scene/config_io.h"
 #include "server/scene/scene_library.h"
 
@@ -48,6 +51,10 @@ const char kWhat[] =
     "disengages, then exits.";
 
 int fail(const std::string& message) { return fail_start("handrail-master", message); }
+
+void log_line(bool bad, const std::string& line) {
+  spdlog::log(bad ? spdlog::level::err : spdlog::level::info, line);
+}
 
 HapticDeviceOptions device_options(const pb::DeviceConfig& config) {
   HapticDeviceOptions out;
@@ -84,26 +91,12 @@ HapticDeviceOptions device_options(const pb::DeviceConfig& config) {
   return out;
 }
 
-Presence presence_of(const pb::MasterConfig& config, const HapticCapabilities& device) {
-  if (!config.has_presence()) {
-    if (device.simulated && !device.led_by_cursor) return Presence::kNone;
-    return device.buttons >= 3 ? Presence::kButton : Presence::kHold;
-  }
-  switch (config.presence()) {
-    case pb::MasterConfig::NONE: return Presence::kNone;
-    case pb::MasterConfig::BUTTON: return Presence::kButton;
-    case pb::MasterConfig::HOLD: break;
-  }
-  return Presence::kHold;
-}
-
-Nanos milliseconds(double value) { return static_cast<Nanos>(value * 1e6); }
-
 // The thread that ticks the loop until it has finished; then the device is closed.
 class HapticThread {
  public:
-  HapticThread(HapticDevice& device, const LoopScene& scene, MasterMailboxes& boxes)
-      : loop_(std::make_unique<HapticLoop>(device, scene, boxes, monotonic_now() + kSetUp)) {
+  HapticThread(HapticDevice& device, const LoopScene& scene, MasterMailboxes& boxes,
+               MasterTap* tap)
+      : loop_(std::make_unique<HapticLoop>(device, scene, boxes, monotonic_now() + kSetUp, tap)) {
     const SignalsBlocked blocked;
     thread_ = std::thread([this, &device] { run(device); });
   }
@@ -145,7 +138,7 @@ OrderDeskOptions desk_of(const pb::MasterConfig& config, const HapticCapabilitie
   out.identity.device_turns = capabilities.senses_rotation;
   out.identity.led_by_cursor = capabilities.led_by_cursor;
   out.identity.loop_warn = LadderSettings().warn_loop;
-  out.identity.loop_limit = milliseconds(config.loop_limit_ms());
+  out.identity.loop_limit = nanos_of_ms(config.loop_limit_ms());
   out.presence = presence_of(config, capabilities);
   out.user = own_user_name();
   out.identity.slave_at = config.has_slave() ? config.slave() : config.link_socket();
@@ -182,21 +175,31 @@ Result<std::optional<RemoteOperatorOptions>> remote_operators_of(const pb::Maste
                                              static_cast<std::uint16_t>(config.operator_port())});
 }
 
+std::unique_ptr<Recorder> make_recorder(const pb::MasterConfig& config,
+                                        const HapticCapabilities& device, MasterTap& tap) {
+  pb::RecordedStart start = recorded_start("handrail-master", random_session_id(), config);
+  put(device, *start.mutable_device());
+  return std::make_unique<Recorder>(recorder_options(config.recording(), log_line),
+                                    make_feed(tap), std::move(start));
+}
+
 int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
   auto device = make_haptic_device(device_options(config.device()));
   if (!device) return fail(device.message());
   const HapticCapabilities capabilities = (*device)->capabilities();
   const std::vector<std::string> folders(config.scene_path().begin(), config.scene_path().end());
   const auto library = std::make_shared<const SceneLibrary>(folders);
-  auto scene = library->load(config.scene());
+  const auto records = std::make_shared<SceneRecords>();
+  auto scene = records->load(*library, config.scene());
   if (!scene) return fail(scene.message());
   WallRuns wall_runs;
+  const auto tap = config.has_recording() ? std::make_unique<MasterTap>() : nullptr;
+  std::unique_ptr<Recorder> recorder;  // ends before what it reads
+  std::uint32_t scenes_so_far = 0;
   const auto loop_scene = [&](const Scene& s) {
-    LoopScene out{haptic_settings(s, capabilities, config.governor()),
-                  wall_runs.make(s, capabilities, config.governor())};
-    out.haptic.presence = presence_of(config, capabilities);
-    out.haptic.ladder.fade_loop = milliseconds(config.loop_limit_ms());
-    out.haptic.ladder.good_for = milliseconds(config.good_link_ms());
+    LoopScene out = loop_scene_of(s, capabilities, config, wall_runs);
+    out.number = ++scenes_so_far;
+    if (recorder) recorder->scene(records->take(s.name, out.number));
     for (const std::string& text : warnings_of(s)) spdlog::warn("{}", text);
     const auto checked = check_renderings(s, capabilities);
     for (const std::string& text : stability_warnings(checked, capabilities, config.governor())) {
@@ -204,7 +207,6 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
     }
     return out;
   };
-  const LoopScene first = loop_scene(*scene);
   const Result<TransportMaker> link = link_of(config);
   if (!link) return fail(link.message());
   const auto remote = remote_operators_of(config);
@@ -218,24 +220,29 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
     return end_output("handrail-master", 0);
   }
 
+  if (tap) recorder = make_recorder(config, capabilities, *tap);
+  const LoopScene first = loop_scene(*scene);
   DaemonNews news;
   Errand<Result<Scene>> scenes;
   raise_descriptor_limit(2 * OperatorServer::kMaxClients);
   auto boxes = std::make_unique<MasterMailboxes>();
   OrderDeskOptions desk_options = desk_of(config, capabilities);
   desk_options.identity.log_lost = [&log] { return log.lost(); };
-  desk_options.load_scene = [&scenes, library](const std::string& name) {
-    return scenes.poll([library, name] { return library->load(name); });
+  desk_options.load_scene = [&scenes, library, records](const std::string& name) {
+    return scenes.poll([library, records, name] { return records->load(*library, name); });
   };
   desk_options.loop_scene = loop_scene;
+  desk_options.recorder = recorder.get();
+  desk_options.record_folder = config.recording().folder();
   OrderDesk desk(*boxes, *scene, desk_options);
   const auto server = make_master_server(
-      *boxes, desk, {*link, config.operator_socket(), desk_options.identity.slave_at, *remote});
+      *boxes, desk,
+      {*link, config.operator_socket(), desk_options.identity.slave_at, *remote, recorder.get()});
   hold_endings();
   if (const Status opened = server->open(); !opened) return fail(opened.message());
   if (const Status opened = (*device)->open(); !opened) return fail(opened.message());
 
-  HapticThread haptic(**device, first, *boxes);
+  HapticThread haptic(**device, first, *boxes, tap.get());
   const RealtimeGrant realtime = haptic.realtime();
   desk.set_realtime(realtime.report);
   news.serve(

@@ -66,7 +66,9 @@ class MasterServer final : public IoServer {
     }
     // Where no robot takes part, a slave is left to another master.
     if (report.walls.present) return link_.keep_silent(now);
-    link_.send(now, report.out.link, report.sent_until, report.good_until);
+    MasterState told = report.out.link;
+    told.record = options_.recorder != nullptr && options_.recorder->asked();
+    link_.send(now, told, report.sent_until, report.good_until);
   }
 
   // Once, where nothing else says why.

@@ -18,6 +18,7 @@ struct MasterServerOptions {
   std::string operator_socket;
   std::string slave_at;                                   // where a slave is looked for
   std::optional<RemoteOperatorOptions> remote_operators;  // none: this computer's only
+  const Recorder* recorder = nullptr;  // the slave records when it is asked to; not owned
 };
 
 // Mailboxes and desk must outlive the server.

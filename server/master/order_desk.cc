@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "server/base/hand_move.h"
-#include "server/base/plain_text.h"
 #include "server/base/units.h"
 #include "server/master/replies.h"
 #include "server/master/set_vector.h"
@@ -27,19 +26,6 @@ bool read_vector(const google::protobuf::RepeatedField<double>& from, double uni
 // What is 180 deg in degrees may be more in radians.
 bool is_within(const Vec3& v, double most) { return v.norm() <= most * (1.0 + 1e-12); }
 
-// Who prompts says so again within this, or the prompt goes with them.
-constexpr Nanos kPromptLasts = 5 * kSecond;
-constexpr std::size_t kLongestMark = 32, kLongestPrompt = 200;  // [bytes]
-
-// Why that text cannot be shown to others; empty: it can.
-std::string problem_of(const char* what, const std::string& text, std::size_t least,
-                       std::size_t most) {
-  const bool one_line = is_plain_text(text) && text.find_first_of("\n\t") == std::string::npos;
-  if (one_line && text.size() >= least && text.size() <= most) return {};
-  return fmt::format("{}: '{}', expected {} to {} bytes of plain text in one line", what,
-                     shown(text), least, most);
-}
-
 }  // namespace
 
 OrderDesk::OrderDesk(MasterMailboxes& boxes, Scene scene, OrderDeskOptions options)
@@ -57,6 +43,7 @@ void OrderDesk::handle(const pb::Request& request, ReplyTo reply, StillWaits wai
     case pb::Request::kStatus:
     case pb::Request::kMark:
     case pb::Request::kPrompt:
+    case pb::Request::kRecord:
     case pb::Request::kStop: break;  // anybody's, always
     default: {
       const bool was_free = leases_.free();
@@ -84,6 +71,7 @@ void OrderDesk::obey(const pb::Request& request, const std::string& who, ReplyTo
       show_cursor(*answer.mutable_status());
       show_named_tools(*answer.mutable_status());
       show_task(*answer.mutable_status());
+      show_recording(*answer.mutable_status());
       leases_.show(now_, *answer.mutable_status()->mutable_lease());
       return reply(std::move(answer));
     }
@@ -115,6 +103,7 @@ void OrderDesk::obey(const pb::Request& request, const std::string& who, ReplyTo
     case pb::Request::kScrewC: return screw(request.screw_c(), std::move(reply));
     case pb::Request::kMark: return mark(request.mark(), who, reply);
     case pb::Request::kPrompt: return prompt(request, reply);
+    case pb::Request::kRecord: return record(request.record(), who, reply);
     case pb::Request::kHand: return hand(request.hand(), std::move(reply));
     case pb::Request::kCursor: return cursor(request.cursor(), reply);
     case pb::Request::kLease:
@@ -361,39 +350,6 @@ void OrderDesk::answer_taken() {
     pending_.erase(pending_.begin() + static_cast<std::ptrdiff_t>(i));
     reply(std::move(*answer));
   }
-}
-
-void OrderDesk::mark(const std::string& text, const std::string& who, const ReplyTo& reply) {
-  const std::string problem = problem_of("mark", text, 1, kLongestMark);
-  if (!problem.empty()) return reply(refused(problem));
-  mark_.set_count(mark_.count() + 1);
-  mark_.set_text(text);
-  mark_.set_by(who);
-  mark_.set_time_s(to_seconds(now_));
-  reply(done());
-}
-
-void OrderDesk::prompt(const pb::Request& wanted, const ReplyTo& reply) {
-  const std::string problem = problem_of("prompt", wanted.prompt(), 0, kLongestPrompt);
-  if (!problem.empty()) return reply(refused(problem));
-  const auto& ball = wanted.ball_mm();
-  const auto far = [](double mm) { return !(std::abs(mm) * kMm <= kFarthestHandMove); };
-  if ((!ball.empty() && ball.size() != 2) || std::any_of(ball.begin(), ball.end(), far)) {
-    return reply(refused(fmt::format("prompt: ball_mm: expected two numbers of at most {:g} mm",
-                                     kFarthestHandMove / kMm)));
-  }
-  prompt_ = wanted.prompt();
-  ball_mm_.assign(ball.begin(), ball.end());
-  prompted_ = now_;
-  reply(done());
-}
-
-void OrderDesk::show_task(pb::Status& status) const {
-  if (mark_.has_count()) *status.mutable_mark() = mark_;
-  if (prompt_.empty() || now_ - prompted_ >= kPromptLasts) return;
-  status.set_prompt(prompt_);
-  if (status.has_walls())
-    status.mutable_walls()->mutable_ball_mm()->Assign(ball_mm_.begin(), ball_mm_.end());
 }
 
 }  // namespace handrail

@@ -16,6 +16,7 @@
 #include "server/master/status_report.h"
 #include "server/master/why_report.h"
 #include "server/model/scene.h"
+#include "server/record/recorder.h"
 
 namespace handrail {
 
@@ -28,6 +29,8 @@ struct OrderDeskOptions {
   std::function<std::optional<Result<Scene>>(const std::string& name)> load_scene;
   // What it means with this device.
   std::function<LoopScene(const Scene& scene)> loop_scene;
+  Recorder* recorder = nullptr;  // not owned; null: nothing is kept
+  std::string record_folder;     // where it writes
 };
 
 // Turns the requests of who may drive into orders for the haptic loop and answers them once they
@@ -112,7 +115,9 @@ class OrderDesk : public OperatorHandler {
   std::string distance_text(const OrderAnswer& answer, const ToolCall& call) const;
   void mark(const std::string& text, const std::string& who, const ReplyTo& reply);
   void prompt(const pb::Request& wanted, const ReplyTo& reply);
+  void record(const pb::RecordOrder& wanted, const std::string& who, const ReplyTo& reply);
   void show_task(pb::Status& status) const;
+  void show_recording(pb::Status& status) const;
   void stage(const std::string& name, ReplyTo reply);
   void screw(double c, ReplyTo reply);
   void grip(bool closed, ReplyTo reply);

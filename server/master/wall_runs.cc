@@ -2,6 +2,7 @@
 
 #include "server/haptic/wall_proxies.h"
 #include "server/master/governing.h"
+#include "server/master/haptic_settings.h"
 
 namespace handrail {
 namespace {
@@ -35,6 +36,16 @@ WallRun* WallRuns::make(const Scene& scene, const HapticCapabilities& device, bo
   if (!scene.walls) return nullptr;
   if (runs_.size() == kKept) runs_.pop_front();
   return runs_.emplace_back(make_wall_run(scene, device, governor)).get();
+}
+
+LoopScene loop_scene_of(const Scene& scene, const HapticCapabilities& device,
+                        const pb::MasterConfig& config, WallRuns& runs) {
+  LoopScene out{haptic_settings(scene, device, config.governor()),
+                runs.make(scene, device, config.governor())};
+  out.haptic.presence = presence_of(config, device);
+  out.haptic.ladder.fade_loop = nanos_of_ms(config.loop_limit_ms());
+  out.haptic.ladder.good_for = nanos_of_ms(config.good_link_ms());
+  return out;
 }
 
 }  // namespace handrail

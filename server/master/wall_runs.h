@@ -5,7 +5,8 @@
 #include <memory>
 
 #include "devices/haptic_device.h"
-#include "server/haptic/wall_step.h"
+#include "proto/config.pb.h"
+#include "server/haptic/haptic_run.h"
 #include "server/model/scene.h"
 
 namespace handrail {
@@ -26,5 +27,10 @@ class WallRuns {
  private:
   std::deque<std::unique_ptr<WallRun>> runs_;
 };
+
+// What the loop runs with a scene, but for its number: settings as the master's configuration has
+// them, and the walls, kept in `runs`.
+LoopScene loop_scene_of(const Scene& scene, const HapticCapabilities& device,
+                        const pb::MasterConfig& config, WallRuns& runs);
 
 }  // namespace handrail

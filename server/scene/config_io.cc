@@ -195,6 +195,13 @@ void resolve_link_socket(const std::string& file, Config& config) {
                                                   : default_link_socket());
 }
 
+template <typename Config>
+void resolve_recording(const std::string& file, Config& config) {
+  if (!config.has_recording()) return;
+  pb::RecordingConfig& recording = *config.mutable_recording();
+  recording.set_folder(from_folder_of(file, recording.folder()));
+}
+
 void set_addresses(pb::MasterConfig&) {}  // it listens at none
 void set_addresses(pb::SlaveConfig& c) {
   if (!c.robot().has_address()) c.mutable_robot()->set_address(own_address());
@@ -256,6 +263,7 @@ Result<pb::MasterConfig> load_master_config(const std::string& path, const std::
   if (!config) return config;
   resolve_scene_path(path, *config);
   resolve_link_socket(path, *config);
+  resolve_recording(path, *config);
   if (!config->has_operator_socket()) config->set_operator_socket(default_operator_socket());
   if (config->device().has_recording()) {
     config->mutable_device()->set_recording(from_folder_of(path, config->device().recording()));
@@ -268,6 +276,7 @@ Result<pb::SlaveConfig> load_slave_config(const std::string& path, const std::st
   if (!config) return config;
   resolve_scene_path(path, *config);
   resolve_link_socket(path, *config);
+  resolve_recording(path, *config);
   return config;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "server/base/units.h"
 #include "server/follow/follow_gap.h"
@@ -42,9 +43,14 @@ Status check_first(const FollowSettings& settings, const RobotReply& first, int&
 }  // namespace
 
 RobotLoop::RobotLoop(Robot& robot, const FollowSettings& settings, SlaveMailboxes& boxes,
-                     Nanos (*clock)() noexcept)
-    : robot_(robot), settings_(settings), boxes_(boxes), clock_(clock) {
-  state_.fault_epoch = random_session_id();
+                     Nanos (*clock)() noexcept, SlaveTap* tap)
+    : robot_(robot),
+      settings_(settings),
+      boxes_(boxes),
+      clock_(clock),
+      tap_(tap),
+      begins_(random_session_id()) {
+  state_.fault_epoch = begins_;
 }
 
 Nanos RobotLoop::turn() {
@@ -130,7 +136,7 @@ void RobotLoop::connect() {
   connected_ = true;
   take_reply();
   input_.answer = Answer::kOnTime;
-  place(settings_, reply_.q_commanded, state_);
+  place_at(reply_.q_commanded);
   step(clock_(), Reason::kNone);
   send();
   publish();
@@ -145,7 +151,11 @@ void RobotLoop::step(Nanos now, Reason fault) {
   input_.gripper = connected_ ? reply_.gripper : GripperState::kNone;
   input_.fault = fault;
   input_.shutdown = stop_requested_.load(std::memory_order_relaxed);
+  if (tap_ != nullptr) keep_image(now);
+  if (kept_.placed) place(settings_, kept_.place, state_);
   follow_step(settings_, input_, state_, output_);
+  if (tap_ != nullptr) keep_cycle(now);
+  kept_.placed = false;
 }
 
 void RobotLoop::take_news(Nanos now) {
@@ -165,10 +175,36 @@ void RobotLoop::take_news(Nanos now) {
 void RobotLoop::take_settings() {
   settings_wait_ = boxes_.settings.take(next_settings_) || settings_wait_;
   const bool idle = state_.session == SessionState::kOff || state_.session == SessionState::kFault;
-  if (!settings_wait_ || !idle || !standing(state_.motion)) return;
+  const bool stands = kept_.placed || standing(state_.motion);
+  if (!settings_wait_ || !idle || !stands) return;
   settings_ = next_settings_;
   settings_wait_ = false;
-  if (state_.placed) place(settings_, state_.motion.joints.q, state_);
+  if (state_.placed && !kept_.placed) place_at(state_.motion.joints.q);
+}
+
+// An image is of before that.
+void RobotLoop::place_at(const JointVector& q) noexcept {
+  kept_.placed = true;
+  kept_.place = q;
+}
+
+void RobotLoop::keep_image(Nanos now) noexcept {
+  ++kept_.number;
+  if (!tap_->image_due(now)) return;
+  SlaveTap::Image& image = tap_->image();
+  image.number = kept_.number;
+  image.scene = settings_.number;
+  image.begins = std::exchange(begins_, 0);
+  image.size = save_follow(state_, output_, image.bytes);
+  tap_->keep_image(now);
+}
+
+void RobotLoop::keep_cycle(Nanos now) noexcept {
+  kept_.at = now;
+  kept_.scene = settings_.number;
+  kept_.given = input_;
+  kept_.came = output_;
+  tap_->keep(kept_);
 }
 
 Reason RobotLoop::unconnected() const noexcept {

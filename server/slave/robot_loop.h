@@ -7,6 +7,7 @@
 #include "devices/robot.h"
 #include "server/base/clock.h"
 #include "server/follow/follow_step.h"
+#include "server/record/record_tap.h"
 #include "server/slave/mailboxes.h"
 
 namespace handrail {
@@ -23,9 +24,10 @@ class RobotLoop {
   static constexpr Nanos kForceFresh = 20 * kMillisecond;  // older readings count as missing
   static constexpr Nanos kStopPatience = 2 * kSecond;      // for coming to a stop at the end
 
-  // `clock` is read once a turn. Robot and mailboxes must outlive the loop.
+  // `clock` is read once a turn. Robot, mailboxes and tap must outlive the loop. `tap`: where each
+  // cycle is left for who records; null: nobody does.
   RobotLoop(Robot& robot, const FollowSettings& settings, SlaveMailboxes& boxes,
-            Nanos (*clock)() noexcept = monotonic_now);
+            Nanos (*clock)() noexcept = monotonic_now, SlaveTap* tap = nullptr);
 
   // Waits for the controller and answers it, or tries to connect. Returns when to come again; 0 =
   // at once. Real-time safe while connected; connecting allocates. Never logs.
@@ -45,6 +47,10 @@ class RobotLoop {
   void take_reply() noexcept;
   void send() noexcept;
   void step(Nanos now, Reason fault);
+  void place_at(const JointVector& q) noexcept;
+  // For who records: what the step remembers, when that is due, and each cycle.
+  void keep_image(Nanos now) noexcept;
+  void keep_cycle(Nanos now) noexcept;
   void take_news(Nanos now);
   void take_settings();
   // `busy_for`: until the loop speaks again, beyond its usual round.
@@ -60,6 +66,9 @@ class RobotLoop {
   FollowInput input_;
   FollowState state_;
   FollowOutput output_;
+  SlaveTap* tap_;
+  KeptCycle kept_;
+  std::uint64_t begins_;  // where the faults' epochs do, until that is kept
   SlaveReport report_;
   MasterNews news_;
   ForceReading force_;

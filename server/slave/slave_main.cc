@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "devices/melfa/melfa_robot.h"
@@ -21,6 +22,8 @@
 #include "server/daemon/errand.h"
 #include "server/link/secure/secure_transport.h"
 #include "server/link/unix_transport.h"
+#include "server/record/record_setup.h"
+#include "server/record/scene_records.h"
 #include "server/scene/config_io.h"
 #include "server/scene/payload_io.h"
 #include "server/scene/scene_library.h"
@@ -95,8 +98,8 @@ std::string sensor_text(const FollowSettings& settings) {
 // The thread that turns the loop until it has finished.
 class RobotThread {
  public:
-  RobotThread(Robot& robot, const FollowSettings& settings, SlaveMailboxes& boxes)
-      : loop_(robot, settings, boxes) {
+  RobotThread(Robot& robot, const FollowSettings& settings, SlaveMailboxes& boxes, SlaveTap* tap)
+      : loop_(robot, settings, boxes, monotonic_now, tap) {
     const SignalsBlocked blocked;
     thread_ = std::thread([this] { run(); });
   }
@@ -128,19 +131,50 @@ class RobotThread {
   std::thread thread_;  // last: it uses the others
 };
 
+// What is known of the arm besides the scene, for who replays.
+pb::RecordedArm recorded_arm(const pb::SlaveConfig& config, Nanos period, bool has_sensor) {
+  pb::RecordedArm out;
+  out.set_period_ns(period);
+  out.set_has_sensor(has_sensor);
+  out.set_sensor_range(config.force_sensor().range_n());
+  out.set_force_lag(config.force_sensor().filter_ms() * 1e-3);
+  const Payload payload = payload_from(config.payload());
+  out.add_payload(payload.mass);
+  for (const Vec3& v : {payload.centre_T, payload.bias_T.force, payload.bias_T.torque}) {
+    for (int i = 0; i < 3; ++i) out.add_payload(v[i]);
+  }
+  return out;
+}
+
+std::shared_ptr<Recorder> make_recorder(const pb::SlaveConfig& config, Nanos period,
+                                        bool has_sensor, SlaveTap& tap) {
+  pb::RecordedStart start = recorded_start("handrail-slave", random_session_id(), config);
+  *start.mutable_arm() = recorded_arm(config, period, has_sensor);
+  const auto say = [](bool bad, const std::string& line) {
+    spdlog::log(bad ? spdlog::level::err : spdlog::level::info, line);
+  };
+  return std::make_shared<Recorder>(recorder_options(config.recording(), say), make_feed(tap),
+                                    std::move(start));
+}
+
 // What a scene means for the robot loop, by its name. Owns all that it uses.
 using SettingsOf = std::function<Result<FollowSettings>(const std::string& scene)>;
 
-SettingsOf settings_of(const pb::SlaveConfig& config, Nanos period, bool has_sensor) {
+SettingsOf settings_of(const pb::SlaveConfig& config, Nanos period, bool has_sensor,
+                       const std::weak_ptr<Recorder>& recorder) {
   const std::vector<std::string> folders(config.scene_path().begin(), config.scene_path().end());
-  return [config, library = SceneLibrary(folders), period,
-          has_sensor](const std::string& scene) -> Result<FollowSettings> {
-    const auto loaded = library.load(scene);
+  return [config, library = SceneLibrary(folders), period, has_sensor, recorder,
+          records = std::make_shared<SceneRecords>(),
+          number = std::make_shared<std::uint32_t>(0)](
+             const std::string& scene) -> Result<FollowSettings> {
+    const auto loaded = records->load(library, scene);
     if (!loaded) return loaded.status();
     const pb::FtConfig& force = config.force_sensor();
-    const FollowSettings out =
+    FollowSettings out =
         follow_settings(*loaded, period, has_sensor, force.range_n(),
                         payload_from(config.payload()), force.filter_ms() * 1e-3);
+    out.number = ++*number;
+    if (const auto to = recorder.lock()) to->scene(records->take(loaded->name, out.number));
     if (out.bumper.sensor_lag <= kMostSensorLag + 1e-9) return out;
     return Status::error(
         fmt::format("force_sensor.filter_ms: {} ms and bumper.sensor_lag_ms of scene {} make "
@@ -178,7 +212,10 @@ Result<TransportMaker> link_of(const pb::SlaveConfig& config) {
 int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
   MelfaRobot robot(robot_options(config.robot()));
   const std::unique_ptr<NetFtSensor> sensor = make_sensor(config.force_sensor());
-  const SettingsOf load = settings_of(config, robot.capabilities().period, sensor != nullptr);
+  const Nanos period = robot.capabilities().period;
+  const auto tap = config.has_recording() && !check_only ? std::make_unique<SlaveTap>() : nullptr;
+  const auto recorder = tap ? make_recorder(config, period, sensor != nullptr, *tap) : nullptr;
+  const SettingsOf load = settings_of(config, period, sensor != nullptr, recorder);
   const auto settings = load(config.scene());
   if (!settings) return fail(settings.message());
   const Result<TransportMaker> link = link_of(config);
@@ -209,7 +246,7 @@ int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
   if (sensor) {
     if (const Status started = sensor->start(); !started) return fail(started.message());
   }
-  RobotThread loop(robot, *settings, boxes);
+  RobotThread loop(robot, *settings, boxes, tap.get());
   news.serve(
       *server, fmt::format("READY link={}", server->place()),
       {"robot", loop.realtime(), [&] { loop.request_stop(); }, [&] { return loop.finished(); }});

@@ -51,6 +51,9 @@ Table part_rows() {
           {"server/painting", kModel},
           {"server/scene", kModel + Folders{"server/kinematics", "server/painting", "proto"}},
           {"server/link", kModel + Folders{"proto"}},
+          {"server/record/mcap", kBase},
+          {"server/record", kModel + Folders{"server/record/mcap", "server/haptic", "server/follow",
+                                             "server/link", "server/scene", "devices", "proto"}},
           {"server/link/secure", kModel + Folders{"server/daemon", "server/link", "server/keys"}}};
 }
 
@@ -58,7 +61,8 @@ Table part_rows() {
 Table program_rows() {
   const Folders text = kModel + Folders{"proto", "server/scene"};
   const Folders daemons = text + Folders{"server/daemon",      "server/keys",    "server/link",
-                                         "server/link/secure", "server/session", "devices"};
+                                         "server/link/secure", "server/session", "server/record",
+                                         "devices"};
   const Folders task = text + Folders{"server/task", "client/api"};
   const Folders study = {"devices/hand", "server/lab/study", "server/lab/study/screw"};
   return {
@@ -73,7 +77,8 @@ Table program_rows() {
                                         "server/lab/study/linear", "server/lab/figure"}},
       {"client/experiment/screw", kModel + study + Folders{"proto", "client/api"}},
       {"client/cli", task + Folders{"server/keys", "server/keys/pairing", "server/link",
-                                    "server/link/secure", "client/doctor", "client/experiment"}},
+                                    "server/link/secure", "client/doctor", "client/experiment", "client/cli/record"}},
+      {"client/cli/record", kBase + Folders{"server/record", "server/record/mcap"}},
       {"client/console/gateway", kBase + Folders{"proto"}},
       {"client/console/scene", text + Folders{"server/kinematics", "server/constraint/drawn"}},
       {"client/console/viewer", kConsole},
@@ -92,6 +97,7 @@ Table lab_rows() {
       {"server/lab",
        kBase + Folders{"server/lab/accuracy", "server/lab/contact", "server/lab/delay",
                        "server/lab/faults", "server/lab/hand", "server/lab/links",
+                       "server/lab/replay",
                        "server/lab/scenes", "server/lab/sequences", "server/lab/stability",
                        "server/lab/study/linear", "server/lab/study/screw", "server/lab/walls"}},
       {"server/lab/console", kBase},
@@ -103,6 +109,8 @@ Table lab_rows() {
       {"server/lab/study/linear", lab + Folders{"server/lab/study", "server/task"}},
       {"server/lab/study/screw", lab + kHands + kRigs + Folders{"server/lab/study", "server/task"}},
       {"server/lab/hand", lab + kHands + sides},
+      {"server/lab/replay", lab + sides + Folders{"server/haptic", "server/follow",
+                                                  "server/record", "server/record/mcap"}},
       {"server/lab/scenes", lab + kHands + kRigs +
                                 Folders{"server/master", "server/haptic", "server/kinematics",
                                         "server/constraint/drawn", "server/stability"}},

@@ -112,7 +112,9 @@ std::optional<TipInside> World::inside() const noexcept {
 Wrench World::on_sensor() const noexcept {
   const Quat q_TS = tip_.q.conjugate();
   const Wrench weight = sag_.weight(tip_.q);
-  return {q_TS * on_tip_.force + weight.force, q_TS * on_tip_.torque + weight.torque};
+  const Quat turn = geometry_.turn_of_flange(Quat::Identity()).conjugate();
+  return {turn * (q_TS * on_tip_.force + weight.force),
+          turn * (q_TS * on_tip_.torque + weight.torque)};
 }
 
 }  // namespace handrail

@@ -49,8 +49,8 @@ class World {
   const Vec3& untouched() const noexcept { return p0_; }
   // What the contacts exert on the tip, at the tip, frame S.
   const Wrench& on_tip() const noexcept { return on_tip_; }
-  // The same in the tip's axes, with the payload's weight: f_E_T, what an ideal
-  // sensor reads.
+  // The same with the payload's weight, at the tip, in the axes of the flange, as the sensor is
+  // turned: what an ideal one reads.
   Wrench on_sensor() const noexcept;
   // Of the screw, tightened since the start [rad]; 0 without one.
   double screw_angle() const noexcept { return socket_ ? screw_.angle() : 0.0; }

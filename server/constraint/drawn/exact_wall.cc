@@ -6,6 +6,7 @@
 
 #include "server/constraint/drawn/outline.h"
 #include "server/constraint/drawn/wall_shape.h"
+#include "server/constraint/proxy_image.h"
 
 namespace handrail {
 namespace {
@@ -57,6 +58,13 @@ class ExactWall final : public WallProxy {
     gone_ = (gone >> walls_.outside & 1u) != 0;
     if (gone_) place_ = {place_.p, -1, -1};
     if (was_gone && !gone_) put_to_free(std::numeric_limits<double>::infinity());
+  }
+
+  std::size_t save(std::span<std::byte, kMostImage> out) const noexcept override {
+    return put_in_image(out, gone_, hand_, place_, work_);
+  }
+  bool restore(std::span<const std::byte> image) noexcept override {
+    return take_from_image(image, gone_, hand_, place_, work_);
   }
 
   std::size_t memory() const noexcept override { return sizeof(*this) + outline_.memory(); }

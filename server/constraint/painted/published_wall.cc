@@ -1,4 +1,5 @@
 #include "server/constraint/painted/published_wall.h"
+#include "server/constraint/proxy_image.h"
 
 #include <algorithm>
 #include <cmath>
@@ -53,6 +54,13 @@ class PublishedWall final : public WallProxy {
   void set_gone(std::uint64_t gone) noexcept override {
     gone_ = gone;
     if (is_wall(proxy_)) put_to_free();
+  }
+
+  std::size_t save(std::span<std::byte, kMostImage> out) const noexcept override {
+    return put_in_image(out, gone_, hand_, proxy_);
+  }
+  bool restore(std::span<const std::byte> image) noexcept override {
+    return take_from_image(image, gone_, hand_, proxy_);
   }
 
   std::size_t memory() const noexcept override {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/constraint/painted/subpixel_field.h"
+#include "server/constraint/proxy_image.h"
 
 namespace handrail {
 namespace {
@@ -82,6 +83,23 @@ class SubpixelWall final : public WallProxy {
       place(p_);
       return;
     }
+  }
+
+  std::size_t save(std::span<std::byte, kMostImage> out) const noexcept override {
+    const std::size_t field = static_cast<std::size_t>(field_ - fields_.data());
+    return put_in_image(out, field, hand_, held_, stuck_, p_, touching_, clearance_, stride_, n_,
+                        bend_, fine_, limit_, work_);
+  }
+  bool restore(std::span<const std::byte> image) noexcept override {
+    std::size_t field = 0;
+    if (!take_from_image(image.first(std::min(image.size(), sizeof(field))), field)) return false;
+    if (field >= fields_.size() ||
+        !take_from_image(image, field, hand_, held_, stuck_, p_, touching_, clearance_, stride_,
+                         n_, bend_, fine_, limit_, work_)) {
+      return false;
+    }
+    field_ = &fields_[field];
+    return true;
   }
 
   std::size_t memory() const noexcept override {

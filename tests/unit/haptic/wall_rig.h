@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "server/constraint/proxy_image.h"
 #include "server/haptic/wall_step.h"
 
 namespace handrail::test {
@@ -25,6 +26,12 @@ class HalfPlane final : public WallProxy {
     return out;
   }
   void set_gone(std::uint64_t gone) noexcept override { gone_ = (gone & 2u) != 0; }
+  std::size_t save(std::span<std::byte, kMostImage> out) const noexcept override {
+    return put_in_image(out, gone_, starts);
+  }
+  bool restore(std::span<const std::byte> image) noexcept override {
+    return take_from_image(image, gone_, starts);
+  }
   std::size_t memory() const noexcept override { return sizeof(*this); }
 
   int starts = 0;

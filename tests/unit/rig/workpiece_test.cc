@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "devices/rig/rig.h"
+#include "server/kinematics/arm_of.h"
 #include "tests/support/no_allocation.h"
 
 namespace handrail {
@@ -48,6 +49,27 @@ TEST(RigWorkpiece, TheArmStandsWhereItStood) {
   EXPECT_FALSE(rig.play(Workpiece()));
   EXPECT_EQ(rig.world(), nullptr);
   EXPECT_LT((rig.true_tip().p - before.p).norm(), 1e-9);
+}
+
+TEST(RigWorkpiece, AMountedTipIsThatOfItsScene) {
+  Scene scene;
+  scene.X_AT = Pose{Vec3(30e-3, 0.0, 0.0), Quat(Eigen::AngleAxisd(0.5, Vec3::UnitY()))};
+  scene.simulate.emplace();
+  const Pose X_ST = forward(arm_of(scene), ServoArmOptions::default_start());
+  PlaneSpec plane = floor_at(0.0);
+  plane.at = X_ST.p - Vec3(0.0, 0.0, 1e-4);
+  scene.simulate->effects = {ArmComplianceSpec(), plane};
+  const Workpiece piece = workpiece_of(scene);
+  World world(*piece.world, piece.geometry, ServoArmOptions::default_start());
+  EXPECT_LT((world.untouched() - X_ST.p).norm(), 1e-12);
+  for (int i = 0; i < 20; ++i) {
+    world.lead({X_ST.p - Vec3(0.0, 0.0, 1e-5 * i), X_ST.q}, 1e-3);
+  }
+  const Vec3 on_tip = world.on_tip().force;
+  ASSERT_GT(on_tip.z(), 1.0);
+  const Quat q_SA = X_ST.q * scene.X_AT->q.conjugate();
+  EXPECT_LT((world.on_sensor().force - q_SA.conjugate() * on_tip).norm(), 1e-9)
+      << "the sensor is turned as the flange";
 }
 
 TEST(RigWorkpiece, WhatTheTipWouldBeInsideOfIsRefusedByItsName) {

@@ -1,0 +1,210 @@
+// The master's tick, done again.
+#include <google/protobuf/text_format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "proto/config.pb.h"
+#include "server/haptic/haptic_run.h"
+#include "server/lab/replay/replay_side.h"
+#include "server/master/wall_runs.h"
+#include "server/record/record_feed.h"
+#include "server/record/tick_io.h"
+
+namespace handrail {
+namespace {
+
+bool leads(SessionState state) { return state == SessionState::kEngaged; }
+
+// What one of the two, recorded or replayed, was like so far.
+class Summing {
+ public:
+  explicit Summing(ReplaySummary& out) : out_(out) {}
+  void add(const pb::RecordedTick& tick) {
+    if (tick.wrench_size() < 3 || tick.command().command_pose_size() < 3) return;
+    const Vec3 force(tick.wrench(0), tick.wrench(1), tick.wrench(2));
+    sum_ += force.norm();
+    out_.most_force = std::max(out_.most_force, force.norm());
+    out_.mean_force = sum_ / static_cast<double>(++count_);
+    const auto& pose = tick.command().command_pose();
+    const Vec3 command(pose[0], pose[1], pose[2]);
+    const bool led = leads(static_cast<SessionState>(tick.command().state()));
+    if (led) out_.engaged += tick.dt();
+    if (led && led_) out_.way += (command - last_).norm();
+    if (led) out_.most_off = std::max(out_.most_off, tick.deviation());
+    led_ = led;
+    last_ = command;
+  }
+  const Vec3& command() const { return last_; }
+  bool led() const { return led_; }
+
+ private:
+  ReplaySummary& out_;
+  double sum_ = 0.0;
+  std::uint64_t count_ = 0;
+  bool led_ = false;
+  Vec3 last_ = Vec3::Zero();
+};
+
+class MasterSide final : public ReplaySide {
+ public:
+  MasterSide(HapticCapabilities device, pb::MasterConfig config, const RecordedScenes& scenes,
+             const ReplayOptions& options, bool exact)
+      : device_(std::move(device)),
+        config_(std::move(config)),
+        scenes_(scenes),
+        options_(options),
+        compare_(exact) {}
+
+  Status image(const pb::RecordedImage& image) override {
+    if (run_) return Status::ok();  // it is on its way already
+    waiting_ = image;
+    return Status::ok();
+  }
+
+  void interrupt() override {
+    run_.reset();
+    slave_known_ = false;
+  }
+
+  Status entry(std::string_view bytes, ReplayResult& result) override {
+    if (!recorded_.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
+      return Status::error("a message that is no handrail.pb.RecordedTick");
+    }
+    ++result.entries;
+    if (result.entries == 1) result.begun = recorded_.at_ns();
+    result.seconds = to_seconds(recorded_.at_ns() - result.begun);
+    if (Status taken = take(recorded_, kept_); !taken) {
+      return Status::error("tick " + std::to_string(recorded_.number()) + ": " + taken.message());
+    }
+    // Most ticks leave it out: it is that of the tick before.
+    if (recorded_.has_slave()) {
+      *slave_.mutable_slave() = recorded_.slave();
+      slave_known_ = true;
+    } else if (recorded_.slave_known() && slave_known_) {
+      *recorded_.mutable_slave() = slave_.slave();
+    }
+    if (Status begun = begin(); !begun) return begun;
+    if (!run_) return Status::ok();
+    return again(result);
+  }
+
+ private:
+  // From an image, where one waits for this tick.
+  Status begin() {
+    if (run_ || !waiting_ || waiting_->number() != recorded_.number()) return Status::ok();
+    const auto image = std::exchange(waiting_, std::nullopt);
+    // After an interruption the slave's state may be missing until it changes.
+    if (recorded_.slave_known() && !slave_known_) return Status::ok();
+    auto scene = loop_scene(image->scene());
+    if (!scene) return scene.status();
+    auto run = std::make_unique<HapticRun>(*scene, device_.led_by_cursor);
+    if (image->begins() != 0) {
+      run->begin(image->begins());
+    } else {
+      const std::string& bytes = image->part_size() > 0 ? image->part(0) : std::string();
+      const auto memory = std::as_bytes(std::span(bytes.data(), bytes.size()));
+      // Of a scene that is asked to be otherwise the memory may be another.
+      if (!run->restore(memory)) return Status::error("an image that is not of this build's steps");
+    }
+    run_ = std::move(run);
+    return Status::ok();
+  }
+
+  Result<LoopScene> loop_scene(std::uint32_t number) {
+    const auto made = made_.find(number);
+    if (made != made_.end()) return made->second;
+    const Scene* scene = scenes_.find(number);
+    if (scene == nullptr) {
+      return Status::error("the recording does not have scene " + std::to_string(number) +
+                           ", which its ticks name");
+    }
+    LoopScene out = loop_scene_of(*scene, device_, config_, kept_runs_.emplace_back());
+    out.number = number;
+    made_.emplace(number, out);
+    return out;
+  }
+
+  Status again(ReplayResult& result) {
+    if (run_->scene().number != kept_.scene) {
+      auto scene = loop_scene(kept_.scene);
+      if (!scene) return scene.status();
+      run_->change(*scene);
+    }
+    if (!options_.as_recorded()) {
+      if (Status asked = ask_otherwise(); !asked) return asked;
+    }
+    kept_.came = run_->tick(kept_.given);
+    const WallRun* walls = run_->scene().walls;
+    const auto* screw = walls == nullptr ? nullptr : walls->state.effects.find<ProgressiveFriction>();
+    kept_.turned = screw == nullptr ? 0.0 : screw->alpha();
+    put(kept_, replayed_);
+    was_.add(recorded_);
+    is_.add(replayed_);
+    result.was = was_sum_;
+    result.is = is_sum_;
+    if (was_.led() && is_.led()) {
+      result.apart = std::max(result.apart, (was_.command() - is_.command()).norm());
+    }
+    compare_.compare(recorded_, replayed_, recorded_.number(), recorded_.at_ns(), result);
+    return Status::ok();
+  }
+
+  // Another tool, and a slave that agrees to what is asked: the recorded one had the recorded scene.
+  Status ask_otherwise() {
+    HapticOrder& order = kept_.given.in.order;
+    if (!options_.tool.empty() && order.kind == OrderKind::kTool) {
+      const Scene* scene = scenes_.find(kept_.scene);
+      const auto found = std::find_if(
+          scene->named_tools.begin(), scene->named_tools.end(),
+          [this](const NamedTool& tool) { return tool.name == options_.tool; });
+      if (found == scene->named_tools.end()) {
+        return Status::error("--tool " + options_.tool + ": scene " + scene->name +
+                             " has no tool of that name");
+      }
+      if (is_position_tool(found->call.kind) == is_position_tool(order.tool.kind)) {
+        order.tool = found->call;
+      }
+    }
+    SlaveState& slave = kept_.given.in.slave;
+    const MasterState& own = run_->result().out.link;
+    slave.hashes = run_->scene().haptic.hashes;
+    slave.hashes.tools = own.hashes.tools;
+    slave.position_tool_epoch = own.position_tool.epoch;
+    slave.orientation_tool_epoch = own.orientation_tool.epoch;
+    return Status::ok();
+  }
+
+  const HapticCapabilities device_;
+  const pb::MasterConfig config_;
+  const RecordedScenes& scenes_;
+  const ReplayOptions options_;
+  ReplayCompare compare_;
+  std::map<std::uint32_t, LoopScene> made_;
+  std::deque<WallRuns> kept_runs_;
+  std::unique_ptr<HapticRun> run_;
+  std::optional<pb::RecordedImage> waiting_;
+  KeptTick kept_;
+  pb::RecordedTick recorded_, replayed_, slave_;
+  bool slave_known_ = false;
+  ReplaySummary was_sum_, is_sum_;
+  Summing was_{was_sum_}, is_{is_sum_};
+};
+
+}  // namespace
+
+Result<std::unique_ptr<ReplaySide>> replay_master(const pb::RecordedStart& start,
+                                                  const RecordedScenes& scenes,
+                                                  const ReplayOptions& options) {
+  HapticCapabilities device;
+  if (Status taken = take(start.device(), device); !taken) return taken;
+  pb::MasterConfig config;
+  if (!google::protobuf::TextFormat::ParseFromString(start.configuration(), &config)) {
+    return Status::error("the recorded configuration is none of a master of this version");
+  }
+  std::unique_ptr<ReplaySide> out = std::make_unique<MasterSide>(
+      device, config, scenes, options, start.build() == record_build());
+  return Result<std::unique_ptr<ReplaySide>>(std::move(out));
+}
+
+}  // namespace handrail
