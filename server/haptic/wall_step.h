@@ -66,9 +66,13 @@ struct WallMemory {
   }
 };
 
-struct WallState : WallMemory {
+struct WallWay {
   std::unique_ptr<WallProxy> proxy;  // the scene's, put here before the first step
 };
+
+// The memory comes last: whatever came after it might stand in the space at its end that aligns it,
+// and would go along when all of its bytes are kept or brought back.
+struct WallState : WallWay, WallMemory {};
 
 // Everything a running scene of walls is. May be large.
 struct WallRun {

@@ -7,170 +7,17 @@
 #include <regex>
 #include <set>
 
+#include "tests/lint/folder_table.h"
+
 namespace handrail::lint {
 namespace {
-
-using Folders = std::set<std::string>;
-
-Folders operator+(Folders a, const Folders& b) {
-  a.insert(b.begin(), b.end());
-  return a;
-}
-
-const Folders kBase = {"server/base"};
-const Folders kModel = kBase + Folders{"server/model"};
-const Folders kConsole =
-    kModel + Folders{"proto", "client/console/gateway", "client/console/scene"};
-const Folders kHands = {"devices/hand", "devices/omni", "devices/joystick", "devices/page"};
-const Folders kRigs = {"devices/rig", "devices/rig/world", "devices/melfa", "devices/net_ft"};
-
-using Table = std::map<std::string, Folders>;
-
-// What both sides are made of.
-Table part_rows() {
-  return {{"proto", {}},
-          {"server/base", {}},
-          {"server/model", kBase},
-          {"server/keys", kBase},
-          {"server/keys/pairing", kBase + Folders{"server/keys"}},
-          {"server/daemon", kBase},
-          {"server/task", kModel},
-          {"server/kinematics", kModel},
-          {"server/constraint", kModel},
-          {"server/constraint/drawn", kModel + Folders{"server/constraint"}},
-          {"server/constraint/painted", kModel + Folders{"server/constraint"}},
-          {"server/effects", kModel},
-          {"server/session", kModel},
-          {"server/stability", kModel},
-          {"server/motion", kModel + Folders{"server/kinematics"}},
-          {"server/haptic",
-           kModel + Folders{"server/session", "server/constraint", "server/constraint/drawn",
-                            "server/constraint/painted", "server/effects", "server/stability"}},
-          {"server/follow", kModel + Folders{"server/session", "server/constraint",
-                                             "server/kinematics", "server/motion"}},
-          {"server/painting", kModel},
-          {"server/scene", kModel + Folders{"server/kinematics", "server/painting", "proto"}},
-          {"server/link", kModel + Folders{"proto"}},
-          {"server/record/mcap", kBase},
-          {"server/record", kModel + Folders{"server/record/mcap", "server/haptic", "server/follow",
-                                             "server/link", "server/scene", "devices", "proto"}},
-          {"server/link/secure", kModel + Folders{"server/daemon", "server/link", "server/keys"}}};
-}
-
-// The daemons, and who drives them.
-Table program_rows() {
-  const Folders text = kModel + Folders{"proto", "server/scene"};
-  const Folders daemons = text + Folders{"server/daemon",      "server/keys",    "server/link",
-                                         "server/link/secure", "server/session", "server/record",
-                                         "devices"};
-  const Folders task = text + Folders{"server/task", "client/api"};
-  const Folders study = {"devices/hand", "server/lab/study", "server/lab/study/screw"};
-  return {
-      {"server/master", daemons + Folders{"server/haptic", "server/stability", "server/constraint",
-                                          "server/kinematics"}},
-      {"server/slave",
-       daemons + Folders{"server/follow", "server/kinematics", "devices/melfa", "devices/net_ft"}},
-      {"client/api", kBase + Folders{"proto", "server/keys", "server/link/secure"}},
-      {"client/doctor", kModel + Folders{"proto", "server/keys", "server/link", "client/api"}},
-      {"client/experiment", task + study +
-                                Folders{"client/experiment/screw", "server/lab/walls",
-                                        "server/lab/study/linear", "server/lab/figure"}},
-      {"client/experiment/screw", kModel + study + Folders{"proto", "client/api"}},
-      {"client/cli", task + Folders{"server/keys", "server/keys/pairing", "server/link",
-                                    "server/link/secure", "client/doctor", "client/experiment", "client/cli/record"}},
-      {"client/cli/record", kBase + Folders{"server/record", "server/record/mcap"}},
-      {"client/console/gateway", kBase + Folders{"proto"}},
-      {"client/console/scene", text + Folders{"server/kinematics", "server/constraint/drawn"}},
-      {"client/console/viewer", kConsole},
-      {"client/console", kConsole + Folders{"server/daemon", "server/keys", "server/scene",
-                                            "client/api", "client/console/viewer"}}};
-}
-
-Table lab_rows() {
-  const Folders sides = {"server/master", "server/slave", "server/kinematics"};
-  const Folders network = kModel + Folders{"server/lab/network"};
-  // What a command of the lab is made of.
-  const Folders lab =
-      network + Folders{"devices",           "proto",          "server/scene", "server/lab/console",
-                        "server/lab/figure", "server/lab/cell"};
-  return {
-      {"server/lab",
-       kBase + Folders{"server/lab/accuracy", "server/lab/contact", "server/lab/delay",
-                       "server/lab/faults", "server/lab/hand", "server/lab/links",
-                       "server/lab/replay",
-                       "server/lab/scenes", "server/lab/sequences", "server/lab/stability",
-                       "server/lab/study/linear", "server/lab/study/screw", "server/lab/walls"}},
-      {"server/lab/console", kBase},
-      {"server/lab/figure", kBase},
-      {"server/lab/network", kBase},
-      {"server/lab/cell",
-       network + kRigs + Folders{"server/haptic", "server/follow", "server/link"}},
-      {"server/lab/study", lab + kHands + sides + Folders{"devices/rig", "server/haptic"}},
-      {"server/lab/study/linear", lab + Folders{"server/lab/study", "server/task"}},
-      {"server/lab/study/screw", lab + kHands + kRigs + Folders{"server/lab/study", "server/task"}},
-      {"server/lab/hand", lab + kHands + sides},
-      {"server/lab/replay", lab + sides + Folders{"server/haptic", "server/follow",
-                                                  "server/record", "server/record/mcap"}},
-      {"server/lab/scenes", lab + kHands + kRigs +
-                                Folders{"server/master", "server/haptic", "server/kinematics",
-                                        "server/constraint/drawn", "server/stability"}},
-      {"server/lab/accuracy", lab + kHands +
-                                  Folders{"server/lab/scenes", "server/master", "server/haptic",
-                                          "server/constraint", "server/link"}},
-      {"server/lab/walls", lab + kHands +
-                               Folders{"server/lab/study", "server/master", "server/haptic",
-                                       "server/constraint", "server/constraint/drawn"}},
-      {"server/lab/stability",
-       lab + kHands + sides +
-           Folders{"server/lab/sequences", "server/lab/faults/audit", "server/lab/study",
-                   "server/haptic", "server/stability"}},
-      {"server/lab/contact", lab + Folders{"server/lab/study", "server/follow"}},
-      {"server/lab/delay", lab + kHands + kRigs + sides +
-                               Folders{"server/lab/study", "server/haptic", "server/follow"}},
-      {"server/lab/links",
-       lab + Folders{"server/lab/faults", "server/lab/study", "server/session"}},
-      {"server/lab/sequences", lab + Folders{"devices/omni", "server/master", "server/haptic",
-                                             "server/lab/faults", "server/lab/study"}},
-      {"server/lab/faults/audit", network + Folders{"server/motion", "server/kinematics"}},
-      {"server/lab/faults", lab + kHands + sides +
-                                Folders{"server/lab/faults/audit", "server/lab/study",
-                                        "server/motion", "server/kinematics"}}};
-}
-
-Table device_rows() {
-  const Folders sim = kModel + Folders{"devices", "devices/hand"};
-  return {{"devices", kModel + kHands},
-          {"devices/udp", kBase},
-          {"devices/melfa", kModel + Folders{"devices", "devices/udp"}},
-          {"devices/net_ft", kBase + Folders{"devices", "devices/udp"}},
-          {"devices/hand", sim},
-          {"devices/omni", sim},
-          {"devices/joystick", sim},
-          {"devices/page", sim + Folders{"devices/joystick"}},
-          {"devices/rig/world", kModel + Folders{"server/kinematics"}},
-          {"devices/rig", kModel + kRigs +
-                              Folders{"proto", "server/daemon", "server/kinematics", "server/link",
-                                      "server/scene", "devices/udp"}}};
-}
-
-// A folder's own files are always allowed; a folder inside it is another one. "devices" is the
-// interfaces and the registry.
-const Table& table() {
-  static const Table rows = [] {
-    Table all;
-    for (const Table& part : {part_rows(), program_rows(), lab_rows(), device_rows()}) {
-      all.insert(part.begin(), part.end());
-    }
-    return all;
-  }();
-  return rows;
-}
 
 // What a folder's library is called in CMake.
 std::string target_of(const std::string& folder) {
   if (folder == "devices") return "registry";
   if (folder == "proto") return folder;
-  if (starts_with(folder, "client/cli")) return "cli";
+  if (folder == "client/cli") return "cli";
+  if (starts_with(folder, "client/cli/")) return "cli_" + folder.substr(11);
   std::string name = starts_with(folder, "client/") ? folder : folder.substr(folder.find('/') + 1);
   std::replace(name.begin(), name.end(), '/', '_');
   return name;
@@ -221,13 +68,13 @@ std::string folder_of(const std::string& path) {
   return slash == std::string::npos ? "" : path.substr(0, slash);
 }
 
-bool is_in_table(const std::string& folder) { return table().count(folder) != 0; }
+bool is_in_table(const std::string& folder) { return folder_table().count(folder) != 0; }
 
 bool may_use(const std::string& path, const std::string& folder) {
   const std::string own = folder_of(path);
   if (own == folder) return true;
-  const auto row = table().find(own);
-  return row != table().end() && row->second.count(folder) != 0;
+  const auto row = folder_table().find(own);
+  return row != folder_table().end() && row->second.count(folder) != 0;
 }
 
 Violations include_direction(const File& source) {
@@ -259,10 +106,11 @@ Violations link_direction(const File& cmake) {
     for (auto dep = std::sregex_iterator(targets.begin(), targets.end(), target);
          dep != std::sregex_iterator(); ++dep) {
       const std::string name = (*dep)[1];
-      const bool allowed = name == "options" || target_of(folder_of(cmake.path)) == name ||
-                           std::any_of(table().begin(), table().end(), [&](const auto& row) {
-                             return target_of(row.first) == name && may_use(cmake.path, row.first);
-                           });
+      const bool allowed =
+          name == "options" || target_of(folder_of(cmake.path)) == name ||
+          std::any_of(folder_table().begin(), folder_table().end(), [&](const auto& row) {
+            return target_of(row.first) == name && may_use(cmake.path, row.first);
+          });
       if (!allowed) found.push_back(cmake.path + ": may not link handrail_" + name);
     }
   }

@@ -77,29 +77,22 @@ class SubpixelWall final : public WallProxy {
   }
 
   void set_gone(std::uint64_t gone) noexcept override {
-    for (const Field& f : fields_) {
-      if (f.gone != gone || &f == field_) continue;
-      field_ = &f;
-      place(p_);
-      return;
+    for (std::size_t i = 0; i < fields_.size(); ++i) {
+      if (fields_[i].gone != gone || i == field_) continue;
+      field_ = i;
+      return place(p_);
     }
   }
 
   std::size_t save(std::span<std::byte, kMostImage> out) const noexcept override {
-    const std::size_t field = static_cast<std::size_t>(field_ - fields_.data());
-    return put_in_image(out, field, hand_, held_, stuck_, p_, touching_, clearance_, stride_, n_,
-                        bend_, fine_, limit_, work_);
+    return put_in_image(out, field_, hand_, held_, stuck_, p_, touching_, clearance_, stride_, n_,
+                        bend_, fine_, limit_);
   }
   bool restore(std::span<const std::byte> image) noexcept override {
-    std::size_t field = 0;
-    if (!take_from_image(image.first(std::min(image.size(), sizeof(field))), field)) return false;
-    if (field >= fields_.size() ||
-        !take_from_image(image, field, hand_, held_, stuck_, p_, touching_, clearance_, stride_,
-                         n_, bend_, fine_, limit_, work_)) {
-      return false;
-    }
-    field_ = &fields_[field];
-    return true;
+    const bool taken = take_from_image(image, field_, hand_, held_, stuck_, p_, touching_,
+                                       clearance_, stride_, n_, bend_, fine_, limit_);
+    field_ = std::min(field_, fields_.size() - 1);
+    return taken;
   }
 
   std::size_t memory() const noexcept override {
@@ -130,7 +123,6 @@ class SubpixelWall final : public WallProxy {
       if (f.gone == gone) return;
     }
     fields_.push_back({gone, SubpixelField(map_, gone)});
-    field_ = &fields_.front();
   }
 
   Vec2 to_pixels(const Vec2& p) const noexcept { return p / map_.pixel + half_; }
@@ -138,7 +130,7 @@ class SubpixelWall final : public WallProxy {
 
   Probe probe(const Vec2& p) noexcept {
     ++work_;
-    return field_->distance.at(p);
+    return fields_[field_].distance.at(p);
   }
 
   // Straight toward the hand, up to the first wall. True when there.
@@ -375,7 +367,7 @@ class SubpixelWall final : public WallProxy {
   std::uint8_t wall_at_proxy() const noexcept {
     for (int half = 0; half < 4; ++half) {
       const std::uint8_t wall = map_.wall[pixel_at(p_ - 0.5 * half * n_)];
-      const bool there = (field_->gone >> (wall & 63) & 1) == 0;
+      const bool there = (fields_[field_].gone >> (wall & 63) & 1) == 0;
       if (there && walls_.regions[wall].kind == RegionKind::kWall) return wall;
     }
     return border_;
@@ -385,8 +377,8 @@ class SubpixelWall final : public WallProxy {
   const CoverageMap& map_;
   Vec2 half_;                  // of the map
   std::vector<Field> fields_;  // one per set of vanished walls
-  const Field* field_ = nullptr;
-  std::uint8_t border_ = 0;  // the wall around the map
+  std::size_t field_ = 0;      // the one in force
+  std::uint8_t border_ = 0;    // the wall around the map
 
   Vec2 hand_ = Vec2::Zero();
   Vec2 held_ = Vec2::Constant(-1e9);   // the waiting hand whose proxy comes no nearer

@@ -19,7 +19,7 @@ struct ReplayOptions {
   // What is asked to be otherwise; none of them: the recording as it is.
   std::vector<Override> overrides;  // of the scenes
   std::string scene;                // in place of all of them; empty: those recorded
-  std::string tool;                 // a tool of the scene, by name, in place of every one of its sort
+  std::string tool;  // a tool of the scene, by name, in place of every one of its sort
   // Asked now and then; true ends the replay.
   std::function<bool()> cancelled = {};
 
@@ -35,26 +35,28 @@ struct ReplayDifference {
 
 // What the hand felt and where it led the tip, of all ticks.
 struct ReplaySummary {
-  double most_force = 0.0;   // on the hand [N]
-  double mean_force = 0.0;   // [N]
-  double way = 0.0;          // that the command went [m]
-  double most_off = 0.0;     // of the hand from its position tool [m]
-  double engaged = 0.0;      // that the hand led the arm [s]
+  double most_force = 0.0;  // on the hand [N]
+  double mean_force = 0.0;  // [N]
+  double way = 0.0;         // that the command went [m]
+  double most_off = 0.0;    // of the hand from its position tool [m]
+  double engaged = 0.0;     // that the hand led the arm [s]
 };
 
 struct ReplayResult {
   std::string program, version;  // that recorded
-  bool same_build = false;       // as this program's: images can be gone on from, outputs are compared to the bit
-  std::string why;               // it was begun
-  double seconds = 0.0;          // from the first tick or cycle to the last
-  std::uint64_t entries = 0;     // ticks or cycles
-  std::uint64_t replayed = 0;    // of them, those that were done again
-  std::uint64_t lost = 0;        // that the recorder had no room for
-  std::uint64_t different = 0;   // of those replayed
+  bool same_build =
+      false;  // as this program's: images can be gone on from, outputs are compared to the bit
+  std::string why;              // it was begun
+  double seconds = 0.0;         // from the first tick or cycle to the last
+  std::uint64_t entries = 0;    // ticks or cycles
+  std::uint64_t replayed = 0;   // of them, those that were done again
+  std::uint64_t lost = 0;       // that the recorder had no room for
+  std::uint64_t missing = 0;    // between the first and the last, those lost among them
+  std::uint64_t different = 0;  // of those replayed
   std::optional<ReplayDifference> first;
-  ReplaySummary was, is;         // as recorded, and as replayed; of a master
-  double apart = 0.0;            // of the two commands, at most [m]
-  std::string damage;            // of the file; empty: it is whole
+  ReplaySummary was, is;  // as recorded, and as replayed; of a master
+  double apart = 0.0;     // of the two commands, at most [m]
+  std::string damage;     // of the file; empty: it is whole
   struct Happening {
     Nanos at = 0;  // as the ticks' times
     std::string text;

@@ -35,7 +35,8 @@ void print_both(const ReplayResult& r) {
   std::printf("  %-30s%12s%12.3f mm\n", "commands apart, at most", "", r.apart / kMm);
   std::printf(
       "The hand is the recorded one: it did not feel what is asked here, and would have moved\n"
-      "otherwise. Ask so about moments, and for what the hand would have felt, not for where a trial\n"
+      "otherwise. Ask so about moments, and for what the hand would have felt, not for where a "
+      "trial\n"
       "would have ended.\n");
 }
 
@@ -46,10 +47,13 @@ void print_text(const ReplayCommand& command, const ReplayResult& r, bool asked,
                                    r.program == "handrail-slave" ? "cycles" : "ticks"));
   print_line("done again", fmt::format("{} in {:.2f} s, {:.0f} times as fast as it was", r.replayed,
                                        took, took > 0.0 ? r.seconds / took : 0.0));
-  if (r.lost > 0) print_line("not kept by the recorder", std::to_string(r.lost));
+  if (r.missing > 0) {
+    print_line("missing in between",
+               fmt::format("{}, {} of them not kept by the recorder", r.missing, r.lost));
+  }
   for (const auto& event : r.happened) {
-    print_line("happened", fmt::format("{:.3f} s: {}", to_seconds(event.at - r.begun),
-                                       shown(event.text, 200)));
+    print_line("happened",
+               fmt::format("{:.3f} s: {}", to_seconds(event.at - r.begun), shown(event.text, 200)));
   }
   if (!r.damage.empty()) print_line("the file", r.damage);
   if (asked) return print_both(r);
@@ -83,25 +87,27 @@ void print_json(const ReplayResult& r, double took) {
                          to_seconds(event.at - r.begun), quoted(event.text));
   }
   const auto summary = [](const ReplaySummary& s) {
-    return fmt::format("{{\"most_force_n\": {}, \"mean_force_n\": {}, \"way_mm\": {}, "
-                       "\"most_off_mm\": {}, \"engaged_s\": {}}}",
-                       s.most_force, s.mean_force, s.way / kMm, s.most_off / kMm, s.engaged);
+    return fmt::format(
+        "{{\"most_force_n\": {}, \"mean_force_n\": {}, \"way_mm\": {}, "
+        "\"most_off_mm\": {}, \"engaged_s\": {}}}",
+        s.most_force, s.mean_force, s.way / kMm, s.most_off / kMm, s.engaged);
   };
   std::string first = "null";
   if (r.first) {
     first = fmt::format("{{\"number\": {}, \"at_s\": {}, \"field\": {}}}", r.first->number,
                         r.first->at, quoted(r.first->field));
   }
-  std::printf("%s\n",
-              fmt::format("{{\"program\": {}, \"version\": {}, \"why\": {}, \"same_build\": {}, "
-                          "\"seconds\": {}, \"entries\": {}, \"replayed\": {}, \"lost\": {}, "
-                          "\"different\": {}, \"first\": {}, \"damage\": {}, \"took_s\": {}, "
-                          "\"recorded\": {}, \"asked\": {}, \"apart_mm\": {}, \"happened\": [{}]}}",
-                          quoted(r.program), quoted(r.version), quoted(r.why), r.same_build,
-                          r.seconds, r.entries, r.replayed, r.lost, r.different, first,
-                          quoted(r.damage), took, summary(r.was), summary(r.is), r.apart / kMm,
-                          marks)
-                  .c_str());
+  std::printf(
+      "%s\n",
+      fmt::format(
+          "{{\"program\": {}, \"version\": {}, \"why\": {}, \"same_build\": {}, "
+          "\"seconds\": {}, \"entries\": {}, \"replayed\": {}, \"lost\": {}, \"missing\": {}, "
+          "\"different\": {}, \"first\": {}, \"damage\": {}, \"took_s\": {}, "
+          "\"recorded\": {}, \"asked\": {}, \"apart_mm\": {}, \"happened\": [{}]}}",
+          quoted(r.program), quoted(r.version), quoted(r.why), r.same_build, r.seconds, r.entries,
+          r.replayed, r.lost, r.missing, r.different, first, quoted(r.damage), took, summary(r.was),
+          summary(r.is), r.apart / kMm, marks)
+          .c_str());
 }
 
 }  // namespace
@@ -116,7 +122,8 @@ int run_replay_command(const ReplayCommand& command, const std::function<bool()>
   options.cancelled = cancelled;
   std::ifstream in(command.file, std::ios::binary);
   if (!in) {
-    return complain(Status::error(command.file + ": cannot be read: " + std::strerror(errno)), kUsage);
+    return complain(Status::error(command.file + ": cannot be read: " + std::strerror(errno)),
+                    kUsage);
   }
   const Nanos begun = monotonic_now();
   const auto result = replay(in, options);

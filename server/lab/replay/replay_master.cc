@@ -73,6 +73,12 @@ class MasterSide final : public ReplaySide {
     }
     ++result.entries;
     if (result.entries == 1) result.begun = recorded_.at_ns();
+    // What the file does not have, nothing can go on over.
+    if (last_ != 0 && recorded_.number() != last_ + 1) {
+      result.missing += recorded_.number() - last_ - 1;
+      interrupt();
+    }
+    last_ = recorded_.number();
     result.seconds = to_seconds(recorded_.at_ns() - result.begun);
     if (Status taken = take(recorded_, kept_); !taken) {
       return Status::error("tick " + std::to_string(recorded_.number()) + ": " + taken.message());
@@ -136,7 +142,8 @@ class MasterSide final : public ReplaySide {
     }
     kept_.came = run_->tick(kept_.given);
     const WallRun* walls = run_->scene().walls;
-    const auto* screw = walls == nullptr ? nullptr : walls->state.effects.find<ProgressiveFriction>();
+    const auto* screw =
+        walls == nullptr ? nullptr : walls->state.effects.find<ProgressiveFriction>();
     kept_.turned = screw == nullptr ? 0.0 : screw->alpha();
     put(kept_, replayed_);
     was_.add(recorded_);
@@ -150,14 +157,15 @@ class MasterSide final : public ReplaySide {
     return Status::ok();
   }
 
-  // Another tool, and a slave that agrees to what is asked: the recorded one had the recorded scene.
+  // Another tool, and a slave that agrees to what is asked: the recorded one had the recorded
+  // scene.
   Status ask_otherwise() {
     HapticOrder& order = kept_.given.in.order;
     if (!options_.tool.empty() && order.kind == OrderKind::kTool) {
       const Scene* scene = scenes_.find(kept_.scene);
-      const auto found = std::find_if(
-          scene->named_tools.begin(), scene->named_tools.end(),
-          [this](const NamedTool& tool) { return tool.name == options_.tool; });
+      const auto found =
+          std::find_if(scene->named_tools.begin(), scene->named_tools.end(),
+                       [this](const NamedTool& tool) { return tool.name == options_.tool; });
       if (found == scene->named_tools.end()) {
         return Status::error("--tool " + options_.tool + ": scene " + scene->name +
                              " has no tool of that name");
@@ -168,6 +176,7 @@ class MasterSide final : public ReplaySide {
     }
     SlaveState& slave = kept_.given.in.slave;
     const MasterState& own = run_->result().out.link;
+    slave.scene = run_->scene().haptic.scene;
     slave.hashes = run_->scene().haptic.hashes;
     slave.hashes.tools = own.hashes.tools;
     slave.position_tool_epoch = own.position_tool.epoch;
@@ -187,6 +196,7 @@ class MasterSide final : public ReplaySide {
   KeptTick kept_;
   pb::RecordedTick recorded_, replayed_, slave_;
   bool slave_known_ = false;
+  std::uint64_t last_ = 0;  // number of the newest
   ReplaySummary was_sum_, is_sum_;
   Summing was_{was_sum_}, is_{is_sum_};
 };
@@ -199,11 +209,12 @@ Result<std::unique_ptr<ReplaySide>> replay_master(const pb::RecordedStart& start
   HapticCapabilities device;
   if (Status taken = take(start.device(), device); !taken) return taken;
   pb::MasterConfig config;
+  const google::protobuf::LogSilencer silence;  // it would write about it itself
   if (!google::protobuf::TextFormat::ParseFromString(start.configuration(), &config)) {
     return Status::error("the recorded configuration is none of a master of this version");
   }
-  std::unique_ptr<ReplaySide> out = std::make_unique<MasterSide>(
-      device, config, scenes, options, start.build() == record_build());
+  std::unique_ptr<ReplaySide> out = std::make_unique<MasterSide>(device, config, scenes, options,
+                                                                 start.build() == record_build());
   return Result<std::unique_ptr<ReplaySide>>(std::move(out));
 }
 

@@ -28,6 +28,12 @@ class SlaveSide final : public ReplaySide {
     }
     ++result.entries;
     if (result.entries == 1) result.begun = recorded_.at_ns();
+    // What the file does not have, nothing can go on over.
+    if (last_ != 0 && recorded_.number() != last_ + 1) {
+      result.missing += recorded_.number() - last_ - 1;
+      interrupt();
+    }
+    last_ = recorded_.number();
     result.seconds = to_seconds(recorded_.at_ns() - result.begun);
     if (Status taken = take(recorded_, kept_); !taken) {
       return Status::error("cycle " + std::to_string(recorded_.number()) + ": " + taken.message());
@@ -96,6 +102,7 @@ class SlaveSide final : public ReplaySide {
   KeptCycle kept_;
   pb::RecordedCycle recorded_, replayed_, master_;
   bool master_known_ = false;
+  std::uint64_t last_ = 0;  // number of the newest
 };
 
 }  // namespace

@@ -1,0 +1,197 @@
+// A replay finds what is not as recorded, and says where; and shows what something else would do.
+#include "server/lab/replay/replay.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <sstream>
+
+#include "server/record/mcap/mcap_reader.h"
+#include "server/record/recording_repair.h"
+#include "tests/support/temp_folder.h"
+#include "tests/unit/record/driven.h"
+
+namespace handrail {
+namespace {
+
+// A recording in memory, message by message.
+class InMemory : public RecordSink {
+ public:
+  struct Message {
+    RecordChannel channel = RecordChannel::kStart;
+    Nanos at = 0;
+    std::string bytes;
+  };
+  void message(RecordChannel channel, Nanos at, std::string_view bytes) override {
+    messages.push_back({channel, at, std::string(bytes)});
+  }
+  void beginning() override {}
+  void happened(pb::RecordedEvent::Kind, Nanos, const std::string&) override {}
+  void wanted(bool) override {}
+
+  std::string file() const {
+    McapFile out(record_layout());
+    std::string bytes = out.begin();
+    McapChunkBuilder chunk;
+    std::uint32_t sequence = 0;
+    for (const Message& m : messages) {
+      const auto time = static_cast<std::uint64_t>(m.at);
+      chunk.add({static_cast<std::uint16_t>(m.channel), ++sequence, time, time, m.bytes});
+    }
+    const McapChunk closed = chunk.close();
+    out.add(closed);
+    return bytes + closed.bytes + out.end();
+  }
+
+  std::vector<Message> messages;
+};
+
+InMemory a_recording(int ticks, std::uint64_t seed = 11,
+                     const std::string& scene = "linear-movement") {
+  test::DrivenMaster master(seed, scene);
+  InMemory out;
+  pb::RecordedStart start = master.start();
+  start.set_build(record_build());
+  out.message(RecordChannel::kStart, 0, start.SerializeAsString());
+  out.message(RecordChannel::kScene, 0, master.scenes().front().SerializeAsString());
+  const auto feed = make_feed(master.tap());
+  for (int i = 0; i < ticks; ++i) {
+    master.tick();
+    feed->pull(out);
+  }
+  return out;
+}
+
+Result<ReplayResult> replay_of(const InMemory& recording, const ReplayOptions& options = {}) {
+  std::istringstream in(recording.file());
+  return replay(in, options);
+}
+
+template <typename Change>
+void change_start(InMemory& recording, Change change) {
+  pb::RecordedStart start;
+  ASSERT_TRUE(start.ParseFromString(recording.messages[0].bytes));
+  change(start);
+  recording.messages[0].bytes = start.SerializeAsString();
+}
+
+TEST(Replay, TheSameIsTheSame) {
+  for (const std::uint64_t seed : {11u, 12u, 13u, 14u}) {
+    const auto result = replay_of(a_recording(3000, seed));
+    ASSERT_TRUE(result) << result.message();
+    EXPECT_EQ(result->replayed, 3000u);
+    EXPECT_EQ(result->different, 0u) << result->first->field;
+    EXPECT_TRUE(result->same_build);
+    EXPECT_GT(result->was.engaged, 0.5) << "something happened in it";
+    EXPECT_GT(result->was.mean_force, 0.0);
+    EXPECT_GT(result->was.way, 0.0);
+  }
+}
+
+TEST(Replay, OneBitIsFoundAndNamed) {
+  InMemory recording = a_recording(400);
+  const auto tick = std::find_if(recording.messages.begin() + 200, recording.messages.end(),
+                                 [](const auto& m) { return m.channel == RecordChannel::kTick; });
+  pb::RecordedTick message;
+  ASSERT_TRUE(message.ParseFromString(tick->bytes));
+  const double was = message.wrench(1);
+  message.set_wrench(1, std::nextafter(was, 10.0));
+  tick->bytes = message.SerializeAsString();
+  const auto result = replay_of(recording);
+  ASSERT_TRUE(result) << result.message();
+  EXPECT_EQ(result->different, 1u);
+  ASSERT_TRUE(result->first);
+  EXPECT_EQ(result->first->number, message.number());
+  EXPECT_NE(result->first->field.find("wrench[1]"), std::string::npos) << result->first->field;
+  // Another build may differ by as much.
+  change_start(recording, [](pb::RecordedStart& start) { start.set_build("another"); });
+  const auto other = replay_of(recording);
+  ASSERT_TRUE(other) << other.message();
+  EXPECT_FALSE(other->same_build);
+  EXPECT_EQ(other->different, 0u);
+  EXPECT_EQ(other->replayed, 400u) << "it begins where the program began";
+}
+
+TEST(Replay, AnInputThatIsNotAsItWasMakesADifference) {
+  InMemory recording = a_recording(600);
+  int ticks = 0;
+  for (auto& m : recording.messages) {
+    if (m.channel != RecordChannel::kTick || ++ticks < 300 || ticks > 340) continue;
+    pb::RecordedTick message;
+    ASSERT_TRUE(message.ParseFromString(m.bytes));
+    message.set_hand(0, message.hand(0) + 1e-3);
+    m.bytes = message.SerializeAsString();
+  }
+  const auto result = replay_of(recording);
+  ASSERT_TRUE(result) << result.message();
+  EXPECT_GT(result->different, 0u);
+}
+
+TEST(Replay, WithoutABeginningNothingIsDoneAgain) {
+  InMemory recording = a_recording(50);
+  std::erase_if(recording.messages,
+                [](const auto& m) { return m.channel == RecordChannel::kImage; });
+  const auto result = replay_of(recording);
+  ASSERT_TRUE(result) << result.message();
+  EXPECT_EQ(result->entries, 50u);
+  EXPECT_EQ(result->replayed, 0u);
+}
+
+TEST(Replay, WhatIsNoRecordingIsSaid) {
+  std::istringstream nothing("hello");
+  EXPECT_NE(replay(nothing, {}).message().find("byte 0"), std::string::npos);
+  InMemory recording = a_recording(5);
+  InMemory headless = recording;
+  headless.messages.erase(headless.messages.begin());
+  EXPECT_NE(replay_of(headless).message().find("no message of channel /start"), std::string::npos);
+  InMemory no_scene = recording;
+  no_scene.messages.erase(no_scene.messages.begin() + 1);
+  EXPECT_EQ(replay_of(no_scene).message(),
+            "the recording does not have scene 1, which its ticks name");
+  InMemory strange = recording;
+  change_start(strange, [](pb::RecordedStart& start) { start.set_configuration("nonsense: 1"); });
+  EXPECT_NE(replay_of(strange).message().find("none of a master"), std::string::npos);
+  InMemory path = recording;
+  pb::RecordedScene scene;
+  ASSERT_TRUE(scene.ParseFromString(path.messages[1].bytes));
+  scene.set_name("../../evil");
+  path.messages[1].bytes = scene.SerializeAsString();
+  EXPECT_NE(replay_of(path).message().find("expected letters"), std::string::npos);
+  InMemory spoilt = recording;
+  spoilt.messages.back().bytes = "\xff\xff";
+  EXPECT_NE(replay_of(spoilt).message().find("no handrail.pb.RecordedTick"), std::string::npos);
+}
+
+TEST(Replay, AnotherGainShowsBothSideBySide) {
+  const InMemory recording = a_recording(4000, 21);
+  ReplayOptions options;
+  options.overrides = {{"guidance.spring_n_mm", "0.01"}};
+  const auto result = replay_of(recording, options);
+  ASSERT_TRUE(result) << result.message();
+  EXPECT_EQ(result->replayed, 4000u);
+  ASSERT_GT(result->was.most_force, 0.0);
+  EXPECT_LT(result->is.mean_force, result->was.mean_force);
+  options.overrides = {{"guidance.no_such_thing", "1"}};
+  EXPECT_FALSE(replay_of(recording, options));
+}
+
+TEST(Replay, ARepairedFileHasAllThatWasSound) {
+  TempFolder folder;
+  const std::string whole = a_recording(100).file();
+  std::istringstream cut(whole.substr(0, whole.size() - 30));
+  const std::string path = folder.path() + "/repaired.mcap";
+  const auto repaired = repair_recording(cut, path);
+  ASSERT_TRUE(repaired) << repaired.message();
+  EXPECT_EQ(repaired->messages, 103u);
+  const auto result = test::replay_file(path);
+  ASSERT_TRUE(result) << result.message();
+  EXPECT_EQ(result->damage, "");
+  EXPECT_EQ(result->replayed, 100u);
+  std::istringstream again(whole);
+  EXPECT_NE(repair_recording(again, path).message().find("File exists"), std::string::npos);
+  std::istringstream nothing("x");
+  EXPECT_FALSE(repair_recording(nothing, folder.path() + "/none.mcap"));
+}
+
+}  // namespace
+}  // namespace handrail
