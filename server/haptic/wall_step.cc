@@ -20,7 +20,7 @@ bool enter_stage(const Walls& walls, int stage, WallState& s) {
   if (!walls.stages.empty()) {
     const WallStage& now = walls.stages[static_cast<std::size_t>(stage)];
     pose = now.pose;
-    for (const std::uint8_t region : now.gone) gone |= std::uint64_t{1} << (region & 63u);
+    gone = gone_of(now);
   }
   s.proxy->set_gone(gone);
   const bool moved = pose.p != s.pose.p || pose.angle != s.pose.angle;

@@ -61,7 +61,10 @@ void add_replay(CLI::App& app, ReplayCommand& replay) {
   sub->add_option("FILE", replay.file, "recording, .mcap")->required();
   sub->add_option("--tool", replay.tool, "a tool of the scene in place of each of its sort");
   sub->add_option("--scene", replay.scene, "another scene in place of all");
-  sub->add_option("--set", replay.set, "KEY=VALUE of the scenes, such as guidance.stiffness_n_mm=1");
+  sub->add_option("--set", replay.set,
+                  "KEY=VALUE of the scenes, such as guidance.stiffness_n_mm=1");
+  sub->add_flag("--no-images", replay.no_images,
+                "for a file of a stranger: begin only where its program began");
   sub->add_flag("--json", replay.json, "print the result as JSON");
 }
 

@@ -91,6 +91,13 @@ struct WallStage {
   StageCondition when;
 };
 
+// The regions that a stage leaves out, a bit each. Real-time safe.
+inline std::uint64_t gone_of(const WallStage& stage) noexcept {
+  std::uint64_t bits = 0;
+  for (const std::uint8_t region : stage.gone) bits |= std::uint64_t{1} << (region & 63u);
+  return bits;
+}
+
 struct Walls {
   WallMethod method = WallMethod::kSubpixel;
   double search_radius = 1.5;              // published: epsilon [pixels]

@@ -25,12 +25,6 @@ std::string place_text(const CoverageMap& map, std::size_t i) {
          number_text(rounded(p.x(), kMm)) + ", " + number_text(rounded(p.y(), kMm)) + " mm";
 }
 
-std::uint64_t gone_of(const WallStage& stage) {
-  std::uint64_t bits = 0;
-  for (const std::uint8_t region : stage.gone) bits |= std::uint64_t{1} << region;
-  return bits;
-}
-
 std::string start_problem(const Walls& walls, std::size_t& pixel) {
   const CoverageMap& map = *walls.map;
   const std::string start = "the start " + number_text(rounded(walls.start.x(), kMm)) + ", " +

@@ -112,12 +112,6 @@ class SubpixelWall final : public WallProxy {
   };
   using Probe = SubpixelField::Probe;
 
-  static std::uint64_t gone_of(const WallStage& stage) {
-    std::uint64_t bits = 0;
-    for (const std::uint8_t region : stage.gone) bits |= std::uint64_t{1} << (region & 63);
-    return bits;
-  }
-
   void build(std::uint64_t gone) {
     for (const Field& f : fields_) {
       if (f.gone == gone) return;

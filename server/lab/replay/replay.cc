@@ -51,7 +51,8 @@ class Replay {
     if (type == "handrail.pb.RecordedImage") {
       pb::RecordedImage image;
       if (!parse(bytes, image)) return unreadable(type);
-      if (!result_.same_build && image.part_size() > 0) return Status::ok();
+      const bool memory = image.part_size() > 0;
+      if (memory && !(options_.images && result_.same_build)) return Status::ok();
       return side_->image(image);
     }
     if (type == "handrail.pb.RecordedTick" || type == "handrail.pb.RecordedCycle") {

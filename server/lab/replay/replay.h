@@ -20,6 +20,8 @@ struct ReplayOptions {
   std::vector<Override> overrides;  // of the scenes
   std::string scene;                // in place of all of them; empty: those recorded
   std::string tool;  // a tool of the scene, by name, in place of every one of its sort
+  // Go on from images, which are another program's memory: false for a file of whoever it may be.
+  bool images = true;
   // Asked now and then; true ends the replay.
   std::function<bool()> cancelled = {};
 

@@ -119,6 +119,7 @@ int run_replay_command(const ReplayCommand& command, const std::function<bool()>
   options.overrides = *overrides;
   options.scene = command.scene;
   options.tool = command.tool;
+  options.images = !command.no_images;
   options.cancelled = cancelled;
   std::ifstream in(command.file, std::ios::binary);
   if (!in) {
