@@ -68,6 +68,21 @@ void add_replay(CLI::App& app, ReplayCommand& replay) {
   sub->add_flag("--json", replay.json, "print the result as JSON");
 }
 
+void add_recordings(CLI::App& app, JoinCommand& join, RecordingCsvCommand& csv) {
+  CLI::App* both = app.add_subcommand(
+      "recording-join", "how far the clocks of a master's and a slave's recording are apart");
+  both->add_option("FIRST", join.first, "recording of one side")->required();
+  both->add_option("SECOND", join.second, "recording of the other side")->required();
+  both->add_option("--out", join.out, "write both as one file, .mcap");
+  both->add_flag("--json", join.json, "print the result as JSON");
+  CLI::App* table = app.add_subcommand("recording-csv", "a recording as a table");
+  table->add_option("FILE", csv.file, "recording, .mcap")->required();
+  table->add_option("--out", csv.out, "CSV file to write")->required();
+  table->add_option("--hz", csv.hz, "at most so many rows a second; without it every tick")
+      ->check(kFinite)
+      ->check(CLI::Range(0.1, 1000.0));
+}
+
 void add_accuracy(CLI::App& app, AccuracyCommand& accuracy) {
   CLI::App* sub = app.add_subcommand(
       "accuracy", "what accuracy costs in time, choice by choice, measured on this machine");
@@ -288,6 +303,9 @@ int run(int argc, char** argv) {
   add_price_check(app, prices);
   ReplayCommand recording;
   add_replay(app, recording);
+  JoinCommand join;
+  RecordingCsvCommand recording_csv;
+  add_recordings(app, join, recording_csv);
   const std::span<char* const> words(argv + 1, static_cast<std::size_t>(std::max(argc - 1, 0)));
   if (const std::string unknown = unknown_command(app, words); !unknown.empty()) {
     std::fprintf(stderr, "handrail-lab: %s\n", unknown.c_str());
@@ -305,6 +323,8 @@ int run(int argc, char** argv) {
     return 2;
   }
   if (app.got_subcommand("hand")) return run_hand_command(hand);
+  if (app.got_subcommand("recording-join")) return run_join_command(join);
+  if (app.got_subcommand("recording-csv")) return run_recording_csv_command(recording_csv);
   let_ctrl_c_cancel();
   if (app.got_subcommand("accuracy")) return run_accuracy_command(accuracy, cancelled);
   if (app.got_subcommand("scene-explain")) return run_explain_command(tool, cancelled);

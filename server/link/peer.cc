@@ -83,7 +83,7 @@ Reject PeerCore::accept(const DatagramHeader& header, Nanos now) noexcept {
     snapshot_.echoed_sent = -kForever;
     snapshot_.round_trip = -1;
   }
-  peer_sent_ = header.sent;
+  snapshot_.peer_sent = header.sent;
   snapshot_.sequence = header.sequence;
   snapshot_.peer_received_of_100 = static_cast<int>(header.received_of_100);
   snapshot_.received_at = now;
@@ -147,7 +147,7 @@ DatagramHeader PeerCore::next_header(Nanos now) const noexcept {
   if (peer_session_ != 0) {
     header.echo_session = peer_session_;
     header.echo_sequence = arrivals_.newest();
-    header.echo_sent = peer_sent_;
+    header.echo_sent = snapshot_.peer_sent;
     header.echo_held = std::max<Nanos>(now - snapshot_.received_at, 0);
     header.received_of_100 = static_cast<std::uint32_t>(snapshot_.received_of_100);
   }

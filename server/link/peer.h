@@ -38,6 +38,7 @@ struct LinkSnapshot {
   std::uint32_t peer_epoch =
       0;  // sessions accepted so far; 0 = none. A change = the peer restarted
   Nanos received_at = -kForever;  // when the newest fresh datagram was accepted
+  Nanos peer_sent = 0;            // ... and sent, by the peer's clock
   Nanos echoed_sent = -kForever;  // when the newest of our datagrams the peer confirmed was sent
   Nanos round_trip = -1;          // newest measured, without the time the peer held it; -1 = none
   // How long the peer had had nothing fresh from us when it sent its newest; kForever: nothing yet.
@@ -125,7 +126,6 @@ class PeerCore {
   Nanos next_due_ = -kForever;
   std::uint64_t peer_session_ = 0;
   Nanos peer_since_ = 0;  // when that session was accepted
-  Nanos peer_sent_ = 0;
   Arrivals arrivals_;
   std::array<Replaced, 8> replaced_{};
   std::size_t next_replaced_ = 0;

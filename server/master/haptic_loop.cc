@@ -131,6 +131,7 @@ void HapticLoop::keep_tick(Nanos now) noexcept {
   kept_.at = now;
   kept_.scene = run_.scene().number;
   kept_.given = tick_;
+  kept_.timing = {news_.link.received_at, news_.link.peer_sent, news_.link.round_trip};
   kept_.came = run_.result();
   kept_.turned = report_.walls.turned;
   tap_->keep(kept_);

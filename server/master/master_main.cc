@@ -28,9 +28,9 @@
 #include "server/master/haptic_settings.h"
 #include "server/master/master_server.h"
 #include "server/master/wall_runs.h"
+#include "server/record/device_io.h"
 #include "server/record/record_setup.h"
 #include "server/record/scene_records.h"
-#include "server/record/tick_io.h"
 #include "server/scene/config_io.h"
 #include "server/scene/scene_library.h"
 
@@ -94,8 +94,7 @@ HapticDeviceOptions device_options(const pb::DeviceConfig& config) {
 // The thread that ticks the loop until it has finished; then the device is closed.
 class HapticThread {
  public:
-  HapticThread(HapticDevice& device, const LoopScene& scene, MasterMailboxes& boxes,
-               MasterTap* tap)
+  HapticThread(HapticDevice& device, const LoopScene& scene, MasterMailboxes& boxes, MasterTap* tap)
       : loop_(std::make_unique<HapticLoop>(device, scene, boxes, monotonic_now() + kSetUp, tap)) {
     const SignalsBlocked blocked;
     thread_ = std::thread([this, &device] { run(device); });
@@ -179,8 +178,8 @@ std::unique_ptr<Recorder> make_recorder(const pb::MasterConfig& config,
                                         const HapticCapabilities& device, MasterTap& tap) {
   pb::RecordedStart start = recorded_start("handrail-master", random_session_id(), config);
   put(device, *start.mutable_device());
-  return std::make_unique<Recorder>(recorder_options(config.recording(), log_line),
-                                    make_feed(tap), std::move(start));
+  return std::make_unique<Recorder>(recorder_options(config.recording(), log_line), make_feed(tap),
+                                    std::move(start));
 }
 
 int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {

@@ -20,12 +20,20 @@ inline constexpr Nanos kImagePeriod = 5 * kSecond;
 // What a thread may be behind that writes: a second of ticks.
 inline constexpr std::size_t kMostKept = 1024;
 
+// When the other side's newest datagram came, for who compares the clocks of both sides.
+struct KeptTiming {
+  Nanos received_at = -kForever;  // by the own clock; -kForever: none has come
+  Nanos peer_sent = 0;            // by the other side's
+  Nanos round_trip = -1;          // without the time that it was held there; -1: not known
+};
+
 // One tick of the master: what was given to it and what came of it.
 struct KeptTick {
   std::uint64_t number = 0;  // from 1
   Nanos at = 0;
   std::uint32_t scene = 0;  // in force: LoopScene::number
   HapticTick given;
+  KeptTiming timing;
   HapticResult came;
   double turned = 0.0;  // of what is progressive among the walls [rad]
 };
@@ -38,6 +46,7 @@ struct KeptCycle {
   bool placed = false;  // before the step the motion was placed at `place`
   JointVector place = JointVector::Zero();
   FollowInput given;
+  KeptTiming timing;
   FollowOutput came;
 };
 

@@ -48,8 +48,8 @@ Status missing(const std::string& field, const std::string& what) {
   return Status::error(field + " " + what);
 }
 Status wrong_count(const std::string& field, int has, int expected) {
-  return missing(field, "has " + std::to_string(has) + " numbers, expected " +
-                            std::to_string(expected));
+  return missing(field,
+                 "has " + std::to_string(has) + " numbers, expected " + std::to_string(expected));
 }
 
 template <typename Enum>
@@ -65,17 +65,25 @@ std::uint32_t code_of(Enum value) {
 
 constexpr Reason kLastReason = static_cast<Reason>(static_cast<int>(Reason::kCount) - 1);
 
-void put_link(const LinkView& link, pb::RecordedLink& out) {
+void put_link(const LinkView& link, const KeptTiming& timing, pb::RecordedLink& out) {
   out.set_loop_age_ns(link.loop_age);
   out.set_peer_age_ns(link.peer_age);
   out.set_received_of_100(link.received_of_100);
   out.set_peer_received_of_100(link.peer_received_of_100);
   out.set_confirmed(link.confirmed);
   out.set_other_master(link.other_master);
+  if (timing.received_at == -kForever) return;
+  out.set_received_at_ns(timing.received_at);
+  out.set_peer_sent_ns(timing.peer_sent);
+  out.set_round_trip_ns(timing.round_trip);
+}
+KeptTiming timing_of(const pb::RecordedLink& in) {
+  if (!in.has_received_at_ns()) return {};
+  return {in.received_at_ns(), in.peer_sent_ns(), in.round_trip_ns()};
 }
 LinkView link_of(const pb::RecordedLink& in) {
-  return {in.loop_age_ns(), in.peer_age_ns(),   in.received_of_100(), in.peer_received_of_100(),
-          in.confirmed(),   in.other_master()};
+  return {in.loop_age_ns(),          in.peer_age_ns(), in.received_of_100(),
+          in.peer_received_of_100(), in.confirmed(),   in.other_master()};
 }
 
 constexpr int kToolNumbers = 6 * 3 + 4 + 1;
@@ -105,7 +113,8 @@ Status take_call(const pb::RecordedToolCall& in, ToolCall& out) {
   out.kind = static_cast<ToolKind>(in.kind());
   out.at_present = in.at_present();
   Next next(in.geometry());
-  for (Vec3* v : {&out.p_SA, &out.direction_S, &out.normal_S, &out.axis_S, &out.axis_T, &out.p_SE}) {
+  for (Vec3* v :
+       {&out.p_SA, &out.direction_S, &out.normal_S, &out.axis_S, &out.axis_T, &out.p_SE}) {
     next(*v);
   }
   next(out.q_ref);
@@ -148,7 +157,7 @@ Status take_order(const pb::RecordedOrder& in, HapticOrder& out) {
   return Status::ok();
 }
 
-void put_given(const HapticTick& given, pb::RecordedTick& out) {
+void put_given(const HapticTick& given, const KeptTiming& timing, pb::RecordedTick& out) {
   const HapticInput& in = given.in;
   out.set_dt(given.dt);
   out.set_let_go(given.let_go);
@@ -165,7 +174,7 @@ void put_given(const HapticTick& given, pb::RecordedTick& out) {
   out.set_unseen_ns(in.unseen);
   out.set_hold_heard_ns(in.hold_heard);
   out.set_device_ready(in.device_ready);
-  put_link(in.link, *out.mutable_link());
+  put_link(in.link, timing, *out.mutable_link());
 }
 
 void put_came(const HapticOutput& o, pb::RecordedTick& out) {
@@ -179,8 +188,8 @@ void put_came(const HapticOutput& o, pb::RecordedTick& out) {
     if (o.reasons.has(static_cast<Reason>(code))) out.add_reasons(code);
   }
   const ForceLedger& f = o.force;
-  for (const Vec3* v : {&f.tool, &f.walls, &f.spring, &f.governor, &f.limits, &f.clamp, &f.cue,
-                        &f.device}) {
+  for (const Vec3* v :
+       {&f.tool, &f.walls, &f.spring, &f.governor, &f.limits, &f.clamp, &f.cue, &f.device}) {
     append(*v, out.mutable_force());
   }
   append(o.motion.off_S, out.mutable_motion());
@@ -218,7 +227,7 @@ void put(const KeptTick& tick, pb::RecordedTick& out) {
   out.set_number(tick.number);
   out.set_at_ns(tick.at);
   out.set_scene(tick.scene);
-  put_given(tick.given, out);
+  put_given(tick.given, tick.timing, out);
   put_came(tick.came.out, out);
   if (tick.came.has_walls) put_walls(tick.came.walls, tick.turned, *out.mutable_walls());
 }
@@ -257,6 +266,7 @@ Status take(const pb::RecordedTick& in, KeptTick& out) {
   to.hold_heard = in.hold_heard_ns();
   to.device_ready = in.device_ready();
   to.link = link_of(in.link());
+  out.timing = timing_of(in.link());
   return Status::ok();
 }
 
@@ -280,7 +290,7 @@ void put(const KeptCycle& cycle, pb::RecordedCycle& out) {
   out.set_master_known(in.master_known);
   out.set_master_age_ns(in.master_age);
   out.set_master_sequence(in.master_sequence);
-  put_link(in.link, *out.mutable_link());
+  put_link(in.link, cycle.timing, *out.mutable_link());
   out.set_gripper(static_cast<pb::LinkGripper>(in.gripper));
   append(in.f_E_T, out.mutable_sensor());
   out.set_sensor_valid(in.wrench_valid);
@@ -294,9 +304,9 @@ void put(const KeptCycle& cycle, pb::RecordedCycle& out) {
 }
 
 Status take(const pb::RecordedCycle& in, KeptCycle& out) {
-  for (const auto& [field, has] : {std::pair("q_measured", in.q_measured_size()),
-                                   std::pair("q_commanded", in.q_commanded_size()),
-                                   std::pair("sensor", in.sensor_size())}) {
+  for (const auto& [field, has] :
+       {std::pair("q_measured", in.q_measured_size()),
+        std::pair("q_commanded", in.q_commanded_size()), std::pair("sensor", in.sensor_size())}) {
     if (has != kJoints) return wrong_count(field, has, kJoints);
   }
   FollowInput& to = out.given;
@@ -317,7 +327,8 @@ Status take(const pb::RecordedCycle& in, KeptCycle& out) {
   }
   to.anew = in.anew();
   to.cycles = in.cycles();
-  if (to.cycles < 1) return missing("cycles", "is " + std::to_string(to.cycles) + ", expected >= 1");
+  if (to.cycles < 1)
+    return missing("cycles", "is " + std::to_string(to.cycles) + ", expected >= 1");
   to.unseen = in.unseen_ns();
   to.robot_ready = in.robot_ready();
   if (in.has_master()) {
@@ -328,6 +339,7 @@ Status take(const pb::RecordedCycle& in, KeptCycle& out) {
   to.master_age = in.master_age_ns();
   to.master_sequence = in.master_sequence();
   to.link = link_of(in.link());
+  out.timing = timing_of(in.link());
   to.gripper = static_cast<GripperState>(in.gripper());
   Next(in.sensor())(to.f_E_T);
   to.wrench_valid = in.sensor_valid();
@@ -336,54 +348,6 @@ Status take(const pb::RecordedCycle& in, KeptCycle& out) {
   }
   to.shutdown = in.ends();
   to.stop_input = in.stop_input();
-  return Status::ok();
-}
-
-void put(const HapticCapabilities& device, pb::RecordedDevice& out) {
-  out.set_name(device.name);
-  out.set_simulated(device.simulated);
-  out.set_senses_rotation(device.senses_rotation);
-  out.set_actuates_torque(device.actuates_torque);
-  out.set_max_force(device.max_force);
-  out.set_continuous_force(device.continuous_force);
-  out.set_max_torque(device.max_torque);
-  append(device.workspace_half, out.mutable_workspace_half());
-  out.set_buttons(static_cast<std::uint32_t>(device.buttons));
-  out.set_velocity_lag(device.velocity_lag);
-  out.set_led_by_cursor(device.led_by_cursor);
-  out.set_least_mass(device.least_mass);
-  const DeviceDynamics& d = device.dynamics;
-  for (const double v : {d.mass, d.damping, d.friction, d.resolution, d.delay}) {
-    out.add_dynamics(v);
-  }
-}
-
-Status take(const pb::RecordedDevice& in, HapticCapabilities& out) {
-  constexpr int kDynamics = 5;
-  if (in.workspace_half_size() != 3) {
-    return wrong_count("device.workspace_half", in.workspace_half_size(), 3);
-  }
-  if (in.dynamics_size() != kDynamics) {
-    return wrong_count("device.dynamics", in.dynamics_size(), kDynamics);
-  }
-  out.name = in.name();
-  out.simulated = in.simulated();
-  out.senses_rotation = in.senses_rotation();
-  out.actuates_torque = in.actuates_torque();
-  out.max_force = in.max_force();
-  out.continuous_force = in.continuous_force();
-  out.max_torque = in.max_torque();
-  Next(in.workspace_half())(out.workspace_half);
-  out.buttons = static_cast<int>(in.buttons());
-  out.velocity_lag = in.velocity_lag();
-  out.led_by_cursor = in.led_by_cursor();
-  out.least_mass = in.least_mass();
-  Next next(in.dynamics());
-  for (double* v : {&out.dynamics.mass, &out.dynamics.damping, &out.dynamics.friction,
-                    &out.dynamics.resolution, &out.dynamics.delay}) {
-    *v = next();
-  }
-  out.dynamics.source = "the recording";
   return Status::ok();
 }
 

@@ -1,7 +1,6 @@
 // What was kept of a tick or cycle, as a message and back: exact, to the bit.
 #pragma once
 
-#include "devices/haptic_device.h"
 #include "proto/record.pb.h"
 #include "server/record/record_tap.h"
 
@@ -15,8 +14,5 @@ void put(const KeptCycle& cycle, pb::RecordedCycle& out);
 // is. The error names the field that is missing or no value of its kind.
 Status take(const pb::RecordedTick& in, KeptTick& out);
 Status take(const pb::RecordedCycle& in, KeptCycle& out);
-
-void put(const HapticCapabilities& device, pb::RecordedDevice& out);
-Status take(const pb::RecordedDevice& in, HapticCapabilities& out);
 
 }  // namespace handrail

@@ -203,6 +203,7 @@ void RobotLoop::keep_cycle(Nanos now) noexcept {
   kept_.at = now;
   kept_.scene = settings_.number;
   kept_.given = input_;
+  kept_.timing = {news_.link.received_at, news_.link.peer_sent, news_.link.round_trip};
   kept_.came = output_;
   tap_->keep(kept_);
 }

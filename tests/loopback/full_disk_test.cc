@@ -110,6 +110,11 @@ TEST_F(FullDisk, UnderTheBumpersOfTheLab) {
   expect_told("handrail-lab", "bumper --arm rigid --form published --json");
 }
 
+// A recording that is kept with the tests.
+std::string golden(const std::string& side) {
+  return std::string(HANDRAIL_SOURCE_DIR) + "/tests/loopback/recording/golden/" + side + ".mcap";
+}
+
 TEST_F(FullDisk, UnderEveryOtherCommandOfTheLab) {
   std::string csv = "t_s,x_mm,y_mm\n";
   for (int i = 0; i < 100; ++i) csv += std::to_string(i * 0.01) + ",0,0\n";
@@ -131,6 +136,11 @@ TEST_F(FullDisk, UnderEveryOtherCommandOfTheLab) {
       "gearshift",
       "gearshift --json",
       "price-check gearshift",
+      "replay " + golden("master"),
+      "replay " + golden("slave") + " --json",
+      "recording-join " + golden("master") + " " + golden("slave"),
+      "recording-join " + golden("slave") + " " + golden("master") + " --json",
+      "recording-csv " + golden("slave") + " --out " + folder.path() + "/c.csv",
       "scene-stability gearshift",
       "scene-stability gearshift --json",
       "stability --case cycle",
@@ -186,6 +196,9 @@ TEST_F(FullDisk, UnderTheOperatorsCommands) {
       EXPECT_THAT(read(complaint), HasSubstr(program + ": the standard output cannot be written"));
     }
   }
+  listed.insert("record list");
+  expect_told("handrail", "record list " + folder.path());
+  expect_told("handrail", "record list --json " + folder.path());
   listed.insert("doctor");
   for (const std::string& words :
        {"doctor" + at, "doctor --json" + at, std::string("--help"), std::string("scene --help"),

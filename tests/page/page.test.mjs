@@ -146,6 +146,21 @@ test('TheGripperClosesAndOpensAndIsNotShownWhereThereIsNone', async () => {
   await ordered((o) => o.grip === false);
 });
 
+test('ARecordingBeginsAndEndsByItsKeyAndIsNotShownWhereNothingIsKept', async () => {
+  await start();
+  assert.equal(await page.locator('#record').isVisible(), false);
+  await page.keyboard.press('w');
+  await until(page, () => /add recording/.test(document.querySelector('#said').textContent));
+  assert.equal(gateway.orders.length, 0);
+  gateway.master.status.recording = { folder: '/r' };
+  await until(page, () => document.querySelector('#record-text')?.textContent === 'Record' && !document.querySelector('#record').hidden);
+  await page.keyboard.press('w');
+  await ordered((o) => o.record?.on === true);
+  await until(page, () => document.querySelector('#record-text')?.textContent === 'End recording');
+  await page.locator('#record').click();
+  await ordered((o) => o.record?.on === false);
+});
+
 test('TheClutchGoesOnAndOff', async () => {
   await start();
   await hold();

@@ -6,12 +6,15 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <utility>
 
 #include "server/base/clock.h"
 #include "server/base/plain_text.h"
 #include "server/base/units.h"
 #include "server/base/version.h"
 #include "server/lab/console/console.h"
+#include "server/lab/replay/recording_csv.h"
+#include "server/lab/replay/recording_join.h"
 #include "server/lab/replay/replay.h"
 
 namespace handrail {
@@ -143,6 +146,57 @@ int run_replay_command(const ReplayCommand& command, const std::function<bool()>
                     kFailed);
   }
   return asked || (!result->first && result->damage.empty()) ? kDone : kFailed;
+}
+
+int run_join_command(const JoinCommand& command) {
+  std::ifstream first(command.first, std::ios::binary), second(command.second, std::ios::binary);
+  for (const auto& [in, name] : {std::pair(&first, &command.first), {&second, &command.second}}) {
+    if (*in) continue;
+    return complain(Status::error(*name + ": cannot be read: " + std::strerror(errno)), kUsage);
+  }
+  const auto joined = join_recordings(first, second, command.out);
+  if (!joined) {
+    return complain(Status::error(command.first + ", " + command.second + ": " + joined.message()),
+                    kUsage);
+  }
+  if (command.json) {
+    std::printf(
+        "{\"offset_ms\": %.6f, \"bound_ms\": %.6f, \"measures\": %llu, \"both_s\": %.3f, "
+        "\"messages\": %llu}\n",
+        1e3 * to_seconds(joined->offset), 1e3 * to_seconds(joined->bound),
+        static_cast<unsigned long long>(joined->measures), to_seconds(joined->both),
+        static_cast<unsigned long long>(joined->messages));
+    return kDone;
+  }
+  std::printf(
+      "the slave's clock is %.3f ms ahead of the master's, to %.3f ms (half of the shortest round\n"
+      "trip of %llu datagrams); both recorded for %.3f s\n",
+      1e3 * to_seconds(joined->offset), 1e3 * to_seconds(joined->bound),
+      static_cast<unsigned long long>(joined->measures), to_seconds(joined->both));
+  if (!command.out.empty()) {
+    std::printf("%s: %llu messages, the slave's times on the master's calendar\n",
+                command.out.c_str(), static_cast<unsigned long long>(joined->messages));
+  }
+  return kDone;
+}
+
+int run_recording_csv_command(const RecordingCsvCommand& command) {
+  std::ifstream in(command.file, std::ios::binary);
+  if (!in) {
+    return complain(Status::error(command.file + ": cannot be read: " + std::strerror(errno)),
+                    kUsage);
+  }
+  std::ofstream out(command.out);
+  if (!out) {
+    return complain(Status::error(command.out + ": cannot be written: " + std::strerror(errno)),
+                    kFailed);
+  }
+  const auto rows = write_recording_csv(in, out, command.hz);
+  if (!rows) return complain(Status::error(command.file + ": " + rows.message()), kUsage);
+  out.close();
+  if (!out) return complain(Status::error(command.out + ": cannot be written"), kFailed);
+  std::printf("%s: %llu rows\n", command.out.c_str(), static_cast<unsigned long long>(*rows));
+  return kDone;
 }
 
 }  // namespace handrail

@@ -8,6 +8,7 @@
 #include "server/haptic/haptic_run.h"
 #include "server/lab/replay/replay_side.h"
 #include "server/master/wall_runs.h"
+#include "server/record/device_io.h"
 #include "server/record/record_feed.h"
 #include "server/record/tick_io.h"
 

@@ -43,6 +43,7 @@ export class FakeMaster {
     if (order.stop) Object.assign(status, { state: 'fault', desired: 'off', reason: 'a stop was requested' });
     else if (order.engage && status.state === 'fault') return 'a stop was requested: reset first';
     else if (order.engage) Object.assign(status, { state: 'engaged', desired: 'engaged', reason: 'none' });
+    else if (order.record) status.recording = order.record.on ? { folder: '/r', file: '/r/one.mcap', mb: 1 } : { folder: '/r' };
     else if (order.grip !== undefined) status.gripper = order.grip ? 'closed' : 'open';
     else if (order.disengage || order.reset) Object.assign(status, { state: 'off', desired: 'off', reason: 'not engaged' });
     else if ('clutch' in order) status.state = status.desired = order.clutch ? 'clutched' : 'engaged';

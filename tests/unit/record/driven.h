@@ -13,10 +13,10 @@
 #include "server/base/random.h"
 #include "server/lab/replay/replay.h"
 #include "server/master/wall_runs.h"
+#include "server/record/device_io.h"
 #include "server/record/record_setup.h"
 #include "server/record/recorder.h"
 #include "server/record/scene_records.h"
-#include "server/record/tick_io.h"
 #include "server/slave/follow_settings.h"
 
 namespace handrail::test {

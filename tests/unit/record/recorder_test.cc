@@ -137,6 +137,7 @@ TEST(Recorder, WhatItHasNoRoomForIsCountedAndTheRestReplays) {
   r.recorder->start("");
   ASSERT_TRUE(wait_until([&] { return !r.recorder->state().file.empty(); }));
   for (int i = 0; i < 20'000; ++i) r.master.tick();  // far faster than a thousand a second
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // until it has caught up
   r.run(500);
   r.recorder->stop();
   ASSERT_TRUE(wait_until([&] { return r.recorder->state().file.empty(); }));

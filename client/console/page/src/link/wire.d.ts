@@ -37,6 +37,7 @@ export interface Status {
   position_tool?: ToolStatus; orientation_tool?: ToolStatus;
   tool_force?: ForceShare; spring_force?: ForceShare; device_force?: ForceShare;
   command?: PoseMm; slave_command?: PoseMm; tip?: PoseMm; hand?: PoseMm; desired_tip?: PoseMm;
+  recording?: { folder?: string; file?: string; mb?: number; problem?: string; lost?: number };
   gripper?: string; contact_force_n?: Vec; has_contact_force?: boolean; time_s?: number;
   walls?: WallStatus; lease?: LeaseStatus; link_quality?: string; peer_quality?: string;
   ledger?: Ledger; peer?: { problem?: string; name?: string };
@@ -93,7 +94,7 @@ export interface Order {
   engage?: boolean; disengage?: boolean; clutch?: boolean; stop?: boolean; reset?: boolean;
   tool?: Tool; tool_off?: { position?: boolean; orientation?: boolean };
   scene_load?: string; stage?: string; lease?: { act: 'SHOW' | 'TAKE' | 'GRANT' | 'REFUSE' | 'RELEASE' };
-  hold?: boolean; approach?: boolean; named_tool?: string; mark?: string; grip?: boolean;
+  hold?: boolean; approach?: boolean; named_tool?: string; mark?: string; grip?: boolean; record?: { on: boolean; label?: string };
 }
 export type LeadAct = 'TAKE' | 'TAKE_OVER' | 'RELEASE';
 export interface CursorOrder {

@@ -6,7 +6,7 @@ const SAID_MS = 8000; // long enough to read two lines
 /** @type {Record<string, string>} */
 const WORDS = {
   engage: 'engage', disengage: 'disengage', clutch: 'clutch', stop: 'stop', reset: 'reset', tool: 'tool',
-  tool_off: 'tool off', scene_load: 'scene', stage: 'stage', mark: 'mark', grip: 'gripper', lease: 'lease',
+  tool_off: 'tool off', scene_load: 'scene', stage: 'stage', mark: 'mark', grip: 'gripper', record: 'recording', lease: 'lease',
 };
 
 export class Said {

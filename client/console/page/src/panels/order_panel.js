@@ -10,7 +10,7 @@ import { block, box, button, element, setData, setText, show } from './dom.js';
 /** @typedef {import('../link/wire.d.ts').Tool['kind']} Kind */
 
 /** @type {Record<string, string>} */
-const ORDER_KEYS = { KeyE: 'engage', KeyD: 'disengage', KeyC: 'clutch', KeyR: 'reset', KeyG: 'grip', KeyX: 'tool-off', KeyM: 'mark' };
+const ORDER_KEYS = { KeyE: 'engage', KeyD: 'disengage', KeyC: 'clutch', KeyR: 'reset', KeyG: 'grip', KeyW: 'record', KeyX: 'tool-off', KeyM: 'mark' };
 /** @type {Record<string, Kind>} */
 const TOOL_KEYS = { KeyL: 'LINE', KeyP: 'PLANE', KeyO: 'POINT', KeyN: 'N_ROTATION', KeyF: 'F_ROTATION' };
 
@@ -46,7 +46,7 @@ export class OrderPanel {
   byKey(selector) {
     const node = document.querySelector(selector);
     if (!(node instanceof HTMLButtonElement)) return;
-    if (node.hidden) this.say('there is no gripper', 'bad');
+    if (node.hidden) this.say(node.dataset.without ?? 'that is not to be had here', 'bad');
     else if (node.disabled) this.say(node.title, 'bad');
     else this.press(node);
   }
@@ -71,6 +71,7 @@ export class OrderPanel {
       case 'reset': return { reset: true };
       case 'clutch': return { clutch: !this.clutched };
       case 'grip': return { grip: this.facts.status.gripper !== 'closed' };
+      case 'record': return { record: { on: !this.facts.status.recording?.file } };
       case 'mark': return { mark: 'page' };
       case 'tool-off': return { tool_off: { position: true, orientation: true } };
       default:
@@ -131,7 +132,7 @@ export class OrderPanel {
     this.showNamedTools();
     const blocked = whyNoOrders(facts);
     const walls = facts.isWalls ? 'walls for the hand alone: no arm takes part' : '';
-    for (const node of all()) block(node, blocked || (['reset', 'mark'].includes(node.dataset.order ?? '') ? '' : walls));
+    for (const node of all()) block(node, blocked || (['reset', 'mark', 'record'].includes(node.dataset.order ?? '') ? '' : walls));
     block(button('stop'), whyNoStop(facts));
     setText(box('blocked'), blocked || walls ? sentence(blocked || walls) : '');
     this.seeClutch();
@@ -140,6 +141,10 @@ export class OrderPanel {
     document.querySelector('[data-order="engage"]')?.classList.toggle('primary', ['off', 'fault', undefined].includes(facts.status.state));
     this.markTools();
     show(box('tools-card'), !facts.isWalls);
+    show(button('record'), !!facts.status.recording);
+    setText(box('record-text'), facts.status.recording?.file ? 'End recording' : 'Record');
+    button('record').setAttribute('aria-pressed', String(!!facts.status.recording?.file));
+    button('record').title = facts.status.recording?.problem ?? facts.status.recording?.file ?? '';
     show(button('grip'), !facts.isWalls && !!facts.status.gripper);
     setText(box('grip-text'), facts.status.gripper === 'closed' ? 'Let go' : 'Grip');
     setData(document.documentElement, 'kind', facts.isWalls ? 'walls' : 'arm');

@@ -1,0 +1,17 @@
+// A recording as a table.
+#pragma once
+
+#include <cstdint>
+#include <istream>
+#include <ostream>
+
+#include "server/base/status.h"
+
+namespace handrail {
+
+// A row a tick or cycle, after a line with the columns' names, which carry their units; `hz` > 0:
+// at most so many a second, the nearest ticks. Returns the number of rows. The error says what of
+// the file is no recording, or that `out` takes no more.
+Result<std::uint64_t> write_recording_csv(std::istream& in, std::ostream& out, double hz);
+
+}  // namespace handrail

@@ -1,0 +1,57 @@
+#include "server/record/device_io.h"
+
+#include <string>
+
+namespace handrail {
+
+void put(const HapticCapabilities& device, pb::RecordedDevice& out) {
+  out.set_name(device.name);
+  out.set_simulated(device.simulated);
+  out.set_senses_rotation(device.senses_rotation);
+  out.set_actuates_torque(device.actuates_torque);
+  out.set_max_force(device.max_force);
+  out.set_continuous_force(device.continuous_force);
+  out.set_max_torque(device.max_torque);
+  for (int i = 0; i < 3; ++i) out.add_workspace_half(device.workspace_half[i]);
+  out.set_buttons(static_cast<std::uint32_t>(device.buttons));
+  out.set_velocity_lag(device.velocity_lag);
+  out.set_led_by_cursor(device.led_by_cursor);
+  out.set_least_mass(device.least_mass);
+  const DeviceDynamics& d = device.dynamics;
+  for (const double v : {d.mass, d.damping, d.friction, d.resolution, d.delay}) {
+    out.add_dynamics(v);
+  }
+}
+
+Status take(const pb::RecordedDevice& in, HapticCapabilities& out) {
+  constexpr int kDynamics = 5;
+  if (in.workspace_half_size() != 3) {
+    return Status::error("device.workspace_half has " + std::to_string(in.workspace_half_size()) +
+                         " numbers, expected 3");
+  }
+  if (in.dynamics_size() != kDynamics) {
+    return Status::error("device.dynamics has " + std::to_string(in.dynamics_size()) +
+                         " numbers, expected " + std::to_string(kDynamics));
+  }
+  out.name = in.name();
+  out.simulated = in.simulated();
+  out.senses_rotation = in.senses_rotation();
+  out.actuates_torque = in.actuates_torque();
+  out.max_force = in.max_force();
+  out.continuous_force = in.continuous_force();
+  out.max_torque = in.max_torque();
+  for (int i = 0; i < 3; ++i) out.workspace_half[i] = in.workspace_half(i);
+  out.buttons = static_cast<int>(in.buttons());
+  out.velocity_lag = in.velocity_lag();
+  out.led_by_cursor = in.led_by_cursor();
+  out.least_mass = in.least_mass();
+  int next = 0;
+  for (double* v : {&out.dynamics.mass, &out.dynamics.damping, &out.dynamics.friction,
+                    &out.dynamics.resolution, &out.dynamics.delay}) {
+    *v = in.dynamics(next++);
+  }
+  out.dynamics.source = "the recording";
+  return Status::ok();
+}
+
+}  // namespace handrail
