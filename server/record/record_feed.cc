@@ -8,6 +8,7 @@
 
 #include "server/base/version.h"
 #include "server/model/reason.h"
+#include "server/record/record_views.h"
 #include "server/record/tick_io.h"
 
 namespace handrail {
@@ -137,10 +138,12 @@ class MasterFeed final : public Feed<MasterTap> {
     put(tick, message_);
     if (message_.has_slave() && other_.same(message_.slave())) message_.clear_slave();
     tell(RecordChannel::kTick, tick.at, message_, sink);
+    views_.see(tick, sink);
     const HapticOutput& out = tick.came.out;
     signs_.see(out.link.state, out.link.stop_epoch, out.reason, tick.at, sink);
   }
   pb::RecordedTick message_;
+  RecordViews views_{"handrail-master"};
 };
 
 class SlaveFeed final : public Feed<SlaveTap> {
@@ -153,11 +156,13 @@ class SlaveFeed final : public Feed<SlaveTap> {
     put(cycle, message_);
     if (message_.has_master() && other_.same(message_.master())) message_.clear_master();
     tell(RecordChannel::kCycle, cycle.at, message_, sink);
+    views_.see(cycle, sink);
     if (cycle.given.master_known) sink.wanted(cycle.given.master.record);
     const SlaveState& out = cycle.came.link;
     signs_.see(out.state, out.stop_epoch, out.fault, cycle.at, sink);
   }
   pb::RecordedCycle message_;
+  RecordViews views_{"handrail-slave"};
 };
 
 }  // namespace
@@ -170,8 +175,7 @@ McapLayout record_layout() {
     std::set<std::string> seen;
     add_file_to(*type.file(), seen, files);
     out.schemas.push_back({type.full_name(), "protobuf", files.SerializeAsString()});
-    out.channels.push_back(
-        {static_cast<std::uint16_t>(out.schemas.size()), topic, "protobuf"});
+    out.channels.push_back({static_cast<std::uint16_t>(out.schemas.size()), topic, "protobuf"});
   };
   add("/start", *pb::RecordedStart::descriptor());
   add("/scene", *pb::RecordedScene::descriptor());
@@ -179,6 +183,10 @@ McapLayout record_layout() {
   add("/tick", *pb::RecordedTick::descriptor());
   add("/cycle", *pb::RecordedCycle::descriptor());
   add("/event", *pb::RecordedEvent::descriptor());
+  add("/joints", *foxglove::JointStates::descriptor());
+  add("/tip", *foxglove::PoseInFrame::descriptor());
+  add("/tip/desired", *foxglove::PoseInFrame::descriptor());
+  add("/log", *foxglove::Log::descriptor());
   return out;
 }
 

@@ -126,6 +126,7 @@ class Recorder::Thread final : public RecordSink {
     if (!file_) open(kind == pb::RecordedEvent::STOP ? "stop" : "fault", text, true);
     if (automatic_) until_ = monotonic_now() + options_.after;
   }
+  Nanos calendar(Nanos at) const override { return at + since_; }
   void wanted(bool recording) override {
     if (recording == std::exchange(wanted_, recording)) return;
     if (recording && !file_) open("", "the master records", false);
@@ -150,7 +151,8 @@ class Recorder::Thread final : public RecordSink {
     const auto before = static_cast<std::uint64_t>(options_.before);
     std::size_t first = 0;
     for (std::size_t i = 0; i < ring_.size(); ++i) {
-      if (ring_[i].beginning && newest - std::min(newest, ring_[i].chunk.first) >= before) first = i;
+      if (ring_[i].beginning && newest - std::min(newest, ring_[i].chunk.first) >= before)
+        first = i;
     }
     ring_.erase(ring_.begin(), ring_.begin() + static_cast<std::ptrdiff_t>(first));
   }
@@ -179,7 +181,8 @@ class Recorder::Thread final : public RecordSink {
     if (!building_.empty()) close_chunk();
     std::error_code error;
     std::filesystem::create_directories(options_.folder, error);
-    const std::string path = options_.folder + "/" + recording_name(calendar_now(), feed_->side(), label);
+    const std::string path =
+        options_.folder + "/" + recording_name(calendar_now(), feed_->side(), label);
     auto made = RecordingSink::make(path, layout_);
     if (!made) {
       if (problem_ != made.message()) say(true, "no recording: " + made.message());
@@ -211,8 +214,8 @@ class Recorder::Thread final : public RecordSink {
     pb::RecordedStart start = start_;
     start.set_why(why);
     McapChunkBuilder out;
-    const auto time = static_cast<std::uint64_t>(
-        std::max<Nanos>(ring_.empty() ? calendar_now() : static_cast<Nanos>(ring_.front().chunk.first), 0));
+    const auto time = static_cast<std::uint64_t>(std::max<Nanos>(
+        ring_.empty() ? calendar_now() : static_cast<Nanos>(ring_.front().chunk.first), 0));
     const auto add = [&](RecordChannel channel, const std::string& bytes) {
       out.add({static_cast<std::uint16_t>(channel), ++sequence_, time, time, bytes});
     };
@@ -236,8 +239,8 @@ class Recorder::Thread final : public RecordSink {
 
   void prune_now(Nanos now) {
     next_prune_ = now + kPrunePeriod;
-    const auto gone = prune(options_.folder, options_.keep_bytes, calendar_now() - options_.keep_for,
-                            file_ ? file_->path() : "");
+    const auto gone = prune(options_.folder, options_.keep_bytes,
+                            calendar_now() - options_.keep_for, file_ ? file_->path() : "");
     for (const std::string& path : gone) say(false, "removed the oldest recording, " + path);
     if (!file_ || file_->size() < options_.keep_bytes) return;
     say(true, "the recording is as long as all may be together and ends here");

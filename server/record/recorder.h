@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "proto/record.pb.h"
 #include "server/base/status.h"
 #include "server/base/time.h"
 #include "server/record/record_feed.h"
@@ -13,11 +14,11 @@
 namespace handrail {
 
 struct RecorderOptions {
-  std::string folder;                          // made when it is missing
-  std::uint64_t keep_bytes = 2'000'000'000;    // of all recordings there; the oldest go first
-  Nanos keep_for = 30 * 24 * 3600 * kSecond;   // older ones go
-  Nanos before = 30 * kSecond;                 // that is kept of what came before a stop or fault
-  Nanos after = 2 * kSecond;                   // ... and after it
+  std::string folder;                         // made when it is missing
+  std::uint64_t keep_bytes = 2'000'000'000;   // of all recordings there; the oldest go first
+  Nanos keep_for = 30 * 24 * 3600 * kSecond;  // older ones go
+  Nanos before = 30 * kSecond;                // that is kept of what came before a stop or fault
+  Nanos after = 2 * kSecond;                  // ... and after it
   std::function<void(bool bad, const std::string& line)> say;  // for the log; from its own thread
 };
 
@@ -29,8 +30,8 @@ struct RecorderState {
   std::uint64_t lost = 0;   // ticks or cycles that could not be kept, so far
 };
 
-// Keeps the last half minute, and writes a file when somebody asks or something happens: a stop or a
-// fault. A file stands on the disk chunk by chunk, 0.1 s each. All methods from any thread, which
+// Keeps the last half minute, and writes a file when somebody asks or something happens: a stop or
+// a fault. A file stands on the disk chunk by chunk, 0.1 s each. All methods from any thread, which
 // is not kept waiting: they leave word and return.
 class Recorder {
  public:

@@ -4,6 +4,7 @@
 
 #include "server/lab/replay/replay.h"
 #include "server/record/mcap/mcap_reader.h"
+#include "server/record/mcap/mcap_writer.h"
 #include "server/record/record_feed.h"
 #include "tests/fuzz/fuzz_target.h"
 

@@ -102,14 +102,14 @@ void print_json(const ReplayResult& r, double took) {
   }
   std::printf(
       "%s\n",
-      fmt::format(
-          "{{\"program\": {}, \"version\": {}, \"why\": {}, \"same_build\": {}, "
-          "\"seconds\": {}, \"entries\": {}, \"replayed\": {}, \"lost\": {}, \"missing\": {}, "
-          "\"different\": {}, \"first\": {}, \"damage\": {}, \"took_s\": {}, "
-          "\"recorded\": {}, \"asked\": {}, \"apart_mm\": {}, \"happened\": [{}]}}",
-          quoted(r.program), quoted(r.version), quoted(r.why), r.same_build, r.seconds, r.entries,
-          r.replayed, r.lost, r.missing, r.different, first, quoted(r.damage), took, summary(r.was),
-          summary(r.is), r.apart / kMm, marks)
+      fmt::format("{{\"program\": {}, \"version\": {}, \"why\": {}, \"same_build\": {}, "
+                  "\"seconds\": {}, \"begun_s\": {:.6f}, \"entries\": {}, \"replayed\": {}, "
+                  "\"lost\": {}, \"missing\": {}, "
+                  "\"different\": {}, \"first\": {}, \"damage\": {}, \"took_s\": {}, "
+                  "\"recorded\": {}, \"asked\": {}, \"apart_mm\": {}, \"happened\": [{}]}}",
+                  quoted(r.program), quoted(r.version), quoted(r.why), r.same_build, r.seconds,
+                  to_seconds(r.begun), r.entries, r.replayed, r.lost, r.missing, r.different, first,
+                  quoted(r.damage), took, summary(r.was), summary(r.is), r.apart / kMm, marks)
           .c_str());
 }
 

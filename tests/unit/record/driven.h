@@ -65,7 +65,7 @@ class DrivenMaster {
     given.dt = 1e-3 * (0.5 + random_.uniform());
     given.let_go = random_.bits() % 500 == 0;
     HapticInput& in = given.in;
-    hand_ += 1e-4 * Vec3(random_.normal(), random_.normal(), random_.normal());
+    hand_ += 4e-4 * Vec3(random_.normal(), random_.normal(), random_.normal());
     in.hand.X_MH.p = hand_;
     in.hand.v_MH = 0.1 * Vec3(random_.normal(), random_.normal(), random_.normal());
     in.hand.valid = random_.bits() % 50 != 0;

@@ -10,6 +10,7 @@
 #include "server/lab/replay/recording_csv.h"
 #include "server/lab/replay/recording_join.h"
 #include "server/record/mcap/mcap_reader.h"
+#include "server/record/mcap/mcap_writer.h"
 #include "server/record/record_feed.h"
 #include "server/record/tick_io.h"
 #include "tests/support/temp_folder.h"
@@ -49,7 +50,7 @@ struct Pair {
 // A second of both sides. The slave's clock is `ahead` of the master's; a way takes `there` or
 // `back` and up to `jitter` more.
 Pair pair_of(Nanos ahead, Nanos there, Nanos back, Nanos jitter, std::uint64_t seed,
-             Nanos slave_later = 0) {
+             Nanos slave_later = 0, bool master_hears = true) {
   Random random(seed);
   const auto late = [&] {
     return static_cast<Nanos>(random.uniform() * static_cast<double>(jitter));
@@ -74,6 +75,7 @@ Pair pair_of(Nanos ahead, Nanos there, Nanos back, Nanos jitter, std::uint64_t s
     tick.given.dt = 1e-3;
     tick.given.in.hand.X_MH.p.x() = 1e-3 * i;
     tick.timing = {now, now - way_back + ahead, way_there + way_back};
+    if (!master_hears) tick.timing = {};
     pb::RecordedTick message;
     put(tick, message);
     master.add(RecordChannel::kTick, kMasterCalendar + now, message);
@@ -117,6 +119,14 @@ TEST(RecordingJoin, WhateverTheWaysAreLikeItIsRightToItsBound) {
     EXPECT_LE(std::abs(result->offset - ahead), result->bound);
     EXPECT_LE(result->bound, (there + back + 2) * kMillisecond / 2);
   }
+}
+
+TEST(RecordingJoin, WhatTheSlaveMeasuredServesAsWell) {
+  const Nanos ahead = 77 * kSecond;
+  const auto result = joined(pair_of(ahead, kMillisecond, kMillisecond, 0, 7, 0, false));
+  ASSERT_TRUE(result) << result.message();
+  EXPECT_EQ(result->measures, 1000u);
+  EXPECT_EQ(result->offset, ahead);
 }
 
 TEST(RecordingJoin, BothStandInOneFileOnOneCalendar) {

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "server/record/mcap/mcap_reader.h"
+#include "server/record/mcap/mcap_writer.h"
 #include "server/record/recording_repair.h"
 #include "tests/support/temp_folder.h"
 #include "tests/unit/record/driven.h"
@@ -28,6 +29,7 @@ class InMemory : public RecordSink {
   void beginning() override {}
   void happened(pb::RecordedEvent::Kind, Nanos, const std::string&) override {}
   void wanted(bool) override {}
+  Nanos calendar(Nanos at) const override { return at; }
 
   std::string file() const {
     McapFile out(record_layout());
