@@ -179,12 +179,13 @@ TEST(Replay, AnotherGainShowsBothSideBySide) {
 
 TEST(Replay, ARepairedFileHasAllThatWasSound) {
   TempFolder folder;
-  const std::string whole = a_recording(100).file();
+  const InMemory recording = a_recording(100);
+  const std::string whole = recording.file();
   std::istringstream cut(whole.substr(0, whole.size() - 30));
   const std::string path = folder.path() + "/repaired.mcap";
   const auto repaired = repair_recording(cut, path);
   ASSERT_TRUE(repaired) << repaired.message();
-  EXPECT_EQ(repaired->messages, 103u);
+  EXPECT_EQ(repaired->messages, recording.messages.size());
   const auto result = test::replay_file(path);
   ASSERT_TRUE(result) << result.message();
   EXPECT_EQ(result->damage, "");
