@@ -53,7 +53,7 @@ void HapticRun::feel_walls(const HapticTick& tick, const HapticInput& in) noexce
   // Whoever leads by a cursor feels walls while the dead-man is held; a hand on a device lets go of
   // it.
   const LeadState& lead = memory_.state.lead;
-  wall_in.release = (led_by_cursor_ && !lead.present) || lead.stop_latched() || tick.ends;
+  wall_in.release = (tick.led_by_cursor && !lead.present) || lead.stop_latched() || tick.ends;
   wall_step(run.settings, wall_in, tick.dt, run.state, felt);
   HapticOutput& out = memory_.result.out;
   out.f_H_M = felt.f_H_M;
@@ -73,8 +73,8 @@ std::size_t HapticRun::save(std::span<std::byte> out) const noexcept {
   std::memcpy(to, static_cast<const void*>(&walls), sizeof(walls));
   to += sizeof(walls);
   return sizeof(memory_) + sizeof(walls) +
-         scene_.walls->state.proxy->save(std::span<std::byte, WallProxy::kMostImage>(
-             to, WallProxy::kMostImage));
+         scene_.walls->state.proxy->save(
+             std::span<std::byte, WallProxy::kMostImage>(to, WallProxy::kMostImage));
 }
 
 bool HapticRun::restore(std::span<const std::byte> image) noexcept {

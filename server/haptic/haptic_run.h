@@ -20,9 +20,10 @@ struct LoopScene {
 // What a tick is given.
 struct HapticTick {
   HapticInput in;
-  double dt = 0.0;      // since the last [s]
-  bool let_go = false;  // the device has let go since the last
-  bool ends = false;    // the program is to end: in place of any order
+  double dt = 0.0;             // since the last [s]
+  bool let_go = false;         // the device has let go since the last
+  bool ends = false;           // the program is to end: in place of any order
+  bool led_by_cursor = false;  // the device's hand, as in HapticCapabilities
 };
 
 // What it gives.
@@ -41,11 +42,10 @@ struct HapticMemory {
 inline constexpr std::size_t kMostHapticImage =
     sizeof(HapticMemory) + sizeof(WallMemory) + WallProxy::kMostImage;
 
-// Real-time safe; large. `led_by_cursor`: of the device, as in HapticCapabilities.
+// Real-time safe; large.
 class HapticRun {
  public:
-  HapticRun(const LoopScene& scene, bool led_by_cursor) noexcept
-      : scene_(scene), led_by_cursor_(led_by_cursor) {}
+  explicit HapticRun(const LoopScene& scene) noexcept : scene_(scene) {}
 
   // Before the first tick: as begin_epochs.
   void begin(std::uint64_t unique) noexcept { begin_epochs(unique, memory_.state); }
@@ -63,8 +63,8 @@ class HapticRun {
   const HapticState& state() const noexcept { return memory_.state; }
   const HapticResult& result() const noexcept { return memory_.result; }
 
-  // All that ticks leave behind, as it lies in the memory of this build: with the same scene the same
-  // ticks lead on from it to the same results, bit for bit. It holds no addresses.
+  // All that ticks leave behind, as it lies in the memory of this build: with the same scene the
+  // same ticks lead on from it to the same results, bit for bit. It holds no addresses.
   static constexpr std::size_t kMostImage = kMostHapticImage;
   // Returns how much of `out` it took, of kMostImage bytes at least.
   std::size_t save(std::span<std::byte> out) const noexcept;
@@ -77,7 +77,6 @@ class HapticRun {
   void feel_walls(const HapticTick& tick, const HapticInput& in) noexcept;
 
   LoopScene scene_;
-  bool led_by_cursor_;
   HapticMemory memory_;
   HapticInput in_;
 };

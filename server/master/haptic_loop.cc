@@ -23,7 +23,7 @@ constexpr Nanos kFarewell = 150 * kMillisecond;
 HapticLoop::HapticLoop(HapticDevice& device, const LoopScene& scene, MasterMailboxes& boxes,
                        Nanos start, MasterTap* tap)
     : device_(device),
-      run_(scene, device.capabilities().led_by_cursor),
+      run_(scene),
       boxes_(boxes),
       pacer_(kPeriod, start),
       tap_(tap),
@@ -39,6 +39,7 @@ void HapticLoop::tick(Nanos now) noexcept {
   // The device has let go meanwhile: the force begins anew.
   tick_.let_go = now - last_tick_ >= kForceStands;
   tick_.in.unseen = now - last_tick_;
+  tick_.led_by_cursor = device_.capabilities().led_by_cursor;
   last_tick_ = now;
   take_scene();
   take_slave(now);

@@ -188,7 +188,7 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
   const HapticCapabilities capabilities = (*device)->capabilities();
   const std::vector<std::string> folders(config.scene_path().begin(), config.scene_path().end());
   const auto library = std::make_shared<const SceneLibrary>(folders);
-  const auto records = std::make_shared<SceneRecords>();
+  const auto records = std::make_shared<SceneRecords>(config.has_recording());
   auto scene = records->load(*library, config.scene());
   if (!scene) return fail(scene.message());
   WallRuns wall_runs;

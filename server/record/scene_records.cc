@@ -8,6 +8,7 @@
 namespace handrail {
 
 Result<Scene> SceneRecords::load(const SceneLibrary& library, const std::string& name) {
+  if (!keeps_) return library.load(name);
   const auto file = library.find(name);
   if (!file) return file.status();
   pb::Scene raw;

@@ -15,12 +15,16 @@ namespace handrail {
 // From any thread.
 class SceneRecords {
  public:
+  // `keeps`: somebody records; else nothing is read but what a scene needs.
+  explicit SceneRecords(bool keeps) : keeps_(keeps) {}
+
   // As SceneLibrary::load; keeps the file and its picture. May block.
   Result<Scene> load(const SceneLibrary& library, const std::string& name);
   // The newest of that name.
   pb::RecordedScene take(const std::string& name, std::uint32_t number) const;
 
  private:
+  const bool keeps_;
   mutable std::mutex mutex_;
   std::map<std::string, pb::RecordedScene> newest_;
 };

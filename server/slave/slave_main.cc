@@ -164,15 +164,14 @@ SettingsOf settings_of(const pb::SlaveConfig& config, Nanos period, bool has_sen
                        const std::weak_ptr<Recorder>& recorder) {
   const std::vector<std::string> folders(config.scene_path().begin(), config.scene_path().end());
   return [config, library = SceneLibrary(folders), period, has_sensor, recorder,
-          records = std::make_shared<SceneRecords>(),
+          records = std::make_shared<SceneRecords>(config.has_recording()),
           number = std::make_shared<std::uint32_t>(0)](
              const std::string& scene) -> Result<FollowSettings> {
     const auto loaded = records->load(library, scene);
     if (!loaded) return loaded.status();
     const pb::FtConfig& force = config.force_sensor();
-    FollowSettings out =
-        follow_settings(*loaded, period, has_sensor, force.range_n(),
-                        payload_from(config.payload()), force.filter_ms() * 1e-3);
+    FollowSettings out = follow_settings(*loaded, period, has_sensor, force.range_n(),
+                                         payload_from(config.payload()), force.filter_ms() * 1e-3);
     out.number = ++*number;
     if (const auto to = recorder.lock()) to->scene(records->take(loaded->name, out.number));
     if (out.bumper.sensor_lag <= kMostSensorLag + 1e-9) return out;

@@ -15,7 +15,7 @@ namespace {
 HapticRun a_run() {
   const Scene scene = *SceneLibrary().load("linear-movement");
   const HapticCapabilities device = SimOmni(HandOptions(), false).capabilities();
-  return HapticRun({haptic_settings(scene, device), nullptr, 1}, false);
+  return HapticRun({haptic_settings(scene, device), nullptr, 1});
 }
 
 // Beside the whole tick, in one run: what leaving it for the recorder adds. Target: 1 us.

@@ -105,7 +105,7 @@ class MasterSide final : public ReplaySide {
     if (recorded_.slave_known() && !slave_known_) return Status::ok();
     auto scene = loop_scene(image->scene());
     if (!scene) return scene.status();
-    auto run = std::make_unique<HapticRun>(*scene, device_.led_by_cursor);
+    auto run = std::make_unique<HapticRun>(*scene);
     if (image->begins() != 0) {
       run->begin(image->begins());
     } else {
@@ -141,6 +141,7 @@ class MasterSide final : public ReplaySide {
     if (!options_.as_recorded()) {
       if (Status asked = ask_otherwise(); !asked) return asked;
     }
+    kept_.given.led_by_cursor = device_.led_by_cursor;
     kept_.came = run_->tick(kept_.given);
     const WallRun* walls = run_->scene().walls;
     const auto* screw =

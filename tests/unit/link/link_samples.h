@@ -55,6 +55,7 @@ inline MasterState sample_master() {
   s.fault_reset = 0x9000000000000002;
   s.engagement_epoch = 0xa000000000000004;
   s.grip = Grip::kClosed;
+  s.record = true;
   s.position_tool = sample_plane();
   s.orientation_tool = sample_f_rotation();
   s.hashes = sample_hashes();
@@ -145,7 +146,7 @@ inline bool same(const MasterState& a, const MasterState& b) {
   return a.desired == b.desired && a.state == b.state && same(a.X_SU, b.X_SU) &&
          a.has_command == b.has_command && a.stop_epoch == b.stop_epoch &&
          a.released_epoch == b.released_epoch && a.fault_reset == b.fault_reset &&
-         a.engagement_epoch == b.engagement_epoch && a.grip == b.grip &&
+         a.engagement_epoch == b.engagement_epoch && a.grip == b.grip && a.record == b.record &&
          same(a.position_tool, b.position_tool) && same(a.orientation_tool, b.orientation_tool) &&
          same(a.hashes, b.hashes) && a.scene == b.scene;
 }

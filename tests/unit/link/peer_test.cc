@@ -271,7 +271,7 @@ TEST_F(PeerTest, AStateThatCannotBeSentIsCountedAndNotSent) {
   EXPECT_EQ(master.wait_time(kStart), kMillisecond);
   master_state = sample_master();
   EXPECT_NE(master.poll(kStart + kMillisecond, master_state, p.bytes), 0u);
-  EXPECT_EQ(slave.on_datagram(std::span(p.bytes).first(475), kStart), Reject::kNone);
+  EXPECT_EQ(slave.on_datagram(std::span(p.bytes).first(478), kStart), Reject::kNone);
 }
 
 TEST_F(PeerTest, DoesNotAllocate) {

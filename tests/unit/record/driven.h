@@ -28,7 +28,7 @@ class DrivenMaster {
       : device_(SimOmni(HandOptions(), false).capabilities()), random_(seed) {
     config_.set_good_link_ms(0);
     load(scene);
-    run_ = std::make_unique<HapticRun>(made_, false);
+    run_ = std::make_unique<HapticRun>(made_);
     run_->begin(begins_);
   }
 
@@ -115,7 +115,7 @@ class DrivenMaster {
   const HapticCapabilities device_;
   pb::MasterConfig config_;
   Random random_;
-  SceneRecords records_;
+  SceneRecords records_{true};
   WallRuns runs_;
   std::unique_ptr<Scene> scene_;
   LoopScene made_;
