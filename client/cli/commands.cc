@@ -96,7 +96,8 @@ ExitCode run_record_list(const Options& o, const Console& c) {
     const auto reply = OperatorClient(o.master, o.as).call(ask, 2 * kSecond);
     if (!reply) return complain(c, reply.message() + "; or name a folder: record list FOLDER");
     folder = reply->status().recording().folder();
-    if (folder.empty()) return complain(c, "the master records nothing; name a folder: record list FOLDER");
+    if (folder.empty())
+      return complain(c, "the master records nothing; name a folder: record list FOLDER");
   }
   const auto text = recordings_text(folder, o.json);
   if (!text) return complain(c, text.message());
@@ -265,15 +266,23 @@ constexpr Command kCommands[] = {
      "Say that something is done now: an experiment's next step",
      run_mark,
      {.word = "TEXT", .word_optional = true}},
-    {"record start", "Write down all that happens, on both sides", run_record_start,
+    {"record start",
+     "Write down all that happens, on both sides",
+     run_record_start,
      {.word = "LABEL", .word_optional = true}},
     {"record stop", "End the recording", run_record_stop, {}},
-    {"record mark", "Say that something is done now; it stands in the recording", run_mark,
+    {"record mark",
+     "Say that something is done now; it stands in the recording",
+     run_mark,
      {.word = "TEXT"}},
-    {"record list", "The recordings on this computer", run_record_list,
+    {"record list",
+     "The recordings on this computer",
+     run_record_list,
      {.json = true, .word = "FOLDER", .word_optional = true}},
-    {"record repair", "A whole copy of a recording that was cut, as far as it is sound",
-     run_record_repair, {.file = "FILE.mcap", .word = "FILE"}},
+    {"record repair",
+     "A whole copy of a recording that was cut, as far as it is sound",
+     run_record_repair,
+     {.file = "FILE.mcap", .word = "FILE"}},
     {"keys new",
      "Make this user's key, for what it is to be trusted to do; or the next one, to change it",
      run_keys_new,

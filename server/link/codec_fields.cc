@@ -175,11 +175,12 @@ void put(const MasterState& s, pb::MasterDatagram& m) {
 bool present(const pb::MasterDatagram& m) {
   return m.has_desired() && m.has_state() && m.command_pose_size() == 7 && m.has_command_valid() &&
          m.has_stop_epoch() && m.has_released_epoch() && m.has_fault_reset() && m.has_grip() &&
-         m.has_engagement_epoch() && m.has_record() && m.has_position_kind() && m.has_position_id() &&
-         m.has_position_epoch() && m.position_geometry_size() == 11 && m.has_position_one_way() &&
-         m.has_position_has_end() && m.has_orientation_kind() && m.has_orientation_id() &&
-         m.has_orientation_epoch() && m.orientation_geometry_size() == 11 && m.hashes_size() == 4 &&
-         m.has_scene() && m.has_position_hash() && m.has_orientation_hash();
+         m.has_engagement_epoch() && m.has_record() && m.has_position_kind() &&
+         m.has_position_id() && m.has_position_epoch() && m.position_geometry_size() == 11 &&
+         m.has_position_one_way() && m.has_position_has_end() && m.has_orientation_kind() &&
+         m.has_orientation_id() && m.has_orientation_epoch() &&
+         m.orientation_geometry_size() == 11 && m.hashes_size() == 4 && m.has_scene() &&
+         m.has_position_hash() && m.has_orientation_hash();
 }
 
 Reject take(const pb::MasterDatagram& m, MasterState& s) {

@@ -65,8 +65,9 @@ void OrderDesk::show_task(pb::Status& status) const {
 void OrderDesk::record(const pb::RecordOrder& wanted, const std::string& who,
                        const ReplyTo& reply) {
   if (options_.recorder == nullptr) {
-    return reply(refused(
-        "the master keeps nothing to record: add recording {} to its configuration, and start it anew"));
+    return reply(
+        refused("the master keeps nothing to record: add recording {} to its configuration, and "
+                "start it anew"));
   }
   const std::string file = options_.recorder->state().file;
   if (!wanted.on()) {

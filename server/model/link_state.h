@@ -81,7 +81,7 @@ struct MasterState {
   std::uint64_t fault_reset = 0;       // the slave's fault the operator saw and has reset last
   std::uint64_t engagement_epoch = 0;  // the newest engagement
   Grip grip = Grip::kAsItIs;           // of the gripper, while engaged
-  bool record = false;                 // the slave is to write down what happens, as the master does
+  bool record = false;  // the slave is to write down what happens, as the master does
   ToolDefinition position_tool;
   ToolDefinition orientation_tool;
   SectionHashes hashes;

@@ -50,7 +50,8 @@ Result<RepairedRecording> repair_recording(std::istream& in, const std::string& 
     if (i == 0) first = last = message->log_time;
     first = std::min(first, message->log_time);
     last = std::max(last, message->log_time);
-    const bool full = gathered >= kChunkBytes || message->log_time - std::min(chunk.first(), message->log_time) > kChunkTime;
+    const bool full = gathered >= kChunkBytes ||
+                      message->log_time - std::min(chunk.first(), message->log_time) > kChunkTime;
     if (!chunk.empty() && full) {
       if (Status done = file.write(chunk.close()); !done) return fail(done);
       gathered = 0;

@@ -38,8 +38,8 @@ Status RecordingSink::put(std::string_view bytes, std::uint64_t at) {
   const auto begin = static_cast<off_t>(at);
   std::size_t done = 0;
   while (done < bytes.size()) {
-    const ssize_t n = ::pwrite(fd_, bytes.data() + done, bytes.size() - done,
-                               begin + static_cast<off_t>(done));
+    const ssize_t n =
+        ::pwrite(fd_, bytes.data() + done, bytes.size() - done, begin + static_cast<off_t>(done));
     if (n < 0 && errno == EINTR) continue;
     if (n > 0) {
       done += static_cast<std::size_t>(n);
@@ -47,7 +47,8 @@ Status RecordingSink::put(std::string_view bytes, std::uint64_t at) {
     }
     Status failed = disk_says(path_, "cannot be written");
     // Half a chunk would end the file for whoever reads it.
-    if (::ftruncate(fd_, begin) != 0) return disk_says(path_, "cannot be cut to its last whole chunk");
+    if (::ftruncate(fd_, begin) != 0)
+      return disk_says(path_, "cannot be cut to its last whole chunk");
     return failed;
   }
   return Status::ok();

@@ -55,7 +55,8 @@ Result<std::string> repair_text(const std::string& file, const std::string& out)
   std::string to = out;
   if (to.empty()) {
     const std::filesystem::path path(file);
-    to = (path.parent_path() / path.stem()).string() + "-repaired" + std::string(kRecordingExtension);
+    to = (path.parent_path() / path.stem()).string() + "-repaired" +
+         std::string(kRecordingExtension);
   }
   const auto done = repair_recording(in, to);
   if (!done) return Status::error(file + ": " + done.message());

@@ -26,10 +26,9 @@ Status write_file(const std::filesystem::path& path, const std::string& bytes) {
 
 // A recording is from anybody: its names are no paths.
 bool is_file_stem(const std::string& name) {
-  return !name.empty() && name.size() < 48 &&
-         std::all_of(name.begin(), name.end(), [](char c) {
-           return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_';
-         });
+  return !name.empty() && name.size() < 48 && std::all_of(name.begin(), name.end(), [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_';
+  });
 }
 
 constexpr char kPicture[] = "picture.png";

@@ -10,7 +10,8 @@
 namespace handrail {
 namespace {
 
-constexpr std::size_t kPiece = std::size_t{1} << 16;  // of what a length promises, at a time [bytes]
+constexpr std::size_t kPiece = std::size_t{1}
+                               << 16;  // of what a length promises, at a time [bytes]
 
 // At most `size` bytes, in pieces: a length that lies costs no more memory than the file is long.
 bool read_some(std::istream& in, std::uint64_t size, std::string& out) {
@@ -136,7 +137,8 @@ std::optional<McapMessage> McapReader::message(std::string_view content) {
   const bool known = out.channel > 0 && out.channel <= layout_.channels.size() &&
                      !layout_.channels[out.channel - 1u].topic.empty();
   if (!known) {
-    fail("a message of channel " + std::to_string(out.channel) + ", which the file does not tell of");
+    fail("a message of channel " + std::to_string(out.channel) +
+         ", which the file does not tell of");
     return std::nullopt;
   }
   return out;
@@ -192,7 +194,8 @@ void McapReader::chunk(std::string_view content) {
   const auto found = static_cast<std::uint32_t>(
       crc32_z(0, reinterpret_cast<const Bytef*>(unpacked_.data()), unpacked_.size()));
   // 0: the writer has made none.
-  if (sum != 0 && sum != found) return fail("a chunk that is not as it was written: its checksum differs");
+  if (sum != 0 && sum != found)
+    return fail("a chunk that is not as it was written: its checksum differs");
   inside_ = unpacked_;
 }
 

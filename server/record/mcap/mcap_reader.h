@@ -11,10 +11,10 @@
 
 namespace handrail {
 
-// Takes a file record by record, in the order in which it was written, and needs nothing of its end:
-// one that was cut at any byte gives all that stands before the chunk that was cut. Nothing of what
-// the file says is believed: lengths are held to what can be there, a chunk to its checksum. May
-// allocate; a record is at most kLongest, a chunk at most that after it was unpacked.
+// Takes a file record by record, in the order in which it was written, and needs nothing of its
+// end: one that was cut at any byte gives all that stands before the chunk that was cut. Nothing of
+// what the file says is believed: lengths are held to what can be there, a chunk to its checksum.
+// May allocate; a record is at most kLongest, a chunk at most that after it was unpacked.
 class McapReader {
  public:
   static constexpr std::uint64_t kLongest = std::uint64_t{1} << 26;  // 64 MiB; chosen
@@ -22,8 +22,8 @@ class McapReader {
   // `in` must outlive the reader and be read by nobody else.
   explicit McapReader(std::istream& in) : in_(in) {}
 
-  // The next message, its `data` valid until the next call; nothing at the end, or where the file is
-  // not sound: damage() tells.
+  // The next message, its `data` valid until the next call; nothing at the end, or where the file
+  // is not sound: damage() tells.
   std::optional<McapMessage> next();
 
   // The schemas and channels so far: those of a message that was given are there. A number that the

@@ -18,8 +18,9 @@ struct McapChunk {
   std::uint64_t length = 0;           // of the chunk's own record [bytes]
   std::uint64_t plain = 0;            // of its messages, uncompressed [bytes]
   std::uint64_t packed = 0;           // compressed [bytes]
-  std::map<std::uint16_t, std::uint64_t> index_at;  // of each channel's index, from the chunk's start
-  std::map<std::uint16_t, std::uint64_t> counts;    // messages of each channel
+  std::map<std::uint16_t, std::uint64_t>
+      index_at;                                   // of each channel's index, from the chunk's start
+  std::map<std::uint16_t, std::uint64_t> counts;  // messages of each channel
 };
 
 // Gathers messages, in the order of their log times. For one thread; may allocate.
