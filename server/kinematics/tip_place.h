@@ -35,8 +35,8 @@ class TipPlace {
     const double out = five_.s * four_.c;
     const double ahead = plane.radius + arm_->d6 * (five_.c * both_.s + out * both_.c);
     const double aside = arm_->d6 * five_.s * four_.s;
-    const Vec3 p(one_.c * ahead - one_.s * aside, one_.s * ahead + one_.c * aside,
-                 plane.height + arm_->d6 * (five_.c * both_.c - out * both_.s));
+    Vec3 p(one_.c * ahead - one_.s * aside, one_.s * ahead + one_.c * aside,
+           plane.height + arm_->d6 * (five_.c * both_.c - out * both_.s));
     if (!arm_->X_AT) return p;
     return p + offset({one_.c * both_.s, one_.s * both_.s, both_.c},
                       {one_.c * both_.c, one_.s * both_.c, -both_.s}, {-one_.s, one_.c, 0.0});

@@ -3,7 +3,6 @@
 import { WebSocket } from 'ws';
 
 const [origin, cookie, count] = process.argv.slice(2);
-const begin = performance.now();
 const counts = new Array(Number(count)).fill(0);
 await Promise.all(counts.map((_, i) => new Promise((resolve, reject) => {
   const socket = new WebSocket(`${origin.replace('http', 'ws')}/ws`, 'handrail.console.v1', { origin, headers: { cookie }, rejectUnauthorized: false });
@@ -13,6 +12,8 @@ await Promise.all(counts.map((_, i) => new Promise((resolve, reject) => {
   socket.on('open', resolve);
   socket.on('error', reject);
 })));
+counts.fill(0);
+const begin = performance.now();
 console.log('open');
 process.stdin.resume().on('end', () => {
   const seconds = (performance.now() - begin) / 1000;
