@@ -63,6 +63,8 @@ void add_replay(CLI::App& app, ReplayCommand& replay) {
   sub->add_option("--scene", replay.scene, "another scene in place of all");
   sub->add_option("--set", replay.set,
                   "KEY=VALUE of the scenes, such as guidance.stiffness_n_mm=1");
+  sub->add_flag("--other-processor", replay.other_processor,
+                "recorded on another kind of processor: compare within 1e-9");
   sub->add_flag("--no-images", replay.no_images,
                 "for a file of a stranger: begin only where its program began");
   sub->add_flag("--json", replay.json, "print the result as JSON");

@@ -22,6 +22,9 @@ struct ReplayOptions {
   std::string tool;  // a tool of the scene, by name, in place of every one of its sort
   // Go on from images, which are another program's memory: false for a file of whoever it may be.
   bool images = true;
+  // Compare to the bit what the same build recorded; false: within kOtherBuild, as the C library's
+  // functions may differ in the last bit on another kind of processor.
+  bool exact = true;
   // Asked now and then; true ends the replay.
   std::function<bool()> cancelled = {};
 

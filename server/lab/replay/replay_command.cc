@@ -66,7 +66,9 @@ void print_text(const ReplayCommand& command, const ReplayResult& r, bool asked,
                                             program_version(), kOtherBuild));
   }
   if (!r.first) {
-    print_line("result", r.same_build ? "the same to the bit" : "the same within that");
+    print_line("result", !r.same_build             ? "the same within that"
+                         : command.other_processor ? "the same within 1e-9"
+                                                   : "the same to the bit");
     return;
   }
   print_line("different", fmt::format("{} of {}", r.different, r.replayed));
@@ -123,6 +125,7 @@ int run_replay_command(const ReplayCommand& command, const std::function<bool()>
   options.scene = command.scene;
   options.tool = command.tool;
   options.images = !command.no_images;
+  options.exact = !command.other_processor;
   options.cancelled = cancelled;
   std::ifstream in(command.file, std::ios::binary);
   if (!in) {

@@ -13,6 +13,7 @@ struct ReplayCommand {
   std::string scene;
   std::string tool;
   bool no_images = false;
+  bool other_processor = false;
   bool json = false;
 };
 

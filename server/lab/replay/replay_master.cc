@@ -215,8 +215,8 @@ Result<std::unique_ptr<ReplaySide>> replay_master(const pb::RecordedStart& start
   if (!google::protobuf::TextFormat::ParseFromString(start.configuration(), &config)) {
     return Status::error("the recorded configuration is none of a master of this version");
   }
-  std::unique_ptr<ReplaySide> out = std::make_unique<MasterSide>(device, config, scenes, options,
-                                                                 start.build() == record_build());
+  std::unique_ptr<ReplaySide> out = std::make_unique<MasterSide>(
+      device, config, scenes, options, options.exact && start.build() == record_build());
   return Result<std::unique_ptr<ReplaySide>>(std::move(out));
 }
 

@@ -127,8 +127,8 @@ Result<std::unique_ptr<ReplaySide>> replay_slave(const pb::RecordedStart& start,
     payload.bias_T.force[i] = arm.payload(4 + i);
     payload.bias_T.torque[i] = arm.payload(7 + i);
   }
-  std::unique_ptr<ReplaySide> out =
-      std::make_unique<SlaveSide>(arm, payload, scenes, start.build() == record_build());
+  std::unique_ptr<ReplaySide> out = std::make_unique<SlaveSide>(
+      arm, payload, scenes, options.exact && start.build() == record_build());
   return Result<std::unique_ptr<ReplaySide>>(std::move(out));
 }
 

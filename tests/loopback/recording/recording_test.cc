@@ -154,7 +154,9 @@ TEST(GoldenRecording, DoneAgainTheyAreAsTheyWere) {
     std::ifstream in(
         std::string(HANDRAIL_SOURCE_DIR) + "/tests/loopback/recording/golden/" + side + ".mcap",
         std::ios::binary);
-    const auto result = replay(in, {});
+    ReplayOptions options;
+    options.exact = false;  // this processor may be of another kind
+    const auto result = replay(in, options);
     ASSERT_TRUE(result) << side << ": " << result.message();
     EXPECT_EQ(result->damage, "");
     EXPECT_GT(result->entries, 300u);
