@@ -232,7 +232,7 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
   };
   desk_options.loop_scene = loop_scene;
   desk_options.recorder = recorder.get();
-  desk_options.record_folder = config.recording().folder();
+  if (recorder) desk_options.record_folder = recorder->folder();
   OrderDesk desk(*boxes, *scene, desk_options);
   const auto server = make_master_server(
       *boxes, desk,

@@ -69,13 +69,15 @@ void OrderDesk::record(const pb::RecordOrder& wanted, const std::string& who,
         refused("the master keeps nothing to record: add recording {} to its configuration, and "
                 "start it anew"));
   }
+  // One that a stop or a fault began ends by itself, and for this.
+  const bool asked = options_.recorder->asked();
   const std::string file = options_.recorder->state().file;
   if (!wanted.on()) {
     if (file.empty()) return reply(refused("nothing is being recorded"));
     options_.recorder->stop();
     return reply(done());
   }
-  if (!file.empty()) return reply(refused(file + " is being written: end that recording first"));
+  if (asked) return reply(refused(file + " is being written: end that recording first"));
   if (wanted.has_label() && !is_record_label(wanted.label())) {
     return reply(refused("label: '" + shown(wanted.label()) +
                          "', expected 1 to 40 letters, digits, '-' and '_'"));

@@ -1,6 +1,8 @@
 #include "server/record/device_io.h"
 
+#include <cmath>
 #include <string>
+#include <utility>
 
 namespace handrail {
 
@@ -24,7 +26,7 @@ void put(const HapticCapabilities& device, pb::RecordedDevice& out) {
 }
 
 Status take(const pb::RecordedDevice& in, HapticCapabilities& out) {
-  constexpr int kDynamics = 5;
+  constexpr int kDynamics = 5;  // mass, damping, friction, resolution, delay
   if (in.workspace_half_size() != 3) {
     return Status::error("device.workspace_half has " + std::to_string(in.workspace_half_size()) +
                          " numbers, expected 3");
@@ -32,6 +34,13 @@ Status take(const pb::RecordedDevice& in, HapticCapabilities& out) {
   if (in.dynamics_size() != kDynamics) {
     return Status::error("device.dynamics has " + std::to_string(in.dynamics_size()) +
                          " numbers, expected " + std::to_string(kDynamics));
+  }
+  for (const auto& [field, value] : {std::pair("max_force", in.max_force()),
+                                     std::pair("continuous_force", in.continuous_force()),
+                                     std::pair("least_mass", in.least_mass())}) {
+    if (std::isfinite(value) && value > 0.0) continue;
+    return Status::error(std::string("device.") + field + " is " + std::to_string(value) +
+                         ", expected a finite number over 0");
   }
   out.name = in.name();
   out.simulated = in.simulated();

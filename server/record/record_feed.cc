@@ -1,26 +1,16 @@
 #include "server/record/record_feed.h"
 
-#include <google/protobuf/descriptor.pb.h>
-
 #include <optional>
-#include <set>
 #include <utility>
 
 #include "server/base/version.h"
 #include "server/model/reason.h"
+#include "server/record/mcap/message_schema.h"
 #include "server/record/record_views.h"
 #include "server/record/tick_io.h"
 
 namespace handrail {
 namespace {
-
-// What a file imports comes before it.
-void add_file_to(const google::protobuf::FileDescriptor& file, std::set<std::string>& seen,
-                 google::protobuf::FileDescriptorSet& out) {
-  if (!seen.insert(file.name()).second) return;
-  for (int i = 0; i < file.dependency_count(); ++i) add_file_to(*file.dependency(i), seen, out);
-  file.CopyTo(out.add_file());
-}
 
 // What a side says of its session, from one tick to the next.
 class SessionSigns {
@@ -59,6 +49,9 @@ class Unchanged {
  private:
   std::string last_, scratch_;
 };
+
+// Chosen: longer than what an operator waits through, and it costs 3 MB a minute.
+constexpr Nanos kMasterGone = 10 * kSecond;
 
 // What both feeds do.
 template <typename Tap>
@@ -157,7 +150,10 @@ class SlaveFeed final : public Feed<SlaveTap> {
     if (message_.has_master() && other_.same(message_.master())) message_.clear_master();
     tell(RecordChannel::kCycle, cycle.at, message_, sink);
     views_.see(cycle, sink);
-    if (cycle.given.master_known) sink.wanted(cycle.given.master.record);
+    const FollowInput& given = cycle.given;
+    if (given.master_known) {
+      sink.wanted(given.master.record && given.master_age <= kMasterGone);
+    }
     const SlaveState& out = cycle.came.link;
     signs_.see(out.state, out.stop_epoch, out.fault, cycle.at, sink);
   }
@@ -171,10 +167,7 @@ McapLayout record_layout() {
   McapLayout out;
   out.library = std::string("handrail ") + program_version();
   const auto add = [&out](const char* topic, const google::protobuf::Descriptor& type) {
-    google::protobuf::FileDescriptorSet files;
-    std::set<std::string> seen;
-    add_file_to(*type.file(), seen, files);
-    out.schemas.push_back({type.full_name(), "protobuf", files.SerializeAsString()});
+    out.schemas.push_back({type.full_name(), "protobuf", schema_of(type)});
     out.channels.push_back({static_cast<std::uint16_t>(out.schemas.size()), topic, "protobuf"});
   };
   add("/start", *pb::RecordedStart::descriptor());

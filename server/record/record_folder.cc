@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
+#include <regex>
 #include <system_error>
 
 namespace handrail {
@@ -40,9 +41,17 @@ std::string recording_name(Nanos calendar, const std::string& side, const std::s
          std::string(kRecordingExtension);
 }
 
-std::vector<std::string> prune(const std::string& folder, std::uint64_t most_bytes, Nanos oldest,
-                               const std::string& but) {
+bool is_recording_of(const std::string& side, const std::string& file) {
+  static const std::regex name(R"((\d{8}T\d{6}\.\d{3}Z)-(master|slave)(-[\w-]{1,40})?\.mcap)");
+  const std::string last = std::filesystem::path(file).filename().string();
+  std::smatch parts;
+  return std::regex_match(last, parts, name) && parts[2] == side;
+}
+
+std::vector<std::string> prune(const std::string& folder, const std::string& side,
+                               std::uint64_t most_bytes, Nanos oldest, const std::string& but) {
   std::vector<RecordingEntry> all = recordings_in(folder);
+  std::erase_if(all, [&](const RecordingEntry& e) { return !is_recording_of(side, e.file); });
   std::uint64_t sum = 0;
   for (const RecordingEntry& entry : all) sum += entry.bytes;
   std::vector<std::string> out;

@@ -2,6 +2,8 @@
 
 #include <google/protobuf/text_format.h>
 
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "server/base/version.h"
@@ -24,7 +26,10 @@ RecorderOptions recorder_options(const pb::RecordingConfig& config,
   constexpr std::uint64_t kMegabyte = 1'000'000;
   constexpr Nanos kDay = 24 * 3600 * kSecond;
   RecorderOptions out;
-  out.folder = config.folder();
+  // Whoever is told of a file may have another working folder.
+  std::error_code error;
+  const auto folder = std::filesystem::absolute(config.folder(), error);
+  out.folder = error ? config.folder() : folder.lexically_normal().string();
   out.keep_bytes = config.keep_mb() * kMegabyte;
   out.keep_for = config.keep_days() * kDay;
   out.say = std::move(say);

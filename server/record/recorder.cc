@@ -4,6 +4,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <deque>
+#include <exception>
 #include <filesystem>
 #include <mutex>
 #include <optional>
@@ -64,6 +65,7 @@ class Recorder::Thread final : public RecordSink {
     return state_;
   }
 
+  const std::string& folder() const noexcept { return options_.folder; }
   bool asked() const noexcept { return asked_.load(std::memory_order_relaxed); }
 
   struct Word {
@@ -86,7 +88,11 @@ class Recorder::Thread final : public RecordSink {
       last = ends_;
       const Word word = std::exchange(word_, {});
       lock.unlock();
-      work(word, last);
+      try {
+        work(word, last);
+      } catch (const std::exception& refused) {
+        give_up(refused);
+      }
       lock.lock();
       state_.file = file_ ? file_->path() : "";
       state_.bytes = file_ ? file_->size() : 0;
@@ -101,10 +107,28 @@ class Recorder::Thread final : public RecordSink {
     feed_->pull(*this);
     for (const pb::RecordedEvent& mark : word.marks) put_event(mark);
     const Nanos now = monotonic_now();
-    if (word.start && !file_) open(*word.start, "asked for", false);
+    if (word.start) begin_asked(*word.start, "asked for");
     if (!building_.empty() && (last || now - building_since_ >= kChunk)) close_chunk();
     if (file_ && (word.stop || last || (until_ != kForever && now >= until_))) close_file();
     if (now >= next_prune_ && file_) prune_now(now);
+  }
+
+  // What was not written is gone, and the daemon goes on: a replay finds that ticks are missing.
+  void give_up(const std::exception& why) noexcept {
+    building_ = McapChunkBuilder();
+    begins_ = false;
+    ring_.clear();
+    if (std::exchange(said_refused_, true)) return;
+    try {
+      say(true, std::string("the recording has a gap: ") + why.what());
+    } catch (const std::exception&) {  // no memory to say so
+    }
+  }
+
+  // A file that was begun for a stop or a fault ends for one that somebody asks for.
+  void begin_asked(const std::string& label, const char* why) {
+    if (file_ && automatic_) close_file();
+    if (!file_) open(label, why, false);
   }
 
   // RecordSink
@@ -129,7 +153,7 @@ class Recorder::Thread final : public RecordSink {
   Nanos calendar(Nanos at) const override { return at + since_; }
   void wanted(bool recording) override {
     if (recording == std::exchange(wanted_, recording)) return;
-    if (recording && !file_) open("", "the master records", false);
+    if (recording) begin_asked("", "the master records");
     if (!recording && file_ && !automatic_) until_ = monotonic_now();
   }
 
@@ -155,6 +179,10 @@ class Recorder::Thread final : public RecordSink {
         first = i;
     }
     ring_.erase(ring_.begin(), ring_.begin() + static_cast<std::ptrdiff_t>(first));
+    // Without an image for so long nothing of it could be done again.
+    const std::uint64_t most = before + 2 * static_cast<std::uint64_t>(kImagePeriod);
+    while (ring_.size() > 1 && newest - std::min(newest, ring_.front().chunk.first) > most)
+      ring_.pop_front();
   }
 
   void write(const McapChunk& chunk) {
@@ -239,7 +267,7 @@ class Recorder::Thread final : public RecordSink {
 
   void prune_now(Nanos now) {
     next_prune_ = now + kPrunePeriod;
-    const auto gone = prune(options_.folder, options_.keep_bytes,
+    const auto gone = prune(options_.folder, feed_->side(), options_.keep_bytes,
                             calendar_now() - options_.keep_for, file_ ? file_->path() : "");
     for (const std::string& path : gone) say(false, "removed the oldest recording, " + path);
     if (!file_ || file_->size() < options_.keep_bytes) return;
@@ -268,6 +296,7 @@ class Recorder::Thread final : public RecordSink {
   Nanos until_ = kForever;
   Nanos next_prune_ = 0;
   std::string problem_;
+  bool said_refused_ = false;
   std::uint64_t gap_ = 0;  // chunks that the disk did not take
 
   mutable std::mutex mutex_;
@@ -308,6 +337,7 @@ void Recorder::mark(const std::string& text, const std::string& who) {
   thread_->leave([&](Thread::Word& word) { word.marks.push_back(std::move(event)); });
 }
 RecorderState Recorder::state() const { return thread_->state(); }
+const std::string& Recorder::folder() const noexcept { return thread_->folder(); }
 bool Recorder::asked() const noexcept { return thread_->asked(); }
 
 bool is_record_label(const std::string& label) {

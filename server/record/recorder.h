@@ -52,6 +52,7 @@ class Recorder {
   void mark(const std::string& text, const std::string& who);
 
   RecorderState state() const;
+  const std::string& folder() const noexcept;
   // A file is being written because somebody asked for it.
   bool asked() const noexcept;
 

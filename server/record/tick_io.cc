@@ -3,6 +3,7 @@
 #include <initializer_list>
 #include <string>
 
+#include "server/link/check.h"
 #include "server/link/codec_fields.h"
 
 namespace handrail {
@@ -86,7 +87,14 @@ LinkView link_of(const pb::RecordedLink& in) {
           in.peer_received_of_100(), in.confirmed(),   in.other_master()};
 }
 
+// Numbers of a tool call: six vectors, a quaternion, a stiffness.
 constexpr int kToolNumbers = 6 * 3 + 4 + 1;
+// Of a hand: place, quaternion, velocity. Of a sensor's reading: force, torque.
+constexpr int kHandNumbers = 3 + 4 + 3, kSensorNumbers = 3 + 3;
+// What no loop ever bridged or missed; the loops' own limits are far below. Keeps what a strange
+// file claims from being worked through.
+constexpr double kLongestTick = 1.0;  // [s]
+constexpr int kMostCycles = 100'000;
 
 void put_call(const ToolCall& call, pb::RecordedToolCall& out) {
   out.set_kind(static_cast<pb::LinkToolKind>(call.kind));
@@ -233,14 +241,15 @@ void put(const KeptTick& tick, pb::RecordedTick& out) {
 }
 
 Status take(const pb::RecordedTick& in, KeptTick& out) {
-  constexpr int kHand = 10;
-  if (in.hand_size() != kHand) return wrong_count("hand", in.hand_size(), kHand);
+  if (in.hand_size() != kHandNumbers) return wrong_count("hand", in.hand_size(), kHandNumbers);
   out.number = in.number();
   out.at = in.at_ns();
   out.scene = in.scene();
   HapticTick& given = out.given;
   given.dt = in.dt();
-  if (!(given.dt > 0.0)) return missing("dt", "is " + std::to_string(given.dt) + ", expected > 0");
+  if (!(given.dt > 0.0 && given.dt <= kLongestTick)) {
+    return missing("dt", "is " + std::to_string(given.dt) + " s, expected over 0, to 1");
+  }
   given.let_go = in.let_go();
   given.ends = in.ends();
   HapticInput& to = given.in;
@@ -258,7 +267,8 @@ Status take(const pb::RecordedTick& in, KeptTick& out) {
   }
   if (in.has_slave()) {
     if (!present(in.slave())) return missing("slave", "is not whole");
-    if (take(in.slave(), to.slave) != Reject::kNone) return missing("slave", "is no state");
+    const bool sound = take(in.slave(), to.slave) == Reject::kNone;
+    if (!sound || check(to.slave) != Reject::kNone) return missing("slave", "is no state");
   }
   to.slave_known = in.slave_known();
   to.slave_age = in.slave_age_ns();
@@ -304,10 +314,13 @@ void put(const KeptCycle& cycle, pb::RecordedCycle& out) {
 }
 
 Status take(const pb::RecordedCycle& in, KeptCycle& out) {
-  for (const auto& [field, has] :
-       {std::pair("q_measured", in.q_measured_size()),
-        std::pair("q_commanded", in.q_commanded_size()), std::pair("sensor", in.sensor_size())}) {
-    if (has != kJoints) return wrong_count(field, has, kJoints);
+  const auto counted = [](const char* field, int has, int expected) {
+    return has == expected ? Status::ok() : wrong_count(field, has, expected);
+  };
+  for (const Status& count : {counted("q_measured", in.q_measured_size(), kJoints),
+                              counted("q_commanded", in.q_commanded_size(), kJoints),
+                              counted("sensor", in.sensor_size(), kSensorNumbers)}) {
+    if (!count) return count;
   }
   FollowInput& to = out.given;
   out.number = in.number();
@@ -327,13 +340,16 @@ Status take(const pb::RecordedCycle& in, KeptCycle& out) {
   }
   to.anew = in.anew();
   to.cycles = in.cycles();
-  if (to.cycles < 1)
-    return missing("cycles", "is " + std::to_string(to.cycles) + ", expected >= 1");
+  if (to.cycles < 1 || to.cycles > kMostCycles) {
+    return missing("cycles", "is " + std::to_string(to.cycles) + ", expected 1 to " +
+                                 std::to_string(kMostCycles));
+  }
   to.unseen = in.unseen_ns();
   to.robot_ready = in.robot_ready();
   if (in.has_master()) {
     if (!present(in.master())) return missing("master", "is not whole");
-    if (take(in.master(), to.master) != Reject::kNone) return missing("master", "is no state");
+    const bool sound = take(in.master(), to.master) == Reject::kNone;
+    if (!sound || check(to.master) != Reject::kNone) return missing("master", "is no state");
   }
   to.master_known = in.master_known();
   to.master_age = in.master_age_ns();

@@ -136,7 +136,7 @@ void RobotLoop::connect() {
   connected_ = true;
   take_reply();
   input_.answer = Answer::kOnTime;
-  place_at(reply_.q_commanded);
+  place_ = reply_.q_commanded;
   step(clock_(), Reason::kNone);
   send();
   publish();
@@ -151,11 +151,12 @@ void RobotLoop::step(Nanos now, Reason fault) {
   input_.gripper = connected_ ? reply_.gripper : GripperState::kNone;
   input_.fault = fault;
   input_.shutdown = stop_requested_.load(std::memory_order_relaxed);
+  // An image is of before the motion is placed.
   if (tap_ != nullptr) keep_image(now);
-  if (kept_.placed) place(settings_, kept_.place, state_);
+  if (place_) place(settings_, *place_, state_);
   follow_step(settings_, input_, state_, output_);
   if (tap_ != nullptr) keep_cycle(now);
-  kept_.placed = false;
+  place_.reset();
 }
 
 void RobotLoop::take_news(Nanos now) {
@@ -175,17 +176,11 @@ void RobotLoop::take_news(Nanos now) {
 void RobotLoop::take_settings() {
   settings_wait_ = boxes_.settings.take(next_settings_) || settings_wait_;
   const bool idle = state_.session == SessionState::kOff || state_.session == SessionState::kFault;
-  const bool stands = kept_.placed || standing(state_.motion);
+  const bool stands = place_ || standing(state_.motion);
   if (!settings_wait_ || !idle || !stands) return;
   settings_ = next_settings_;
   settings_wait_ = false;
-  if (state_.placed && !kept_.placed) place_at(state_.motion.joints.q);
-}
-
-// An image is of before that.
-void RobotLoop::place_at(const JointVector& q) noexcept {
-  kept_.placed = true;
-  kept_.place = q;
+  if (state_.placed && !place_) place_ = state_.motion.joints.q;
 }
 
 void RobotLoop::keep_image(Nanos now) noexcept {
@@ -202,6 +197,8 @@ void RobotLoop::keep_image(Nanos now) noexcept {
 void RobotLoop::keep_cycle(Nanos now) noexcept {
   kept_.at = now;
   kept_.scene = settings_.number;
+  kept_.placed = place_.has_value();
+  kept_.place = place_.value_or(JointVector::Zero());
   kept_.given = input_;
   kept_.timing = {news_.link.received_at, news_.link.peer_sent, news_.link.round_trip};
   kept_.came = output_;

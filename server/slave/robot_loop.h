@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <optional>
 
 #include "devices/robot.h"
 #include "server/base/clock.h"
@@ -47,7 +48,6 @@ class RobotLoop {
   void take_reply() noexcept;
   void send() noexcept;
   void step(Nanos now, Reason fault);
-  void place_at(const JointVector& q) noexcept;
   // For who records: what the step remembers, when that is due, and each cycle.
   void keep_image(Nanos now) noexcept;
   void keep_cycle(Nanos now) noexcept;
@@ -66,6 +66,7 @@ class RobotLoop {
   FollowInput input_;
   FollowState state_;
   FollowOutput output_;
+  std::optional<JointVector> place_;  // where the next step finds the motion placed
   SlaveTap* tap_;
   KeptCycle kept_;
   std::uint64_t begins_;  // where the faults' epochs do, until that is kept

@@ -70,7 +70,7 @@ Table program_rows() {
           {"client/cli/record", kBase + Folders{"server/record", "server/record/mcap"}},
           {"client/console/gateway", kBase + Folders{"proto"}},
           {"client/console/scene", text + Folders{"server/kinematics", "server/constraint/drawn"}},
-          {"client/console/viewer", kConsole},
+          {"client/console/viewer", kConsole + Folders{"server/record/mcap"}},
           {"client/console", kConsole + Folders{"server/daemon", "server/keys", "server/scene",
                                                 "client/api", "client/console/viewer"}}};
 }

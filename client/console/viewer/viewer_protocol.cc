@@ -1,12 +1,10 @@
 #include "client/console/viewer/viewer_protocol.h"
 
-#include <google/protobuf/descriptor.pb.h>
 #include <google/protobuf/stubs/logging.h>
 #include <google/protobuf/util/json_util.h>
 
-#include <set>
-
 #include "server/base/plain_text.h"
+#include "server/record/mcap/message_schema.h"
 
 namespace handrail {
 namespace {
@@ -21,14 +19,6 @@ std::string viewer_json(const google::protobuf::Message& message) {
   // What is written by a program of ours has a mapping.
   (void)google::protobuf::util::MessageToJsonString(message, &out, options);
   return out;
-}
-
-// What a file imports comes before it.
-void add_file(const google::protobuf::FileDescriptor& file, std::set<std::string>& seen,
-              google::protobuf::FileDescriptorSet& out) {
-  if (!seen.insert(file.name()).second) return;
-  for (int i = 0; i < file.dependency_count(); ++i) add_file(*file.dependency(i), seen, out);
-  file.CopyTo(out.add_file());
 }
 
 template <typename Number>
@@ -60,16 +50,13 @@ std::string advertise_text(const pb::ViewerAdvertise& channels) { return viewer_
 
 pb::ViewerChannel viewer_channel(std::uint32_t id, const std::string& topic,
                                  const google::protobuf::Descriptor& type) {
-  google::protobuf::FileDescriptorSet files;
-  std::set<std::string> seen;
-  add_file(*type.file(), seen, files);
   pb::ViewerChannel out;
   out.set_id(id);
   out.set_topic(topic);
   out.set_encoding("protobuf");
   out.set_schema_name(type.full_name());
   out.set_schema_encoding("protobuf");
-  out.set_schema(files.SerializeAsString());
+  out.set_schema(schema_of(type));
   return out;
 }
 

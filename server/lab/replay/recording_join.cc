@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -67,20 +68,18 @@ Result<Side> read_side(std::istream& in, const char* which) {
 // The messages of one file, its times moved by `later`.
 class Stream {
  public:
-  Stream(std::istream& in, Nanos later) : reader_(in), later_(later) { next(); }
+  // `places`: the number that a topic gets.
+  Stream(std::istream& in, Nanos later, const std::map<std::string, std::uint16_t>& places)
+      : reader_(in), later_(later), places_(places) {
+    next();
+  }
   bool ended() const { return !message_; }
   const McapMessage& message() const { return *message_; }
-  RecordChannel channel() const {
-    const std::string& topic = reader_.layout().channels[message_->channel - 1u].topic;
-    const McapLayout known = record_layout();
-    for (std::size_t i = 0; i < known.channels.size(); ++i) {
-      if (known.channels[i].topic == topic) return static_cast<RecordChannel>(i + 1);
-    }
-    return RecordChannel::kEvent;
-  }
   void next() {
-    message_ = reader_.next();
+    // What a later version writes, and is not known here, is left out.
+    while ((message_ = reader_.next()) && place() == places_.end()) continue;
     if (!message_) return;
+    message_->channel = place()->second;
     const auto move = [this](std::uint64_t time) {
       return static_cast<std::uint64_t>(std::max<Nanos>(static_cast<Nanos>(time) + later_, 0));
     };
@@ -89,8 +88,13 @@ class Stream {
   }
 
  private:
+  std::map<std::string, std::uint16_t>::const_iterator place() const {
+    return places_.find(reader_.layout().channels[message_->channel - 1u].topic);
+  }
+
   McapReader reader_;
   Nanos later_;
+  const std::map<std::string, std::uint16_t>& places_;
   std::optional<McapMessage> message_;
 };
 
@@ -119,8 +123,13 @@ Result<std::uint64_t> write_both(std::istream& master, std::istream& slave, Nano
   auto made = RecordingSink::make(path, joined_layout());
   if (!made) return made.status();
   RecordingSink file = std::move(*made);
-  Stream streams[] = {{master, 0}, {slave, later}};
-  const auto channels = static_cast<std::uint16_t>(record_layout().channels.size());
+  std::map<std::string, std::uint16_t> places[2];
+  const McapLayout one = record_layout();
+  for (std::size_t i = 0; i < one.channels.size(); ++i) {
+    places[0][one.channels[i].topic] = static_cast<std::uint16_t>(i + 1);
+    places[1][one.channels[i].topic] = static_cast<std::uint16_t>(i + 1 + one.channels.size());
+  }
+  Stream streams[] = {{master, 0, places[0]}, {slave, later, places[1]}};
   McapChunkBuilder chunk;
   std::uint64_t count = 0;
   while (!streams[0].ended() || !streams[1].ended()) {
@@ -129,8 +138,6 @@ Result<std::uint64_t> write_both(std::istream& master, std::istream& slave, Nano
         (!streams[1].ended() && streams[1].message().log_time < streams[0].message().log_time);
     Stream& from = streams[second ? 1 : 0];
     McapMessage message = from.message();
-    message.channel = static_cast<std::uint16_t>(static_cast<std::uint16_t>(from.channel()) +
-                                                 (second ? channels : 0));
     message.sequence = static_cast<std::uint32_t>(++count);
     if (!chunk.empty() && message.log_time > chunk.first() + kChunkSpan) {
       if (Status done = file.write(chunk.close()); !done) return done;

@@ -6,11 +6,10 @@
 
 #include "proto/config.pb.h"
 #include "server/haptic/haptic_run.h"
-#include "server/lab/replay/replay_side.h"
+#include "server/lab/replay/replay_entries.h"
 #include "server/master/wall_runs.h"
 #include "server/record/device_io.h"
 #include "server/record/record_feed.h"
-#include "server/record/tick_io.h"
 
 namespace handrail {
 namespace {
@@ -47,7 +46,7 @@ class Summing {
   Vec3 last_ = Vec3::Zero();
 };
 
-class MasterSide final : public ReplaySide {
+class MasterSide final : public ReplayEntries<pb::RecordedTick, KeptTick> {
  public:
   MasterSide(HapticCapabilities device, pb::MasterConfig config, const RecordedScenes& scenes,
              const ReplayOptions& options, bool exact)
@@ -57,64 +56,17 @@ class MasterSide final : public ReplaySide {
         options_(options),
         compare_(exact) {}
 
-  Status image(const pb::RecordedImage& image) override {
-    if (run_) return Status::ok();  // it is on its way already
-    waiting_ = image;
-    return Status::ok();
-  }
-
-  void interrupt() override {
-    run_.reset();
-    slave_known_ = false;
-  }
-
-  Status entry(std::string_view bytes, ReplayResult& result) override {
-    if (!recorded_.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
-      return Status::error("a message that is no handrail.pb.RecordedTick");
-    }
-    ++result.entries;
-    if (result.entries == 1) result.begun = recorded_.at_ns();
-    // What the file does not have, nothing can go on over.
-    if (last_ != 0 && recorded_.number() != last_ + 1) {
-      result.missing += recorded_.number() - last_ - 1;
-      interrupt();
-    }
-    last_ = recorded_.number();
-    result.seconds = to_seconds(recorded_.at_ns() - result.begun);
-    if (Status taken = take(recorded_, kept_); !taken) {
-      return Status::error("tick " + std::to_string(recorded_.number()) + ": " + taken.message());
-    }
-    // Most ticks leave it out: it is that of the tick before.
-    if (recorded_.has_slave()) {
-      *slave_.mutable_slave() = recorded_.slave();
-      slave_known_ = true;
-    } else if (recorded_.slave_known() && slave_known_) {
-      *recorded_.mutable_slave() = slave_.slave();
-    }
-    if (Status begun = begin(); !begun) return begun;
-    if (!run_) return Status::ok();
-    return again(result);
-  }
-
  private:
-  // From an image, where one waits for this tick.
-  Status begin() {
-    if (run_ || !waiting_ || waiting_->number() != recorded_.number()) return Status::ok();
-    const auto image = std::exchange(waiting_, std::nullopt);
-    // After an interruption the slave's state may be missing until it changes.
-    if (recorded_.slave_known() && !slave_known_) return Status::ok();
-    auto scene = loop_scene(image->scene());
+  Status begin(const pb::RecordedImage& image) override {
+    auto scene = loop_scene(image.scene());
     if (!scene) return scene.status();
-    auto run = std::make_unique<HapticRun>(*scene);
-    if (image->begins() != 0) {
-      run->begin(image->begins());
-    } else {
-      const std::string& bytes = image->part_size() > 0 ? image->part(0) : std::string();
-      const auto memory = std::as_bytes(std::span(bytes.data(), bytes.size()));
+    run_ = std::make_unique<HapticRun>(*scene);
+    if (image.begins() != 0) {
+      run_->begin(image.begins());
+    } else if (!run_->restore(memory_of(image))) {
       // Of a scene that is asked to be otherwise the memory may be another.
-      if (!run->restore(memory)) return Status::error("an image that is not of this build's steps");
+      return Status::error("an image that is not of this build's steps, or of this scene");
     }
-    run_ = std::move(run);
     return Status::ok();
   }
 
@@ -132,7 +84,7 @@ class MasterSide final : public ReplaySide {
     return out;
   }
 
-  Status again(ReplayResult& result) {
+  Status again(ReplayResult& result) override {
     if (run_->scene().number != kept_.scene) {
       auto scene = loop_scene(kept_.scene);
       if (!scene) return scene.status();
@@ -194,11 +146,7 @@ class MasterSide final : public ReplaySide {
   std::map<std::uint32_t, LoopScene> made_;
   std::deque<WallRuns> kept_runs_;
   std::unique_ptr<HapticRun> run_;
-  std::optional<pb::RecordedImage> waiting_;
-  KeptTick kept_;
-  pb::RecordedTick recorded_, replayed_, slave_;
-  bool slave_known_ = false;
-  std::uint64_t last_ = 0;  // number of the newest
+  pb::RecordedTick replayed_;
   ReplaySummary was_sum_, is_sum_;
   Summing was_{was_sum_}, is_{is_sum_};
 };

@@ -1,73 +1,32 @@
 // The slave's cycle, done again.
 #include <utility>
 
-#include "server/lab/replay/replay_side.h"
+#include "server/lab/replay/replay_entries.h"
 #include "server/record/record_feed.h"
-#include "server/record/tick_io.h"
 #include "server/slave/follow_settings.h"
 
 namespace handrail {
 namespace {
 
-class SlaveSide final : public ReplaySide {
+class SlaveSide final : public ReplayEntries<pb::RecordedCycle, KeptCycle> {
  public:
   SlaveSide(const pb::RecordedArm& arm, const Payload& payload, const RecordedScenes& scenes,
             bool exact)
       : arm_(arm), payload_(payload), scenes_(scenes), compare_(exact) {}
 
-  Status image(const pb::RecordedImage& image) override {
-    if (!running_) waiting_ = image;
-    return Status::ok();
-  }
-
-  void interrupt() override { running_ = master_known_ = false; }
-
-  Status entry(std::string_view bytes, ReplayResult& result) override {
-    if (!recorded_.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
-      return Status::error("a message that is no handrail.pb.RecordedCycle");
-    }
-    ++result.entries;
-    if (result.entries == 1) result.begun = recorded_.at_ns();
-    // What the file does not have, nothing can go on over.
-    if (last_ != 0 && recorded_.number() != last_ + 1) {
-      result.missing += recorded_.number() - last_ - 1;
-      interrupt();
-    }
-    last_ = recorded_.number();
-    result.seconds = to_seconds(recorded_.at_ns() - result.begun);
-    if (Status taken = take(recorded_, kept_); !taken) {
-      return Status::error("cycle " + std::to_string(recorded_.number()) + ": " + taken.message());
-    }
-    if (recorded_.has_master()) {
-      *master_.mutable_master() = recorded_.master();
-      master_known_ = true;
-    } else if (recorded_.master_known() && master_known_) {
-      *recorded_.mutable_master() = master_.master();
-    }
-    if (Status begun = begin(); !begun) return begun;
-    return running_ ? again(result) : Status::ok();
-  }
-
  private:
-  Status begin() {
-    if (running_ || !waiting_ || waiting_->number() != recorded_.number()) return Status::ok();
-    const auto image = std::exchange(waiting_, std::nullopt);
-    if (recorded_.master_known() && !master_known_) return Status::ok();
-    if (image->begins() != 0) {
+  Status begin(const pb::RecordedImage& image) override {
+    if (image.begins() != 0) {
       state_ = FollowState();
       out_ = FollowOutput();
-      state_.fault_epoch = image->begins();
-    } else {
-      const std::string& bytes = image->part_size() > 0 ? image->part(0) : std::string();
-      if (!restore_follow(std::as_bytes(std::span(bytes.data(), bytes.size())), state_, out_)) {
-        return Status::error("an image that is not of this build's steps");
-      }
+      state_.fault_epoch = image.begins();
+    } else if (!restore_follow(memory_of(image), state_, out_)) {
+      return Status::error("an image that is not of this build's steps");
     }
-    running_ = true;
     return Status::ok();
   }
 
-  Status again(ReplayResult& result) {
+  Status again(ReplayResult& result) override {
     if (number_ != kept_.scene) {
       const Scene* scene = scenes_.find(kept_.scene);
       if (scene == nullptr) {
@@ -97,12 +56,7 @@ class SlaveSide final : public ReplaySide {
   std::uint32_t number_ = 0;  // whose settings they are; 0: none's
   FollowState state_;
   FollowOutput out_;
-  bool running_ = false;
-  std::optional<pb::RecordedImage> waiting_;
-  KeptCycle kept_;
-  pb::RecordedCycle recorded_, replayed_, master_;
-  bool master_known_ = false;
-  std::uint64_t last_ = 0;  // number of the newest
+  pb::RecordedCycle replayed_;
 };
 
 }  // namespace
@@ -110,13 +64,16 @@ class SlaveSide final : public ReplaySide {
 Result<std::unique_ptr<ReplaySide>> replay_slave(const pb::RecordedStart& start,
                                                  const RecordedScenes& scenes,
                                                  const ReplayOptions& options) {
-  constexpr int kPayload = 10;
+  constexpr int kPayload = 10;  // mass, centre, bias of force and of torque
   const pb::RecordedArm& arm = start.arm();
   if (arm.payload_size() != kPayload) {
     return Status::error("arm.payload has " + std::to_string(arm.payload_size()) +
                          " numbers, expected " + std::to_string(kPayload));
   }
-  if (arm.period_ns() <= 0) return Status::error("arm.period_ns is no period, expected > 0");
+  if (arm.period_ns() < kMillisecond || arm.period_ns() > kSecond) {
+    return Status::error("arm.period_ns is " + std::to_string(arm.period_ns()) +
+                         ", expected 1 ms to 1 s");
+  }
   if (!options.tool.empty()) {
     return Status::error("--tool is for a master's recording: a slave takes the tools it is told");
   }

@@ -123,6 +123,19 @@ TEST_F(RecordingTest, PausesAreReplayedToo) {
   for (const std::string& file : files("")) (void)replays(file);
 }
 
+TEST_F(RecordingTest, ASlaveDoesNotRecordForAMasterThatIsGone) {
+  order("record { on: true }");
+  ASSERT_TRUE(within(kPatience, [&] { return files("-slave").size() == 1; }));
+  ::kill(master->pid(), SIGKILL);
+  client.close();
+  EXPECT_TRUE(within(20 * kSecond, [&] {
+    std::ifstream in(files("-slave")[0], std::ios::binary);
+    const auto result = replay(in, {});
+    return result && result->damage.empty();
+  }));
+  EXPECT_LT(replays(files("-slave")[0]).seconds, 25.0);
+}
+
 TEST_F(RecordingTest, AKilledMasterLeavesAllButTheLastTenthOfASecond) {
   Random random(static_cast<std::uint64_t>(monotonic_now()));
   for (int i = 0; i < 5; ++i) {

@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <atomic>
 #include <csignal>
+#include <new>
 
 #include "server/record/record_folder.h"
 #include "tests/support/no_allocation.h"
@@ -160,18 +162,94 @@ TEST(Recorder, ATickAllocatesNothing) {
 
 TEST(Recorder, OldRecordingsGoAndTheOneThatIsWrittenStays) {
   TempFolder folder;
-  for (int i = 0; i < 5; ++i) {
-    std::ofstream(folder.path() + "/" + std::to_string(i) + ".mcap") << std::string(1000, 'x');
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  const auto put = [&](const std::string& name) {
+    std::ofstream(folder.path() + "/" + name) << std::string(1000, 'x');
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));  // a time of its own for each
+    return folder.path() + "/" + name;
+  };
+  std::vector<std::string> own;
+  for (int i = 0; i < 5; ++i)
+    own.push_back(put(recording_name(i * kSecond, "master", i == 2 ? "a-b" : "")));
+  const std::string others[] = {put("notes.txt"), put("grasps.mcap"), put("both-master.mcap"),
+                                put(recording_name(0, "slave", ""))};
+  EXPECT_EQ(prune(folder.path(), "master", 3500, 0, own[0]).size(), 2u);
+  for (const int stays : {0, 3, 4})
+    EXPECT_TRUE(std::filesystem::exists(own[static_cast<std::size_t>(stays)]));
+  for (const int gone : {1, 2})
+    EXPECT_FALSE(std::filesystem::exists(own[static_cast<std::size_t>(gone)]));
+  EXPECT_EQ(prune(folder.path(), "master", 1u << 30, kForever, "").size(), 3u) << "all are too old";
+  for (const std::string& other : others) EXPECT_TRUE(std::filesystem::exists(other)) << other;
+}
+
+TEST(Recorder, OneThatIsAskedForComesAfterOneThatAStopBegan) {
+  Recorded r(9);
+  r.run(300);
+  r.master.order(OrderKind::kStop);
+  r.run(100);
+  ASSERT_TRUE(wait_until([&] { return !r.recorder->state().file.empty(); }));
+  EXPECT_FALSE(r.recorder->asked());
+  r.recorder->start("mine");
+  ASSERT_TRUE(wait_until([&] { return r.recorder->asked(); }));
+  EXPECT_NE(r.recorder->state().file.find("-mine"), std::string::npos);
+  r.run(300);
+  r.recorder->stop();
+  ASSERT_TRUE(wait_until([&] { return r.recorder->state().file.empty(); }));
+  ASSERT_EQ(r.files().size(), 2u);
+  for (const std::string& file : r.files()) {
+    const auto result = replay_file(file);
+    ASSERT_TRUE(result) << result.message();
+    EXPECT_EQ(result->damage, "");
+    EXPECT_EQ(result->different, 0u);
   }
-  std::ofstream(folder.path() + "/notes.txt") << std::string(5000, 'x');
-  const std::string oldest = folder.path() + "/0.mcap";
-  EXPECT_EQ(prune(folder.path(), 3500, 0, oldest).size(), 2u);
-  const auto left = recordings_in(folder.path());
-  ASSERT_EQ(left.size(), 3u);
-  EXPECT_EQ(left[0].file, oldest);
-  EXPECT_EQ(left[1].file, folder.path() + "/3.mcap");
-  EXPECT_EQ(prune(folder.path(), 1u << 30, kForever, "").size(), 3u) << "all are too old";
+}
+
+// Has no memory, as long as it is told so.
+class PoorFeed final : public RecordFeed {
+ public:
+  PoorFeed(std::unique_ptr<RecordFeed> feed, const std::atomic<bool>& poor)
+      : feed_(std::move(feed)), poor_(poor) {}
+  void pull(RecordSink& sink) override {
+    feed_->pull(sink);
+    if (poor_) throw std::bad_alloc();
+  }
+  const char* side() const override { return feed_->side(); }
+  std::uint64_t lost() const override { return feed_->lost(); }
+
+ private:
+  std::unique_ptr<RecordFeed> feed_;
+  const std::atomic<bool>& poor_;
+};
+
+TEST(Recorder, WithoutMemoryTheProgramGoesOnAndTheRecordingHasAGap) {
+  TempFolder folder;
+  DrivenMaster master(10);
+  std::atomic<bool> poor = false;
+  std::atomic<int> said = 0;
+  RecorderOptions options = to_folder(folder.path());
+  options.say = [&](bool bad, const std::string&) { said += bad ? 1 : 0; };
+  Recorder recorder(options, std::make_unique<PoorFeed>(make_feed(master.tap()), poor),
+                    master.start());
+  recorder.scene(master.scenes().front());
+  const auto run = [&](int ticks) {
+    for (int i = 0; i < ticks; ++i) master.tick(i == 0);
+    std::this_thread::sleep_for(std::chrono::milliseconds(150));
+  };
+  recorder.start("");
+  run(300);
+  poor = true;
+  run(300);
+  poor = false;
+  run(300);
+  recorder.stop();
+  ASSERT_TRUE(wait_until([&] { return recorder.state().file.empty(); }));
+  const auto files = recordings_in(folder.path());
+  ASSERT_EQ(files.size(), 1u);
+  const auto result = replay_file(files[0].file);
+  ASSERT_TRUE(result) << result.message();
+  EXPECT_EQ(result->missing, 300u);
+  EXPECT_EQ(result->replayed, 600u);
+  EXPECT_EQ(result->different, 0u);
+  EXPECT_EQ(said, 1) << "once, however often";
 }
 
 // What a disk is like that takes no more: the system refuses to make a file longer.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <sstream>
 
+#include "server/link/codec_fields.h"
 #include "server/record/mcap/mcap_reader.h"
 #include "server/record/mcap/mcap_writer.h"
 #include "server/record/recording_repair.h"
@@ -162,6 +163,32 @@ TEST(Replay, WhatIsNoRecordingIsSaid) {
   InMemory spoilt = recording;
   spoilt.messages.back().bytes = "\xff\xff";
   EXPECT_NE(replay_of(spoilt).message().find("no handrail.pb.RecordedTick"), std::string::npos);
+}
+
+TEST(Replay, WhatNoTickCanBeIsRefusedByItsName) {
+  const auto with = [](auto change) {
+    InMemory recording = a_recording(5);
+    for (auto& m : recording.messages) {
+      if (m.channel != RecordChannel::kTick) continue;
+      pb::RecordedTick tick;
+      EXPECT_TRUE(tick.ParseFromString(m.bytes));
+      change(tick);
+      m.bytes = tick.SerializeAsString();
+      break;
+    }
+    return replay_of(recording).message();
+  };
+  EXPECT_NE(with([](pb::RecordedTick& t) { t.set_dt(1e300); }).find("expected over 0, to 1"),
+            std::string::npos);
+  pb::SlaveDatagram slave;
+  put(SlaveState(), slave);
+  slave.set_reason(250);
+  EXPECT_NE(
+      with([&](pb::RecordedTick& t) { *t.mutable_slave() = slave; }).find("slave is no state"),
+      std::string::npos);
+  InMemory weak = a_recording(5);
+  change_start(weak, [](pb::RecordedStart& start) { start.mutable_device()->set_max_force(-1.0); });
+  EXPECT_NE(replay_of(weak).message().find("device.max_force is -1"), std::string::npos);
 }
 
 TEST(Replay, AnotherGainShowsBothSideBySide) {

@@ -200,7 +200,7 @@ TEST(TickIo, WhatIsMissingIsNamed) {
   put(KeptTick(), tick);
   KeptTick out;
   tick.set_dt(0.0);
-  EXPECT_EQ(take(tick, out).message(), "dt is 0.000000, expected > 0");
+  EXPECT_EQ(take(tick, out).message(), "dt is 0.000000 s, expected over 0, to 1");
   tick.set_dt(std::numeric_limits<double>::quiet_NaN());
   EXPECT_FALSE(take(tick, out));
   tick.set_dt(1e-3);
@@ -221,7 +221,7 @@ TEST(TickIo, WhatIsMissingIsNamed) {
   EXPECT_EQ(take(cycle, kept).message(), "answer is 3, which is none");
   cycle.set_answer(0);
   cycle.set_cycles(0);
-  EXPECT_EQ(take(cycle, kept).message(), "cycles is 0, expected >= 1");
+  EXPECT_EQ(take(cycle, kept).message(), "cycles is 0, expected 1 to 100000");
   cycle.set_cycles(1);
   cycle.mutable_q_measured()->Clear();
   EXPECT_EQ(take(cycle, kept).message(), "q_measured has 0 numbers, expected 6");
