@@ -27,7 +27,7 @@ template <typename Message, typename Kept>
 class ReplayEntries : public ReplaySide {
  public:
   Status image(const pb::RecordedImage& image) override {
-    if (!runs_) waiting_ = image;  // else the step is on its way already
+    waiting_ = image;  // for its tick, which may be the first after some that are missing
     return Status::ok();
   }
 
@@ -59,8 +59,9 @@ class ReplayEntries : public ReplaySide {
     }
     if (waiting_ && waiting_->number() == recorded_.number()) {
       const auto image = std::exchange(waiting_, std::nullopt);
-      // After an interruption it may be missing until it changes.
-      if (!knows_other(recorded_) || other_) {
+      // A step that is on its way needs none. After an interruption the other side's state may be
+      // missing until it changes.
+      if (!runs_ && (!knows_other(recorded_) || other_)) {
         if (Status begun = begin(*image); !begun) return begun;
         runs_ = true;
       }
