@@ -130,6 +130,23 @@ TEST(Replay, AnInputThatIsNotAsItWasMakesADifference) {
   EXPECT_GT(result->different, 0u);
 }
 
+TEST(Replay, AStepThatIsOnItsWayTakesNothingFromLaterImages) {
+  InMemory recording = a_recording(6000, 31);  // the second image comes after five seconds
+  int images = 0;
+  for (auto& m : recording.messages) {
+    if (m.channel != RecordChannel::kImage || ++images == 1) continue;
+    pb::RecordedImage image;
+    ASSERT_TRUE(image.ParseFromString(m.bytes));
+    for (std::size_t i = 0; i < 4000; ++i) (*image.mutable_part(0))[i] = 0;
+    m.bytes = image.SerializeAsString();
+  }
+  ASSERT_EQ(images, 2);
+  const auto result = replay_of(recording);
+  ASSERT_TRUE(result) << result.message();
+  EXPECT_EQ(result->replayed, 6000u);
+  EXPECT_EQ(result->different, 0u);
+}
+
 TEST(Replay, WithoutABeginningNothingIsDoneAgain) {
   InMemory recording = a_recording(50);
   std::erase_if(recording.messages,
