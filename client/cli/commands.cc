@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
+#include <filesystem>
 #include <limits>
 #include <thread>
 
@@ -99,6 +100,11 @@ ExitCode run_record_list(const Options& o, const Console& c) {
     if (folder.empty())
       return complain(c, "the master records nothing; name a folder: record list FOLDER");
   }
+  // The master makes it with its first recording.
+  if (!o.word && !std::filesystem::exists(folder)) {
+    c.out << (o.json ? "[]\n" : "no recordings in " + folder + " yet\n");
+    return kExitDone;
+  }
   const auto text = recordings_text(folder, o.json);
   if (!text) return complain(c, text.message());
   c.out << *text;
@@ -106,7 +112,7 @@ ExitCode run_record_list(const Options& o, const Console& c) {
 }
 
 ExitCode run_record_repair(const Options& o, const Console& c) {
-  const auto text = repair_text(*o.word, o.out.value_or(""));
+  const auto text = repair_text(*o.word, *o.out);
   if (!text) return complain(c, text.message());
   c.out << *text;
   return kExitDone;

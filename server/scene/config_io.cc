@@ -75,6 +75,12 @@ Problem check_scene_name(const std::string& scene) {
   return FieldProblem{"scene", "empty, expected a scene's name such as linear-movement"};
 }
 
+template <typename Config>
+Problem check_recording_folder(const Config& c) {
+  if (!c.has_recording() || !c.recording().folder().empty()) return std::nullopt;
+  return FieldProblem{"recording.folder", "empty, expected a folder"};
+}
+
 // `other`: the field that asks for the encrypted link, as `encrypted` says.
 template <typename Config>
 Problem check_link(const Config& c, bool encrypted, const char* other) {
@@ -113,7 +119,7 @@ Problem check(const pb::MasterConfig& c) {
     recording = FieldProblem{"device.recording", "only used with kind: RECORDED or SIM_JOYSTICK"};
   }
   return first({slave, check_link(c, c.has_slave(), "slave"), socket, operators, recording,
-                check_scene_name(c.scene())});
+                check_recording_folder(c), check_scene_name(c.scene())});
 }
 
 Problem check_payload(const pb::SlaveConfig& c) {
@@ -166,7 +172,8 @@ Problem check(const pb::SlaveConfig& c) {
                 check_link(c, c.has_link_port(), "link_port"),
                 check_ipv4("robot.address", c.robot().address()),
                 check_peer_port("robot.port", c.robot().port()), bytes, check_gripper(c.robot()),
-                sensor, check_payload(c), check_scene_name(c.scene()), check_distinct(ends)});
+                sensor, check_payload(c), check_recording_folder(c), check_scene_name(c.scene()),
+                check_distinct(ends)});
 }
 
 Problem check(const pb::RigConfig& c) {

@@ -52,15 +52,9 @@ Result<std::string> recordings_text(const std::string& folder, bool json) {
 Result<std::string> repair_text(const std::string& file, const std::string& out) {
   std::ifstream in(file, std::ios::binary);
   if (!in) return Status::error(file + ": cannot be read: " + std::strerror(errno));
-  std::string to = out;
-  if (to.empty()) {
-    const std::filesystem::path path(file);
-    to = (path.parent_path() / path.stem()).string() + "-repaired" +
-         std::string(kRecordingExtension);
-  }
-  const auto done = repair_recording(in, to);
+  const auto done = repair_recording(in, out);
   if (!done) return Status::error(file + ": " + done.message());
-  return fmt::format("{}: {} messages, {:.3f} s{}\n", to, done->messages, done->seconds,
+  return fmt::format("{}: {} messages, {:.3f} s{}\n", out, done->messages, done->seconds,
                      done->damage.empty() ? "; the file was whole" : "; ended by " + done->damage);
 }
 

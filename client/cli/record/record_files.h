@@ -11,8 +11,8 @@ namespace handrail {
 // names a folder that cannot be read.
 Result<std::string> recordings_text(const std::string& folder, bool json);
 
-// Writes the sound part of `file` to `out`, or beside it as NAME-repaired.mcap where `out` is
-// empty. Says what is in it. The error names the file at fault, and why.
+// Writes the sound part of `file` to `out`, a new file, and says what is in it. The error names the
+// file at fault, and why.
 Result<std::string> repair_text(const std::string& file, const std::string& out);
 
 }  // namespace handrail

@@ -78,6 +78,7 @@ class MasterSide final : public ReplayEntries<pb::RecordedTick, KeptTick> {
       return Status::error("the recording does not have scene " + std::to_string(number) +
                            ", which its ticks name");
     }
+    if (Status asked = ask_for_tool(*scene, number); !asked) return asked;
     LoopScene out = loop_scene_of(*scene, device_, config_, kept_runs_.emplace_back());
     out.number = number;
     made_.emplace(number, out);
@@ -90,9 +91,7 @@ class MasterSide final : public ReplayEntries<pb::RecordedTick, KeptTick> {
       if (!scene) return scene.status();
       run_->change(*scene);
     }
-    if (!options_.as_recorded()) {
-      if (Status asked = ask_otherwise(); !asked) return asked;
-    }
+    if (!options_.as_recorded()) ask_otherwise();
     kept_.given.led_by_cursor = device_.led_by_cursor;
     kept_.came = run_->tick(kept_.given);
     const WallRun* walls = run_->scene().walls;
@@ -111,22 +110,27 @@ class MasterSide final : public ReplayEntries<pb::RecordedTick, KeptTick> {
     return Status::ok();
   }
 
+  Status ask_for_tool(const Scene& scene, std::uint32_t number) {
+    // A scene of walls has none to take the place of.
+    if (options_.tool.empty() || scene.walls) return Status::ok();
+    for (const NamedTool& tool : scene.named_tools) {
+      if (tool.name != options_.tool) continue;
+      asked_tools_[number] = tool.call;
+      return Status::ok();
+    }
+    return Status::error("--tool " + options_.tool + ": scene " + scene.name +
+                         " has no tool of that name; 'handrail scene show " + scene.name +
+                         "' lists them");
+  }
+
   // Another tool, and a slave that agrees to what is asked: the recorded one had the recorded
   // scene.
-  Status ask_otherwise() {
+  void ask_otherwise() {
     HapticOrder& order = kept_.given.in.order;
-    if (!options_.tool.empty() && order.kind == OrderKind::kTool) {
-      const Scene* scene = scenes_.find(kept_.scene);
-      const auto found =
-          std::find_if(scene->named_tools.begin(), scene->named_tools.end(),
-                       [this](const NamedTool& tool) { return tool.name == options_.tool; });
-      if (found == scene->named_tools.end()) {
-        return Status::error("--tool " + options_.tool + ": scene " + scene->name +
-                             " has no tool of that name");
-      }
-      if (is_position_tool(found->call.kind) == is_position_tool(order.tool.kind)) {
-        order.tool = found->call;
-      }
+    const auto asked = asked_tools_.find(kept_.scene);
+    if (order.kind == OrderKind::kTool && asked != asked_tools_.end() &&
+        is_position_tool(asked->second.kind) == is_position_tool(order.tool.kind)) {
+      order.tool = asked->second;
     }
     SlaveState& slave = kept_.given.in.slave;
     const MasterState& own = run_->result().out.link;
@@ -135,7 +139,6 @@ class MasterSide final : public ReplayEntries<pb::RecordedTick, KeptTick> {
     slave.hashes.tools = own.hashes.tools;
     slave.position_tool_epoch = own.position_tool.epoch;
     slave.orientation_tool_epoch = own.orientation_tool.epoch;
-    return Status::ok();
   }
 
   const HapticCapabilities device_;
@@ -144,6 +147,7 @@ class MasterSide final : public ReplayEntries<pb::RecordedTick, KeptTick> {
   const ReplayOptions options_;
   ReplayCompare compare_;
   std::map<std::uint32_t, LoopScene> made_;
+  std::map<std::uint32_t, ToolCall> asked_tools_;  // in place of others, by scene
   std::deque<WallRuns> kept_runs_;
   std::unique_ptr<HapticRun> run_;
   pb::RecordedTick replayed_;
