@@ -178,6 +178,9 @@ void add_faults(CLI::App& app, FaultCommand& faults) {
                   "other networks, hands and moments; one, several as 1..50, or 1..50,2024")
       ->capture_default_str();
   auto* quick = sub->add_flag("--quick", faults.quick, "every row, fewer and shorter runs");
+  auto* replay = sub->add_flag("--replay", faults.replay,
+                               "record every run as the daemons would, and do it again: what "
+                               "differs is a violation");
   auto* results = sub->add_option(
       "--results", faults.results,
       "file to add finished runs to; those it has are not run again, by the same program");
@@ -191,6 +194,7 @@ void add_faults(CLI::App& app, FaultCommand& faults) {
                 "leave every check out in turn: 1 if a row does not turn red; same build")
       ->excludes(without)
       ->excludes(quick)
+      ->excludes(replay)
       ->excludes(results)
       ->excludes(out);
 }

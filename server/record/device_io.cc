@@ -63,4 +63,18 @@ Status take(const pb::RecordedDevice& in, HapticCapabilities& out) {
   return Status::ok();
 }
 
+pb::RecordedArm recorded_arm(Nanos period, bool has_sensor, double sensor_range,
+                             const Payload& payload, double force_lag) {
+  pb::RecordedArm out;
+  out.set_period_ns(period);
+  out.set_has_sensor(has_sensor);
+  out.set_sensor_range(sensor_range);
+  out.set_force_lag(force_lag);
+  out.add_payload(payload.mass);
+  for (const Vec3& v : {payload.centre_T, payload.bias_T.force, payload.bias_T.torque}) {
+    for (int i = 0; i < 3; ++i) out.add_payload(v[i]);
+  }
+  return out;
+}
+
 }  // namespace handrail

@@ -271,6 +271,7 @@ Status take(const pb::RecordedTick& in, KeptTick& out) {
     if (!sound || check(to.slave) != Reject::kNone) return missing("slave", "is no state");
   }
   to.slave_known = in.slave_known();
+  if (!to.slave_known) to.slave = SlaveState();
   to.slave_age = in.slave_age_ns();
   to.unseen = in.unseen_ns();
   to.hold_heard = in.hold_heard_ns();
@@ -352,6 +353,7 @@ Status take(const pb::RecordedCycle& in, KeptCycle& out) {
     if (!sound || check(to.master) != Reject::kNone) return missing("master", "is no state");
   }
   to.master_known = in.master_known();
+  if (!to.master_known) to.master = MasterState();
   to.master_age = in.master_age_ns();
   to.master_sequence = in.master_sequence();
   to.link = link_of(in.link());

@@ -11,7 +11,7 @@ void put(const KeptTick& tick, pb::RecordedTick& out);
 void put(const KeptCycle& cycle, pb::RecordedCycle& out);
 
 // What was given to the step. A message without the other side's state leaves that of `out` as it
-// is. The error names the field that is missing or no value of its kind.
+// is, unless none is known. The error names the field that is missing or no value of its kind.
 Status take(const pb::RecordedTick& in, KeptTick& out);
 Status take(const pb::RecordedCycle& in, KeptCycle& out);
 

@@ -132,24 +132,12 @@ class RobotThread {
 };
 
 // What is known of the arm besides the scene, for who replays.
-pb::RecordedArm recorded_arm(const pb::SlaveConfig& config, Nanos period, bool has_sensor) {
-  pb::RecordedArm out;
-  out.set_period_ns(period);
-  out.set_has_sensor(has_sensor);
-  out.set_sensor_range(config.force_sensor().range_n());
-  out.set_force_lag(config.force_sensor().filter_ms() * 1e-3);
-  const Payload payload = payload_from(config.payload());
-  out.add_payload(payload.mass);
-  for (const Vec3& v : {payload.centre_T, payload.bias_T.force, payload.bias_T.torque}) {
-    for (int i = 0; i < 3; ++i) out.add_payload(v[i]);
-  }
-  return out;
-}
-
 std::shared_ptr<Recorder> make_recorder(const pb::SlaveConfig& config, Nanos period,
                                         bool has_sensor, SlaveTap& tap) {
   pb::RecordedStart start = recorded_start("handrail-slave", random_session_id(), config);
-  *start.mutable_arm() = recorded_arm(config, period, has_sensor);
+  *start.mutable_arm() =
+      recorded_arm(period, has_sensor, config.force_sensor().range_n(),
+                   payload_from(config.payload()), config.force_sensor().filter_ms() * 1e-3);
   const auto say = [](bool bad, const std::string& line) {
     spdlog::log(bad ? spdlog::level::err : spdlog::level::info, line);
   };

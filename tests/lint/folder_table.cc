@@ -93,7 +93,7 @@ Table lab_rows() {
       {"server/lab/figure", kBase},
       {"server/lab/network", kBase},
       {"server/lab/cell",
-       network + kRigs + Folders{"server/haptic", "server/follow", "server/link"}},
+       network + kRigs + Folders{"server/haptic", "server/follow", "server/link", "server/record"}},
       {"server/lab/study", lab + kHands + sides + Folders{"devices/rig", "server/haptic"}},
       {"server/lab/study/linear", lab + Folders{"server/lab/study", "server/task"}},
       {"server/lab/study/screw", lab + kHands + kRigs + Folders{"server/lab/study", "server/task"}},
@@ -122,9 +122,10 @@ Table lab_rows() {
       {"server/lab/sequences", lab + Folders{"devices/omni", "server/master", "server/haptic",
                                              "server/lab/faults", "server/lab/study"}},
       {"server/lab/faults/audit", network + Folders{"server/motion", "server/kinematics"}},
-      {"server/lab/faults", lab + kHands + sides +
-                                Folders{"server/lab/faults/audit", "server/lab/study",
-                                        "server/motion", "server/kinematics"}}};
+      {"server/lab/faults",
+       lab + kHands + sides +
+           Folders{"server/lab/faults/audit", "server/lab/study", "server/lab/replay",
+                   "server/record", "server/motion", "server/kinematics"}}};
 }
 
 Table device_rows() {

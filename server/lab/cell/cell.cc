@@ -10,20 +10,26 @@ namespace {
 constexpr PeerId kSlave = 1;
 constexpr Nanos kRepeat = kMillisecond;  // between two sends of the slave's IO, as in its daemon
 
+KeptTiming timing_of(const LinkSnapshot& link) {
+  return {link.received_at, link.peer_sent, link.round_trip};
+}
+
 }  // namespace
 
 Cell::Cell(const CellOptions& options)
     : options_(options),
       rig_(options.rig, 0),
       client_({options.packet_bytes, options.rig.controller.period}),
+      run_({options_.haptic, nullptr, kCellScene}),
       to_slave_(options.transit, options.tick),
       to_master_(options.transit, kRepeat),
       net_(options.net ? std::make_unique<CellNet>(*options.net) : nullptr),
       line_(options.robot_line ? std::make_unique<RobotLine>(*options.robot_line) : nullptr),
       repeat_next_(kRepeat) {
+  given_.dt = to_seconds(options.tick);
   if (net_) {
-    begin_epochs(options_.epoch.value_or(net_->master().session()), haptic_);
-    follow_.fault_epoch = options_.epoch.value_or(net_->slave().session());
+    begin_master();
+    begin_slave();
   }
   to_controller(client_.start(0));
   rig_.sensor().on_datagram(encode_rdt(RdtRequest{RdtCommand::kStream, 0}), kSlave);
@@ -37,33 +43,36 @@ void Cell::tick(const HandReading& hand, const HapticOrder& order) noexcept {
   if (net_) net_->deliver(now_);
   if (!master_stalled_ && !(net_ && net_->master_stopped())) step_master(hand, order);
   if (net_) {
-    net_->send_master(now_, instead_ != nullptr ? *instead_ : haptic_out_.link, haptic_made_);
+    net_->send_master(now_, instead_ != nullptr ? *instead_ : master().link, haptic_made_);
   } else {
-    to_slave_.send(haptic_out_.link, now_);
+    to_slave_.send(master().link, now_);
   }
 }
 
 void Cell::step_master(const HandReading& hand, const HapticOrder& order) noexcept {
   haptic_made_ = now_;
-  haptic_in_.unseen = now_ - master_at_;
+  given_.in.unseen = now_ - master_at_;
   master_at_ = now_;
-  haptic_in_.hand = hand;
-  haptic_in_.order = order;
+  given_.in.hand = hand;
+  given_.in.order = order;
   hear_slave();
-  haptic_step(options_.haptic, haptic_in_, to_seconds(options_.tick), haptic_, haptic_out_);
+  keeper_.before_tick(now_, run_);
+  run_.tick(given_);
+  keeper_.after_tick(net_ ? net_->master_now(now_) : now_, given_,
+                     net_ ? timing_of(net_->master().snapshot()) : KeptTiming(), run_);
 }
 
 void Cell::hear_slave() noexcept {
   if (!net_) {
-    haptic_in_.slave_known |= to_master_.receive(now_, haptic_in_.slave);
-    haptic_in_.slave_age = to_master_.age(now_);
+    given_.in.slave_known |= to_master_.receive(now_, given_.in.slave);
+    given_.in.slave_age = to_master_.age(now_);
     return;
   }
   const LinkSnapshot& link = net_->master().snapshot();
-  haptic_in_.slave_known = link.peer_epoch != 0;
-  haptic_in_.slave = net_->master().newest();
-  haptic_in_.slave_age = link.age(net_->master_now(now_));
-  haptic_in_.link = link.view(net_->master_now(now_));
+  given_.in.slave_known = link.peer_epoch != 0;
+  given_.in.slave = net_->master().newest();
+  given_.in.slave_age = link.age(net_->master_now(now_));
+  given_.in.link = link.view(net_->master_now(now_));
 }
 
 void Cell::hear_master(Nanos at) noexcept {
@@ -80,21 +89,31 @@ void Cell::hear_master(Nanos at) noexcept {
   follow_in_.link = link.view(net_->slave_now(at));
 }
 
+void Cell::begin_master() noexcept {
+  const std::uint64_t unique = options_.epoch.value_or(net_->master().session());
+  run_.begin(unique);
+  keeper_.master_begins(unique);
+}
+
+void Cell::begin_slave() noexcept {
+  follow_.fault_epoch = options_.epoch.value_or(net_->slave().session());
+  keeper_.slave_begins(follow_.fault_epoch);
+}
+
 void Cell::restart_master() {
   net_->restart_master();
-  haptic_ = HapticState();
-  haptic_out_ = HapticOutput();
-  haptic_in_ = HapticInput();
+  run_ = HapticRun(run_.scene());
+  given_.in = HapticInput();
   master_at_ = now_;
-  begin_epochs(options_.epoch.value_or(net_->master().session()), haptic_);
+  begin_master();
 }
 
 void Cell::restart_slave() {
   net_->restart_slave();
   follow_ = FollowState();
-  follow_.fault_epoch = options_.epoch.value_or(net_->slave().session());
   follow_in_ = FollowInput();
   follow_out_ = FollowOutput();
+  begin_slave();
   reply_ = RobotReply();
   to_controller(client_.start(at_));
 }
@@ -205,10 +224,8 @@ void Cell::read_sensor(Nanos at) noexcept {
 
 void Cell::on_event(RobotEvent event, Nanos at) noexcept {
   if (reply_.fresh && tap_ != nullptr) tap_->on_reply(at, reply_);
-  if (!follow_.placed) {
-    if (event != RobotEvent::kReply) return;
-    place(options_.follow, reply_.q_commanded, follow_);
-  }
+  const bool placed = !follow_.placed;
+  if (placed && event != RobotEvent::kReply) return;
   follow_in_.q_measured = reply_.q_measured;
   follow_in_.q_commanded = reply_.q_commanded;
   follow_in_.has_measured = reply_.has_measured;
@@ -224,7 +241,12 @@ void Cell::on_event(RobotEvent event, Nanos at) noexcept {
   stepped_at_ = at;
   hear_master(at);
   follow_made_ = at;
+  keeper_.before_cycle(at, follow_, follow_out_);
+  if (placed) place(options_.follow, reply_.q_commanded, follow_);
   follow_step(options_.follow, follow_in_, follow_, follow_out_);
+  keeper_.after_cycle(net_ ? net_->slave_now(at) : at, placed ? &reply_.q_commanded : nullptr,
+                      follow_in_, net_ ? timing_of(net_->slave().snapshot()) : KeptTiming(),
+                      follow_out_);
   follow_in_.stop_input = stop_open_;
   if (follow_out_.send == Send::kQuestion) to_controller(client_.ask());
   if (follow_out_.send != Send::kTarget) return;

@@ -10,7 +10,8 @@
 #include "devices/melfa/mxt_client.h"
 #include "devices/rig/rig.h"
 #include "server/follow/follow_step.h"
-#include "server/haptic/haptic_step.h"
+#include "server/haptic/haptic_run.h"
+#include "server/lab/cell/cell_keeper.h"
 #include "server/lab/cell/cell_net.h"
 #include "server/lab/cell/robot_line.h"
 #include "server/lab/cell/wire.h"
@@ -63,9 +64,9 @@ class Cell {
   void tick(const HandReading& hand, const HapticOrder& order = {}) noexcept;
 
   Nanos now() const noexcept { return now_; }
-  const HapticOutput& master() const noexcept { return haptic_out_; }
-  const HapticInput& master_input() const noexcept { return haptic_in_; }
-  const HapticState& master_state() const noexcept { return haptic_; }
+  const HapticOutput& master() const noexcept { return run_.result().out; }
+  const HapticInput& master_input() const noexcept { return given_.in; }
+  const HapticState& master_state() const noexcept { return run_.state(); }
   const SlaveState& slave() const noexcept { return follow_out_.link; }
   const Rig& rig() const noexcept { return rig_; }
   // True when the robot's controller ran a cycle during the last tick: the arm has moved.
@@ -95,6 +96,9 @@ class Cell {
   const FollowState& follow_state() const noexcept { return follow_; }
   // Not owned; null: none.
   void set_tap(CellTap* tap) noexcept { tap_ = tap; }
+  // What both steps are given and what comes of it is left there, from now on, as the daemons leave
+  // it. Not owned. Before the first tick.
+  void keep(MasterTap* master, SlaveTap* slave) noexcept { keeper_.keep(master, slave); }
   // The master's haptic thread stands still while its IO thread goes on.
   void stall_master(bool stalled) noexcept { master_stalled_ = stalled; }
   // Goes out instead of what the master's step gives, while not null. Not owned.
@@ -109,6 +113,8 @@ class Cell {
   void restart_slave();
 
  private:
+  void begin_master() noexcept;
+  void begin_slave() noexcept;
   void run_rig() noexcept;
   void step_master(const HandReading& hand, const HapticOrder& order) noexcept;
   void hear_slave() noexcept;
@@ -124,9 +130,8 @@ class Cell {
   CellOptions options_;
   Rig rig_;
   MxtClient client_;
-  HapticInput haptic_in_;
-  HapticState haptic_;
-  HapticOutput haptic_out_;
+  HapticRun run_;
+  HapticTick given_;
   FollowState follow_;
   FollowInput follow_in_;
   FollowOutput follow_out_;
@@ -134,6 +139,7 @@ class Cell {
   Wire<SlaveState> to_master_;
   std::unique_ptr<CellNet> net_;
   CellTap* tap_ = nullptr;
+  CellKeeper keeper_;
   const MasterState* instead_ = nullptr;
   std::unique_ptr<RobotLine> line_;
   RobotReply reply_;

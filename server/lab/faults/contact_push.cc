@@ -17,7 +17,7 @@ FaultOptions in_contact(FaultOptions options) {
 
 }  // namespace
 
-Push::Push(std::uint64_t seed, bool slide, FaultOptions options) : run(seed, in_contact(options)) {
+Push::Push(const RowRun& row, bool slide, FaultOptions options) : run(row, in_contact(options)) {
   speed = 0.02 + 0.08 * run.random().uniform();
   rate_ = slide ? 2.0 * std::numbers::pi * (0.2 + 0.5 * run.random().uniform()) : 0.0;
   const double angle = 2.0 * std::numbers::pi * run.random().uniform();
@@ -97,10 +97,10 @@ void Push::lead(Nanos at, HandReading& hand) const {
   if (roam_from_ == kForever) return;
   double down = 0.0;
   if (from_ != kForever) {
-    down = std::min(FaultRun::kGap + kDepth, speed * to_seconds(at - from_));
+    down = std::min(kFaultGap + kDepth, speed * to_seconds(at - from_));
   }
   if (at > back_) down -= kBack * to_seconds(at - back_);
-  const Vec3 p_S = std::max(0.0, down) * -FaultRun::normal() +
+  const Vec3 p_S = std::max(0.0, down) * -fault_normal() +
                    0.01 * std::sin(rate_ * to_seconds(at - roam_from_)) * along_;
   hand.X_MH.p = mapping.R_SM.transpose() * p_S / mapping.scale;
 }

@@ -16,8 +16,8 @@ class Push {
   static constexpr double kThreshold = 50.0;  // f_th [N]
   static constexpr double kPromise = 200.0;   // that no true force passes [N]
 
-  // `seed` also draws speed and way of the slide.
-  Push(std::uint64_t seed, bool slide, FaultOptions options = {});
+  // The seed also draws speed and way of the slide.
+  Push(const RowRun& row, bool slide, FaultOptions options = {});
   Push(const Push&) = delete;
 
   // Engages, and begins to push.
@@ -46,7 +46,7 @@ class Push {
   double speed = 0.0;  // of the hand, down [m/s]
 
  private:
-  double height() { return run.auditor().tip().dot(FaultRun::normal()); }
+  double height() { return run.auditor().tip().dot(fault_normal()); }
   void lead(Nanos at, HandReading& hand) const;
   void watch(double felt, double before, double way);
 

@@ -15,7 +15,7 @@ constexpr double kBlind = 150.0;  // what 0.1 s of the fastest approach adds to 
 // A constant delay one way: pushed, held, released. It settles, and the way out is free.
 FaultOutcome n3c(const RowRun& row) {
   constexpr std::array<int, 6> kDelays = {0, 10, 50, 100, 200, 500};
-  Push push(row.seed, false);
+  Push push(row, false);
   LinkFaults faults;
   faults.delay = row.level(kDelays) * kMillisecond;
   push.run.set_network(faults);
@@ -40,7 +40,7 @@ FaultOutcome p1c(const RowRun& row) {
   constexpr std::array<int, 6> kSpans = {5, 30, 150, 1000, 10'000, 1000};
   const bool killed = &row.level(kSpans) == &kSpans.back();
   const Nanos span = row.level(kSpans) * kMillisecond;
-  Push push(row.seed, true);
+  Push push(row, true);
   if (!push.begin()) return not_engaged();
   if (push.pass_until(1.0 + 40.0 * push.run.random().uniform()) == kForever) return not_engaged();
   CellNet& net = *push.run.cell().net();
@@ -62,7 +62,7 @@ FaultOutcome s1d(const RowRun& row) {
   constexpr std::array<double, 3> kBad = {std::numeric_limits<double>::quiet_NaN(),
                                           std::numeric_limits<double>::infinity(), 1e308};
   const bool once = row.index % 2 == 0;
-  Push push(row.seed, true);
+  Push push(row, true);
   if (!push.begin()) return not_engaged();
   push.pass_until(1.0 + 40.0 * push.run.random().uniform());
   const Nanos from = push.run.now() + kMillisecond;
@@ -82,7 +82,7 @@ FaultOutcome s1d(const RowRun& row) {
 // The sensor repeats itself, from before the contact or in it: a stop within 100 ms, in which
 // nothing tells how hard is pushed.
 FaultOutcome s2c(const RowRun& row) {
-  Push push(row.seed, true);
+  Push push(row, true);
   if (!push.begin()) return not_engaged();
   if (row.index % 3 == 0) {
     push.pass(50 * kMillisecond);
@@ -103,7 +103,7 @@ FaultOutcome s2c(const RowRun& row) {
 // The force has the wrong sign: a stop within 200 ms of a contact, that stays one, and not hard.
 FaultOutcome s3c(const RowRun& row) {
   constexpr double kContact = 10.0;  // [N]
-  Push push(row.seed, row.index % 2 == 1);
+  Push push(row, row.index % 2 == 1);
   push.falsify = [](Nanos, Wrench& f, bool&) { f.force = -f.force; };
   if (!push.begin()) return not_engaged();
   const Nanos felt = push.pass_until(kContact);
@@ -122,7 +122,7 @@ FaultOutcome s3c(const RowRun& row) {
 FaultOutcome s3d(const RowRun& row) {
   const int level = row.index % 4, beside = (row.index / 4) % 2;
   const bool saturated = level == 0;
-  Push push(row.seed, true);
+  Push push(row, true);
   if (!push.begin()) return not_engaged();
   push.pass_until(saturated ? 20.0 * push.run.random().uniform() : 30.0);
   const Nanos from = push.run.now() + kMillisecond;
@@ -154,7 +154,7 @@ FaultOutcome s3d(const RowRun& row) {
 // wrong sign or is not relieved. A stop within 220 ms of 80 N; until then the tip goes aside, where
 // nobody asked for it.
 FaultOutcome s3e(const RowRun& row) {
-  Push push(row.seed, false);
+  Push push(row, false);
   if (!push.begin()) return not_engaged();
   push.falsify = [&](Nanos, Wrench& f, bool&) { std::swap(f.force.z(), f.force[row.index % 2]); };
   const Nanos over = push.pass_until(Push::kThreshold + 30.0);

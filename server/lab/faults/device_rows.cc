@@ -63,8 +63,8 @@ FaultOutcome judge_readings(FaultRun& run, FaultRun& clean, const BadSpan& span)
 }  // namespace
 
 FaultOutcome s1a(const RowRun& row) {
-  FaultRun run(row.seed);
-  FaultRun clean(row.seed);
+  FaultRun run(row);
+  FaultRun clean(row);
   if (!run.engage() || !clean.engage()) return not_engaged();
   const BadSpan span = bad_span(run, row.index);
   run.layers().force = [&](Nanos at, Wrench& f, bool&) {
@@ -75,8 +75,8 @@ FaultOutcome s1a(const RowRun& row) {
 }
 
 FaultOutcome s1b(const RowRun& row) {
-  FaultRun run(row.seed);
-  FaultRun clean(row.seed);
+  FaultRun run(row);
+  FaultRun clean(row);
   if (!run.engage() || !clean.engage()) return not_engaged();
   const BadSpan span = bad_span(run, row.index);
   run.layers().reply = [&](Nanos at, RobotReply& reply) {
@@ -88,7 +88,7 @@ FaultOutcome s1b(const RowRun& row) {
 
 // Without a hand the command stays, the force goes at once, and nothing has to be reset.
 FaultOutcome s1c(const RowRun& row) {
-  FaultRun run(row.seed);
+  FaultRun run(row);
   if (!run.engage()) return not_engaged();
   const BadSpan span = bad_span(run, row.index);
   run.layers().hand = [&](Nanos at, HandReading& hand) {
@@ -112,7 +112,7 @@ FaultOutcome s1c(const RowRun& row) {
 
 // The sensor repeats its last reading bit for bit: a stop within 100 ms.
 FaultOutcome s2a(const RowRun& row) {
-  FaultRun run(row.seed);
+  FaultRun run(row);
   if (!run.engage()) return not_engaged();
   run.run(run.up_to(kSecond));
   const Nanos from = run.now();
@@ -134,7 +134,7 @@ FaultOutcome s2a(const RowRun& row) {
 
 // A clean hour.
 FaultOutcome s2b(const RowRun& row) {
-  FaultRun run(row.seed);
+  FaultRun run(row);
   if (!run.engage()) return not_engaged();
   run.run(row.span(3600 * kSecond));
   FaultOutcome out = run.outcome();
@@ -154,8 +154,8 @@ Vec3 tip_of(FaultRun& run) { return run.cell().slave().X_ST_command.p; }
 // the tip away from where it goes without.
 FaultOutcome s3a(const RowRun& row) {
   constexpr double kAway = 1e-5;  // [m]
-  FaultRun clean(row.seed);
-  FaultRun run(row.seed);
+  FaultRun clean(row);
+  FaultRun run(row);
   if (!clean.engage() || !run.engage()) return not_engaged();
   const Nanos from = run.now() + 300 * kMillisecond;
   const int axis = (row.index / 4) % 3;
@@ -185,7 +185,7 @@ FaultOutcome s3a(const RowRun& row) {
 
 // An axis at the end of its range is no reading.
 FaultOutcome s3b(const RowRun& row) {
-  FaultRun run(row.seed);
+  FaultRun run(row);
   if (!run.engage()) return not_engaged();
   BadSpan span = bad_span(run, 1);
   run.layers().force = [&](Nanos at, Wrench& f, bool& valid) {
@@ -198,7 +198,7 @@ FaultOutcome s3b(const RowRun& row) {
 
 // The stop circuit opens for a millisecond, bounces, or stays open.
 FaultOutcome s4(const RowRun& row) {
-  FaultRun run(row.seed);
+  FaultRun run(row);
   if (!run.engage()) return not_engaged();
   run.run(run.up_to(kSecond));
   run.auditor().must_stop(run.now());
@@ -260,7 +260,7 @@ FaultOutcome s5(const RowRun& row) {
   constexpr Nanos kFoundIn = 20 * kMillisecond;
   constexpr double kLateLag = 0.4;  // [s]
   constexpr double kRunaway = 0.5;  // [rad/s]
-  FaultRun run(row.seed);
+  FaultRun run(row);
   if (!run.engage()) return not_engaged();
   const int level = row.index % 3;
   const int joint = (row.index / 3) % 3;  // the first three carry the motion

@@ -61,7 +61,8 @@ int run_rows(const FaultCommand& command, const FaultRuns& what,
     const Result<std::string> program = program_hash();
     if (!program) return complain(program.status(), kUsage);
     Result<FaultJournal> opened =
-        FaultJournal::open(command.results, *program + (what.quick ? ", quick" : ", whole"));
+        FaultJournal::open(command.results, *program + (what.quick ? ", quick" : ", whole") +
+                                                (what.replay ? ", replayed" : ""));
     if (!opened) return complain(opened.status(), kUsage);
     journal.emplace(std::move(*opened));
   }
@@ -100,9 +101,9 @@ int run_rows(const FaultCommand& command, const FaultRuns& what,
   if (!run) return complain(run.status(), kUsage);
   const std::uint64_t violations = violations_of(*run);
   const std::string text =
-      fmt::format("handrail-lab faults{}{} --seeds {}: {} runs, {} violations\n",
+      fmt::format("handrail-lab faults{}{}{} --seeds {}: {} runs, {} violations\n",
                   command.row.empty() ? "" : " --row " + command.row, what.quick ? " --quick" : "",
-                  command.seeds, last.of, violations) +
+                  what.replay ? " --replay" : "", command.seeds, last.of, violations) +
       fault_table(*run);
   std::fputs((command.json ? fault_json(*run) : text).c_str(), stdout);
   if (file) {
@@ -140,7 +141,9 @@ int run_fault_command(const FaultCommand& command, const std::atomic<bool>& canc
   if (rows.empty()) {
     return complain(Status::error("no row '" + command.row + "'; there are" + known), kUsage);
   }
-  return run_rows(command, {rows, std::move(*seeds), command.quick, command.threads}, cancelled);
+  return run_rows(command,
+                  {rows, std::move(*seeds), command.quick, command.replay, command.threads},
+                  cancelled);
 }
 
 }  // namespace handrail

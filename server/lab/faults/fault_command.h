@@ -10,6 +10,7 @@ struct FaultCommand {
   std::string row;          // one row, or all whose id begins so: N1 is N1a and N1b; empty: all
   std::string seeds = "1";  // such as 7 or 1..50
   bool quick = false;       // every row, in about a minute
+  bool replay = false;      // every run is recorded and done again: what differs is a violation
   std::string results;      // file of finished runs, to go on from; empty: none
   std::string out;          // file for the table; empty: none
   int threads = 0;          // 0: one a core; results do not depend on it

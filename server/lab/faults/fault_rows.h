@@ -10,22 +10,6 @@
 
 namespace handrail {
 
-// What a run of a row is given.
-struct RowRun {
-  std::uint64_t seed = 1;  // of this run alone
-  int index = 0;           // which of the row's runs
-  double share = 1.0;      // of the long spans, 0 to 1
-
-  // Of a row whose runs take their levels in turn.
-  template <typename T, std::size_t n>
-  const T& level(const std::array<T, n>& levels) const {
-    return levels[static_cast<std::size_t>(index) % n];
-  }
-  Nanos span(Nanos longest) const {
-    return static_cast<Nanos>(share * static_cast<double>(longest));
-  }
-};
-
 struct FaultRow {
   const char* id;
   const char* what;  // for people

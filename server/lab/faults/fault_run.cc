@@ -10,8 +10,6 @@
 #include "server/base/in_32_bits.h"
 #include "server/base/units.h"
 #include "server/kinematics/arm_of.h"
-#include "server/master/haptic_settings.h"
-#include "server/slave/follow_settings.h"
 
 namespace handrail {
 namespace {
@@ -21,43 +19,8 @@ constexpr Nanos kPatience = 10 * kSecond;
 constexpr Nanos kOperatorDelay = 300 * kMillisecond;
 constexpr Nanos kResumePatience = 500 * kMillisecond;
 
-Scene scene_of(const FaultOptions& fault) {
-  Scene scene;
-  scene.name = "faults";
-  scene.limits.joints = rv2a_limits();
-  if (!fault.contact) return scene;
-  const ArmGeometry arm = arm_of(scene);
-  PlaneSpec plane;
-  plane.normal = FaultRun::normal();
-  plane.at = forward(arm, ServoArmOptions::default_start()).p - FaultRun::kGap * FaultRun::normal();
-  scene.simulate = {
-      {ServoLagSpec(), EncoderOffsetsSpec(), ArmComplianceSpec(), plane, SensorSaturationSpec()}};
-  if (fault.sensor_noise) scene.simulate->effects.push_back(SensorNoiseSpec());
-  scene.bumper.promise = 200.0;
-  return scene;
-}
-
-std::unique_ptr<Cell> make_cell(std::uint64_t seed, const FaultOptions& fault) {
-  const Scene scene = scene_of(fault);
-  auto options = std::make_unique<CellOptions>();
-  options->haptic = haptic_settings(scene, omni_capabilities(false));
-  options->haptic.ladder.good_for = kSecond;
-  options->haptic.ladder.fade_loop = fault.fade_loop;
-  options->haptic.presence = fault.presence;
-  options->follow = follow_settings(scene, options->rig.controller.period, true, 1000.0);
-  options->rig.controller.arm.geometry = arm_of(scene);
-  run_only_listed(scene, options->rig);
-  options->rig.controller.arm.seed = seed;
-  options->rig.sensor.seed = seed + 1;
-  options->rig.controller.queues = fault.queues;
-  if (fault.short_form) options->packet_bytes = kMxtShort;
-  options->robot_line = seed + 3;
-  options->net = CellNetOptions{seed + 2, fault.master_clock, fault.slave_clock};
-  return std::make_unique<Cell>(*options);
-}
-
 AuditLimits audit_limits() {
-  const Scene scene = scene_of({});
+  const Scene scene = fault_scene({});
   AuditLimits limits;
   limits.joints = scene.limits.joints;
   limits.max_jerk = scene.limits.joints.max_jerk;
@@ -82,9 +45,10 @@ void measure(FaultOutcome& outcome, double worst, double bound) {
 }
 
 // Three translations and a turn, each a sine of 0.3 to 0.9 Hz: up to 18 mm and 0.15 rad.
-FaultRun::FaultRun(std::uint64_t seed, const FaultOptions& options)
-    : random_(seed ^ 0xfa17ULL),
-      cell_(make_cell(seed, options)),
+FaultRun::FaultRun(const RowRun& row, const FaultOptions& options)
+    : random_(row.seed ^ 0xfa17ULL),
+      cell_(fault_cell(row.seed, options)),
+      recording_(row.replay ? std::make_unique<FaultRecording>(*cell_, options) : nullptr),
       auditor_(audit_limits()),
       controller_(audit_limits().joints, audit_limits().period) {
   for (std::size_t k = 0; k < 4; ++k) {
@@ -102,14 +66,9 @@ FaultRun::FaultRun(std::uint64_t seed, const FaultOptions& options)
   cell_->set_tap(&layers_);
 }
 
-const Vec3& FaultRun::normal() {
-  static const Vec3 up = Vec3::UnitZ();
-  return up;
-}
-
 double FaultRun::true_force() const {
   const World* world = cell_->rig().world();
-  return world == nullptr ? 0.0 : world->on_tip().force.dot(normal());
+  return world == nullptr ? 0.0 : world->on_tip().force.dot(fault_normal());
 }
 
 void FaultRun::set_network(const LinkFaults& faults) { to_slave() = to_master() = faults; }
@@ -135,6 +94,7 @@ void FaultRun::tick(const HapticOrder& order) {
   const std::vector<JointVector> maybe_held = maybe_held_;
   const JointVector next = 2.0 * targets_[0] - targets_[1];
   cell_->tick(hand_now(), order);
+  if (recording_) recording_->pull();
   feed_controller_audit();
   feed_auditor();
   judge_halt(maybe_held, next);
@@ -233,7 +193,7 @@ void FaultRun::feed_auditor() {
   };
   if (!cell_->targets().empty()) {
     take(cell_->target_at());
-    if (true_force() > 0.0) auditor_.touched(normal());
+    if (true_force() > 0.0) auditor_.touched(fault_normal());
     for (const JointVector& target : cell_->targets()) {
       const JointVector q = as_before(target);
       auditor_.commanded(q, cell_->target_at());
@@ -354,7 +314,7 @@ void FaultRun::send_instead(const MasterState* state) {
 
 void FaultRun::watch_surface() {
   const double force = true_force();
-  const double height = cell_->rig().controller().arm().true_tip().p.dot(normal());
+  const double height = cell_->rig().controller().arm().true_tip().p.dot(fault_normal());
   if (engaged()) {
     force_led_ = force;
     height_led_ = height;
@@ -362,6 +322,12 @@ void FaultRun::watch_surface() {
     harder_ = std::max(harder_, force - force_led_);
     deeper_ = std::max(deeper_, height_led_ - height);
   }
+}
+
+void FaultRun::judge_replay(FaultOutcome& out) {
+  const FaultRecording::Again again = recording_->again();
+  find(out, again.different, "steps that differ in the replay");
+  if (!again.problem.empty()) find(out, 1, again.problem.c_str());
 }
 
 FaultOutcome FaultRun::outcome() {
@@ -389,6 +355,7 @@ FaultOutcome FaultRun::outcome() {
   out.harder = harder_;
   out.deeper = deeper_ * 1e3;
   find(out, not_resumed_, "ms not engaged with a link that had come back");
+  if (recording_) judge_replay(out);
   return out;
 }
 

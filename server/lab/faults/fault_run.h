@@ -2,6 +2,7 @@
 // auditor.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -10,6 +11,7 @@
 #include "server/lab/cell/cell.h"
 #include "server/lab/faults/audit/auditor.h"
 #include "server/lab/faults/audit/controller_audit.h"
+#include "server/lab/faults/fault_cell.h"
 
 namespace handrail {
 
@@ -35,19 +37,28 @@ struct FaultOutcome {
   double deeper = 0.0;
 };
 
-struct FaultOptions {
-  Nanos master_clock = 0;  // before the run's
-  Nanos slave_clock = 0;
-  Presence presence = Presence::kNone;
-  Nanos fade_loop = 600 * kMillisecond;  // an older loop takes the force away
-  // A surface of 57 N/mm, with what gives way in the arm, kGap under the tip where it starts;
-  // approached slowly enough for 200 N. The hand stands, but for `layers().hand`.
-  bool contact = false;
-  bool queues = false;       // the controller works off one packet a cycle, the rest wait
-  bool short_form = false;   // 64-byte packets to the controller and back
-  bool brisk = false;        // the hand turns up to 0.3 rad, twice as often
-  bool gentle = false;       // the hand goes a tenth of its way
-  bool sensor_noise = true;  // in contact
+// What a run of a row is given.
+struct RowRun {
+  std::uint64_t seed = 1;  // of this run alone
+  int index = 0;           // which of the row's runs
+  double share = 1.0;      // of the long spans, 0 to 1
+  // It is recorded as the daemons record, and done again: what differs is a violation.
+  bool replay = false;
+
+  // Of a row whose runs take their levels in turn.
+  template <typename T, std::size_t n>
+  const T& level(const std::array<T, n>& levels) const {
+    return levels[static_cast<std::size_t>(index) % n];
+  }
+  Nanos span(Nanos longest) const {
+    return static_cast<Nanos>(share * static_cast<double>(longest));
+  }
+  // Another run of the same.
+  RowRun next() const {
+    RowRun out = *this;
+    ++out.seed;
+    return out;
+  }
 };
 
 // Faults of the devices: called with what the device says and when, they may change it. Empty:
@@ -70,11 +81,7 @@ struct FaultLayers final : public CellTap {
 // Same seed, same calls: same bits. The hand's motion and the network are drawn from the seed.
 class FaultRun {
  public:
-  // Of a run in contact: down to the surface [m], and out of it.
-  static constexpr double kGap = 0.004;
-  static const Vec3& normal();
-
-  explicit FaultRun(std::uint64_t seed, const FaultOptions& options = {});
+  explicit FaultRun(const RowRun& row, const FaultOptions& options = {});
 
   LinkFaults& to_slave() { return cell_->net()->link().to_slave().faults; }
   LinkFaults& to_master() { return cell_->net()->link().to_master().faults; }
@@ -134,6 +141,7 @@ class FaultRun {
   FaultOutcome outcome();
 
  private:
+  void judge_replay(FaultOutcome& out);
   void feed_auditor();
   void feed_controller_audit();
   void judge_halt(const std::vector<JointVector>& maybe_held, const JointVector& next);
@@ -149,6 +157,7 @@ class FaultRun {
 
   Random random_;
   std::unique_ptr<Cell> cell_;
+  std::unique_ptr<FaultRecording> recording_;
   Auditor auditor_;
   ControllerAudit controller_;
   bool may_halt_ = false;

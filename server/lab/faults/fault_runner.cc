@@ -65,9 +65,10 @@ Result<std::vector<FaultResult>> run_faults(
           const std::lock_guard lock(guarded);
           if (journal != nullptr) known = journal->find(row.id, seed, job.index);
         }
-        FaultOutcome out = known != nullptr ? *known
-                                            : row.run({seed_of(seed, row, job.index), job.index,
-                                                       what.quick ? kQuickShare : 1.0});
+        FaultOutcome out = known != nullptr
+                               ? *known
+                               : row.run({seed_of(seed, row, job.index), job.index,
+                                          what.quick ? kQuickShare : 1.0, what.replay});
         const std::lock_guard lock(guarded);
         if (journal != nullptr && known == nullptr && written) {
           written = journal->append(row.id, seed, job.index, out);

@@ -16,8 +16,9 @@ namespace handrail {
 struct FaultRuns {
   std::span<const FaultRow> rows;
   std::vector<std::uint64_t> seeds = {1};
-  bool quick = false;  // fewer runs, with long spans cut to kQuickShare
-  int threads = 0;     // 0: one a core; results do not depend on it
+  bool quick = false;   // fewer runs, with long spans cut to kQuickShare
+  bool replay = false;  // each is recorded and done again
+  int threads = 0;      // 0: one a core; results do not depend on it
 };
 
 // Where the runs stand. Called before the first, and then by one thread at a time.

@@ -25,7 +25,7 @@ void judge_never_tripped(FaultRun& run, FaultOutcome& out) {
 
 // Ten minutes of independent loss each way.
 FaultOutcome n1(const RowRun& row, double loss, bool may_trip) {
-  FaultRun run(row.seed);
+  FaultRun run(row);
   if (!run.engage()) return not_engaged();
   LinkFaults faults;
   faults.loss = loss;
@@ -47,8 +47,8 @@ FaultOutcome n1b(const RowRun& row) { return n1(row, 0.3, true); }
 // A minute of up to 10 % loss, against the same minute without.
 FaultOutcome n1c(const RowRun& row) {
   constexpr std::array<double, 3> kLosses = {0.01, 0.05, 0.1};
-  FaultRun clean(row.seed);
-  FaultRun run(row.seed);
+  FaultRun clean(row);
+  FaultRun run(row);
   if (!clean.engage() || !run.engage()) return not_engaged();
   LinkFaults faults;
   faults.loss = row.level(kLosses);
@@ -66,7 +66,7 @@ FaultOutcome n1c(const RowRun& row) {
 // Bursts of loss of 2 to 200 ms, 5 % of the time.
 FaultOutcome n2(const RowRun& row) {
   constexpr std::array<double, 5> kMeans = {2.0, 5.0, 10.0, 50.0, 200.0};
-  FaultRun run(row.seed);
+  FaultRun run(row);
   if (!run.engage()) return not_engaged();
   LinkFaults faults;
   const double mean = row.level(kMeans);
@@ -84,7 +84,7 @@ FaultOutcome n2(const RowRun& row) {
 FaultOutcome n3(const RowRun& row) {
   constexpr Nanos kWarned = 100 * kMillisecond;
   constexpr std::array<int, 6> kDelays = {0, 10, 50, 100, 200, 500};
-  FaultRun run(row.seed);
+  FaultRun run(row);
   LinkFaults faults;
   faults.delay = row.level(kDelays) * kMillisecond;
   run.set_network(faults);
@@ -113,7 +113,7 @@ FaultOutcome n3(const RowRun& row) {
 // Jitter of 1 to 50 ms on 50 ms, order kept as a queue keeps it.
 FaultOutcome n4(const RowRun& row) {
   constexpr std::array<int, 4> kJitters = {1, 5, 20, 50};
-  FaultRun run(row.seed);
+  FaultRun run(row);
   LinkFaults faults;
   faults.delay = 50 * kMillisecond;
   faults.jitter = row.level(kJitters) * kMillisecond;
@@ -130,8 +130,8 @@ FaultOutcome n4(const RowRun& row) {
 namespace {
 
 // What the network may do to the order, with the count of what must not be applied.
-FaultOutcome order_row(std::uint64_t seed, const LinkFaults& faults, Nanos span) {
-  FaultRun run(seed);
+FaultOutcome order_row(const RowRun& row, const LinkFaults& faults, Nanos span) {
+  FaultRun run(row);
   if (!run.engage()) return not_engaged();
   run.set_network(faults);
   run.run(span);
@@ -151,7 +151,7 @@ FaultOutcome n5(const RowRun& row) {
   LinkFaults faults;
   faults.reorder = row.level(kShares);
   faults.reorder_by = 5 * kMillisecond;
-  return order_row(row.seed, faults, 20 * kSecond);
+  return order_row(row, faults, 20 * kSecond);
 }
 
 // Duplicates; the last level replays ten old datagrams for each new one: in 100 s a million.
@@ -160,17 +160,17 @@ FaultOutcome n6(const RowRun& row) {
   LinkFaults faults;
   if (row.index % 4 == 3) {
     faults.replay = 10.0;
-    return order_row(row.seed, faults, row.span(100 * kSecond));
+    return order_row(row, faults, row.span(100 * kSecond));
   }
   faults.duplicate = row.level(kShares);
-  return order_row(row.seed, faults, 20 * kSecond);
+  return order_row(row, faults, 20 * kSecond);
 }
 
 // Blackouts of 10 ms to 60 s.
 FaultOutcome n9(const RowRun& row) {
   constexpr std::array<int, 5> kSpans = {10, 21, 100, 1000, 60'000};
   const Nanos span = row.level(kSpans) * kMillisecond;
-  FaultRun run(row.seed);
+  FaultRun run(row);
   if (!run.engage()) return not_engaged();
   run.run(run.up_to(kSecond));
   LinkFaults dark;
@@ -198,7 +198,7 @@ namespace {
 // arm is on its way to a command 12 cm ahead.
 FaultOutcome n10(const RowRun& row, bool to_slave) {
   constexpr Nanos kForceGone = 50 * kMillisecond;
-  FaultRun run(row.seed);
+  FaultRun run(row);
   if (!run.engage()) return not_engaged();
   run.run(run.up_to(kSecond));
   MasterState far = run.cell().master().link;
@@ -238,7 +238,7 @@ FaultOutcome n11(const RowRun& row) {
   constexpr std::array<int, 4> kRates = {64'000, 256'000, 1'000'000, 2'000'000};
   FaultOptions options;
   options.fade_loop = kLimit;
-  FaultRun run(row.seed, options);
+  FaultRun run(row, options);
   if (!run.engage()) return not_engaged();
   run.let_hold();  // most of what is sent is dropped: the link is poor
   LinkFaults faults;
@@ -279,7 +279,7 @@ FaultOutcome n11(const RowRun& row) {
 
 // Half an hour of everything at once.
 FaultOutcome n13(const RowRun& row) {
-  FaultRun run(row.seed);
+  FaultRun run(row);
   if (!run.engage()) return not_engaged();
   run.set_network(find_network(row.index % 2 == 0 ? "netcode" : "harsh")->way);
   run.drive(row.span(1800 * kSecond));

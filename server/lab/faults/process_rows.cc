@@ -11,7 +11,7 @@ FaultOutcome p1(const RowRun& row) {
   constexpr std::array<int, 6> kSpans = {5, 30, 150, 1000, 10'000, 1000};
   const bool killed = &row.level(kSpans) == &kSpans.back();
   const Nanos span = row.level(kSpans) * kMillisecond;
-  FaultRun run(row.seed);
+  FaultRun run(row);
   if (!run.engage()) return not_engaged();
   run.run(run.up_to(kSecond));
   run.cell().net()->stop_master(true);
@@ -28,7 +28,7 @@ FaultOutcome p1(const RowRun& row) {
 
 // The haptic thread stands still for 50 ms or for good; its process goes on.
 FaultOutcome p5(const RowRun& row) {
-  FaultRun run(row.seed);
+  FaultRun run(row);
   if (!run.engage()) return not_engaged();
   run.run(run.up_to(kSecond));
   run.stall_master(true);
@@ -54,10 +54,10 @@ std::uint64_t joints_after(FaultRun& run, Nanos span) {
 // The two monotonic clocks are 5000 s apart: the same bits as without, over a bad network too.
 FaultOutcome c2(const RowRun& row) {
   constexpr Nanos kOff = 5000 * kSecond;
-  FaultRun plain(row.seed);
+  FaultRun plain(row);
   FaultOptions clocks;
   (row.index % 2 == 0 ? clocks.master_clock : clocks.slave_clock) = kOff;
-  FaultRun off(row.seed, clocks);
+  FaultRun off(row, clocks);
   LinkFaults faults;
   faults.delay = 20 * kMillisecond;
   faults.jitter = 5 * kMillisecond;
@@ -116,7 +116,7 @@ FaultOutcome x2b(const RowRun& row) {
   // With its noise nearer than 10 m: what is further off no master sends, and its silence would end
   // the session.
   constexpr double kFar = 9.9;  // [m]
-  FaultRun run(row.seed);
+  FaultRun run(row);
   if (!run.engage()) return not_engaged();
   Random& random = run.random();
   MasterState state = run.cell().master().link;
@@ -155,7 +155,7 @@ FaultOutcome x2d(const RowRun& row) {
   constexpr int kWay = 1400;     // [ms]
   constexpr int kStands = 6000;  // [ms]
   constexpr Nanos kComesToRest = 400 * kMillisecond;
-  FaultRun run(row.seed);
+  FaultRun run(row);
   const Vec3 way = (0.1 + 0.4 * run.random().uniform()) * any_direction(run.random());
   const Vec3 turn = 1.5 * run.random().uniform() * any_direction(run.random());
   double done = 0.0;
@@ -186,7 +186,7 @@ FaultOutcome x2d(const RowRun& row) {
 
 // A second master talks to the slave at the same time, engaging and leading elsewhere.
 FaultOutcome x9a(const RowRun& row) {
-  FaultRun run(row.seed);
+  FaultRun run(row);
   if (!run.engage()) return not_engaged();
   MasterPeer second(run.random().bits() | 1);
   std::array<std::uint8_t, kMaxDatagram> bytes{};

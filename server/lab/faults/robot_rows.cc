@@ -73,7 +73,7 @@ enum class Meanwhile { kNothing, kStop, kStopCircuit, kCount };
 FaultOutcome paused(const RowRun& row, bool both) {
   constexpr std::array<int, 7> kSpans = {5, 12, 20, 60, 250, 5000, 60'000};
   const Nanos span = row.level(kSpans) * kMillisecond;
-  FaultRun run(row.seed, robot_options(row, kSpans.size()));
+  FaultRun run(row, robot_options(row, kSpans.size()));
   const bool far = both && row.index % 2 == 0;
   if (far) {
     LinkFaults way;
@@ -117,7 +117,7 @@ FaultOutcome paused(const RowRun& row, bool both) {
 // Packets lost each way.
 FaultOutcome r1a(const RowRun& row) {
   constexpr std::array<double, 5> kLosses = {0.001, 0.01, 0.03, 0.05, 0.1};
-  FaultRun run(row.seed, robot_options(row, kLosses.size()));
+  FaultRun run(row, robot_options(row, kLosses.size()));
   if (!run.engage()) return not_engaged();
   LinkFaults faults;
   faults.loss = row.level(kLosses);
@@ -134,7 +134,7 @@ FaultOutcome r1a(const RowRun& row) {
 FaultOutcome r1b(const RowRun& row) {
   constexpr int kLevels = 7;  // [cases]: those below
   const FaultOptions options = robot_options(row, kLevels);
-  FaultRun run(row.seed, options);
+  FaultRun run(row, options);
   LinkFaults replies, commands;
   bool far = false, in_bursts = false;
   switch (row.index % kLevels) {
@@ -196,7 +196,7 @@ FaultOutcome r2(const RowRun& row) {
   const auto meanwhile = static_cast<Meanwhile>(row.index % static_cast<int>(Meanwhile::kCount));
   FaultOptions options = robot_options(row, kSpans.size());
   options.gentle = row.index % 2 == 0;
-  FaultRun run(row.seed, options);
+  FaultRun run(row, options);
   if (!run.engage()) return not_engaged();
   run.run(run.up_to(kSecond));
   LinkFaults dark;
@@ -234,7 +234,7 @@ FaultOutcome r4(const RowRun& row) { return paused(row, true); }
 // A busy computer: now and then the slave stands for up to a cycle. What it then sends may miss its
 // cycle, and what it reads be late. Either way takes up to 0.6 ms.
 FaultOutcome r3b(const RowRun& row) {
-  FaultRun run(row.seed, robot_options(row, kBusyLosses.size()));
+  FaultRun run(row, robot_options(row, kBusyLosses.size()));
   LinkFaults faults;
   faults.loss = row.level(kBusyLosses);
   faults.delay = faults.jitter = 300 * kMicrosecond;
@@ -252,7 +252,7 @@ FaultOutcome r3b(const RowRun& row) {
 // simulates the controller: replies come late and together, and are read late. For spells replies
 // take up to 3 ms, and the slave stands for as long. Or nothing is heard for 0.1 to 0.2 s.
 FaultOutcome r3c(const RowRun& row) {
-  FaultRun run(row.seed, robot_options(row, kBusyLosses.size()));
+  FaultRun run(row, robot_options(row, kBusyLosses.size()));
   LinkFaults usual;
   usual.loss = row.level(kBusyLosses);
   usual.delay = usual.jitter = 100 * kMicrosecond;
@@ -293,7 +293,7 @@ FaultOutcome r3c(const RowRun& row) {
 FaultOutcome r5(const RowRun& row) {
   FaultOptions options;
   options.short_form = row.index % 3 == 1;
-  FaultRun run(row.seed, options);
+  FaultRun run(row, options);
   if (!run.engage()) return not_engaged();
   run.run(run.up_to(kSecond));
   const Nanos from = run.now() + kMillisecond;

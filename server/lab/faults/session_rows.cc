@@ -9,7 +9,7 @@ namespace handrail::rows {
 
 // Over a link that is not GOOD nobody engages; one that turns POOR holds the arm.
 FaultOutcome n1d(const RowRun& row) {
-  FaultRun run(row.seed);
+  FaultRun run(row);
   run.let_hold();
   LinkFaults faults;
   std::uint64_t engaged = 0;
@@ -44,7 +44,7 @@ FaultOutcome s6(const RowRun& row) {
   constexpr double kRest = 4e-6;  // of the tip's commands [m]
   FaultOptions options;
   options.presence = Presence::kButton;
-  FaultRun run(row.seed, options);
+  FaultRun run(row, options);
   bool held = true;
   run.layers().hand = [&](Nanos, HandReading& hand) { hand.enable_button = held; };
   if (!run.engage()) return not_engaged();
@@ -76,7 +76,7 @@ FaultOutcome s6(const RowRun& row) {
 // whatever else it says.
 FaultOutcome x4(const RowRun& row) {
   constexpr Nanos kEcho = 50 * kMillisecond;
-  FaultRun run(row.seed);
+  FaultRun run(row);
   if (!run.engage()) return not_engaged();
   run.run(run.up_to(kSecond));
   MasterState mad = run.cell().master().link;
@@ -109,13 +109,13 @@ FaultOutcome x4(const RowRun& row) {
 // its arm where the recording began.
 FaultOutcome x11(const RowRun& row) {
   std::vector<std::vector<std::uint8_t>> recording;
-  FaultRun live(row.seed);
+  FaultRun live(row);
   for (int i = 0; i < 6000; ++i) {
     live.tick(order_of(i < 3000 && !live.engaged() ? OrderKind::kEngage : OrderKind::kNone));
     const auto bytes = live.cell().net()->link().to_slave().newest();
     recording.emplace_back(bytes.begin(), bytes.end());
   }
-  FaultRun run(row.seed + 1);
+  FaultRun run(row.next());
   run.cell().net()->stop_master(true);
   std::uint64_t engaged = 0;
   for (const std::vector<std::uint8_t>& datagram : recording) {
@@ -166,7 +166,7 @@ FaultOutcome x9b(const RowRun& row) {
 // one had engaged ends.
 FaultOutcome d3(const RowRun& row) {
   constexpr Nanos kHeard = 20 * kMillisecond;  // the first such datagram, and a robot cycle
-  FaultRun run(row.seed);
+  FaultRun run(row);
   run.let_hold();
   if (row.index % 2 == 0 && !run.engage()) return not_engaged();
   run.run(kSecond);
@@ -206,7 +206,7 @@ FaultOutcome d3(const RowRun& row) {
 // A minute of orders, faults and restarts as they come, over a link that is late: no reset but one
 // given after a fault releases it, and no stop is echoed before the slave can have it.
 FaultOutcome p8(const RowRun& row) {
-  FaultRun run(row.seed);
+  FaultRun run(row);
   run.let_hold();
   if (!run.engage()) return not_engaged();
   LinkFaults late;

@@ -45,7 +45,7 @@ constexpr double kThere = 1e-3;       // an arm this near its command reaches it
 // A run whose hand stands but while it is pulled, and what moved by itself meanwhile.
 class StillHand {
  public:
-  explicit StillHand(std::uint64_t seed) : run_(seed) {
+  explicit StillHand(const RowRun& row) : run_(row) {
     run_.layers().hand = [this](Nanos, HandReading& hand) {
       if (!still_) held_ = hand;
       hand = held_;
@@ -153,7 +153,7 @@ class StillHand {
 // that cannot reach it goes no further from it.
 FaultOutcome x2c(const RowRun& row) {
   const bool pulled = row.index % 2 == 0;
-  StillHand hand(row.seed);
+  StillHand hand(row);
   if (!hand.begin()) return not_engaged();
   for (int call = 0; call < 20; ++call) {
     const Nanos wait = hand.call_tool(call == 0, !pulled);

@@ -15,7 +15,7 @@ constexpr double kHasty = 0.1;  // of the hand, faster than the promise ever all
 // Encoders off by almost as much as is believed, for a cycle each, before a hasty contact.
 FaultOutcome s1e(const RowRun& row) {
   constexpr double kGlitch = 0.09;  // [rad]
-  Push push(row.seed, true);
+  Push push(row, true);
   push.speed = kHasty;
   const Nanos patience = 5 * kSecond;
   if (!push.roam(patience)) return not_engaged();
@@ -38,7 +38,7 @@ FaultOutcome s1e(const RowRun& row) {
 // contact at once.
 FaultOutcome s1f(const RowRun& row) {
   constexpr std::array<double, 3> kWrong = {0.5, -0.5, std::numeric_limits<double>::quiet_NaN()};
-  Push push(row.seed, true);
+  Push push(row, true);
   push.speed = kHasty;
   if (!push.roam(5 * kSecond)) return not_engaged();
   const Nanos from = push.run.now() + kMillisecond;
@@ -63,7 +63,7 @@ FaultOutcome s1f(const RowRun& row) {
 // Packets to and from the robot's controller are lost, before a hasty contact and in it.
 FaultOutcome r1c(const RowRun& row) {
   constexpr std::array<double, 4> kLost = {0.01, 0.02, 0.05, 0.1};  // each way
-  Push push(row.seed, true);
+  Push push(row, true);
   LinkFaults faults;
   faults.loss = row.level(kLost);
   push.run.set_robot_line(faults, faults);
@@ -83,7 +83,7 @@ FaultOutcome r1c(const RowRun& row) {
 FaultOutcome s2d(const RowRun& row) {
   FaultOptions options;
   options.sensor_noise = false;
-  Push push(row.seed, row.index % 4 >= 2, options);
+  Push push(row, row.index % 4 >= 2, options);
   const auto lead = push.run.layers().hand;
   push.run.layers().hand = [&](Nanos at, HandReading& hand) {
     lead(at, hand);
@@ -112,7 +112,7 @@ FaultOutcome s2e(const RowRun& row) {
   const bool leaves = row.index % 3 == 1, slides = row.index % 3 == 2;
   FaultOptions options;
   options.sensor_noise = false;
-  Push push(row.seed, slides, options);
+  Push push(row, slides, options);
   if (!push.begin()) return not_engaged();
   if (push.pass_until(12.0 + 20.0 * push.run.random().uniform()) == kForever) return not_engaged();
   if (leaves) push.pass(5 * kSecond);

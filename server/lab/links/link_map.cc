@@ -52,7 +52,7 @@ void drive_hand(FaultRun& run, Nanos span, LinkFigures& out) {
 
 // A run of its own, so that all strokes are about the place where the arm starts.
 double stroke_speed(const LinkCase& link, std::uint64_t& violations) {
-  FaultRun run(link.seed);
+  FaultRun run({.seed = link.seed});
   run.let_hold();
   double side = 0.0;
   run.layers().hand = [&side](Nanos, HandReading& hand) {
@@ -119,7 +119,7 @@ std::string cell_text(const LinkCell& cell, double best) {
 LinkFigures measure_link(const LinkCase& link, Nanos drive) {
   constexpr double kEngageRuns = 1.0;  // FaultRun::engage() goes on for so long [s]
   LinkFigures out;
-  FaultRun run(link.seed);
+  FaultRun run({.seed = link.seed});
   run.let_hold();
   run.set_network(faults_of(link));
   out.engaged = run.engage();

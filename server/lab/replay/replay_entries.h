@@ -61,7 +61,8 @@ class ReplayEntries : public ReplaySide {
       const auto image = std::exchange(waiting_, std::nullopt);
       // A step that is on its way needs none. After an interruption the other side's state may be
       // missing until it changes.
-      if (!runs_ && (!knows_other(recorded_) || other_)) {
+      // A program that began anew remembers nothing.
+      if (image->begins() != 0 || (!runs_ && (!knows_other(recorded_) || other_))) {
         if (Status begun = begin(*image); !begun) return begun;
         runs_ = true;
       }

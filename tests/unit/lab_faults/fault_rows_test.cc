@@ -134,7 +134,7 @@ TEST(FaultRowsTest, RunsThatFindAreCountedByWhatTheyFind) {
 
 // Nothing is held against a quiet run, and its hand does move the arm.
 TEST(FaultRowsTest, ARunWithoutFaultsIsDrivenAndStaysEngaged) {
-  FaultRun run(1);
+  FaultRun run({.seed = 1});
   ASSERT_TRUE(run.engage());
   run.run(5 * kSecond);
   const AuditReport& report = run.auditor().report();
@@ -151,14 +151,14 @@ TEST(FaultRowsTest, InContactTheHandMeetsASurfaceThatAPlainRunHasNot) {
   for (const bool contact : {false, true}) {
     FaultOptions options;
     options.contact = contact;
-    FaultRun run(1, options);
+    FaultRun run({.seed = 1}, options);
     const Scene::Mapping mapping;
     double down = 0.0;
     run.layers().hand = [&](Nanos, HandReading& hand) {
       hand.X_MH.p = mapping.R_SM.transpose() * Vec3(0.0, 0.0, -down) / mapping.scale;
     };
     ASSERT_TRUE(run.engage());
-    for (; down < FaultRun::kGap + 1e-3; down += 1e-5) run.run(kMillisecond);
+    for (; down < kFaultGap + 1e-3; down += 1e-5) run.run(kMillisecond);
     run.run(2 * kSecond);
     EXPECT_EQ(run.true_force() > 20.0, contact);
     EXPECT_LT(run.true_force(), 60.0);
@@ -172,7 +172,7 @@ TEST(FaultRowsTest, InContactTheHandMeetsASurfaceThatAPlainRunHasNot) {
 TEST(FaultRowsTest, InContactAStopPushesOnByWhatTheArmIsBehind) {
   FaultOptions options;
   options.contact = true;
-  FaultRun run(1, options);
+  FaultRun run({.seed = 1}, options);
   const Scene::Mapping mapping;
   double down = 0.0;
   run.layers().hand = [&](Nanos, HandReading& hand) {
@@ -191,7 +191,7 @@ TEST(FaultRowsTest, InContactAStopPushesOnByWhatTheArmIsBehind) {
 
 // A guard that is not there is found: a stalled thread whose datagrams go on proves nobody alive.
 TEST(FaultRowsTest, RepeatedStatesDoNotLeadTheArm) {
-  FaultRun run(1);
+  FaultRun run({.seed = 1});
   ASSERT_TRUE(run.engage());
   EXPECT_TRUE(run.auditor().led());
   run.stall_master(true);
