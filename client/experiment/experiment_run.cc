@@ -31,6 +31,14 @@ constexpr Nanos kPromptAgain = kSecond;          // the master forgets one that 
 constexpr Nanos kBallAgain = 33 * kMillisecond;  // a picture of the page's
 constexpr Nanos kRetry = 500 * kMillisecond;     // of a master that does not answer, of a full disk
 
+constexpr std::size_t kLongestLabel = 40;  // of a recording
+
+std::string end_of(const pb::ExperimentTrial& trial) {
+  return trial.has_linear()  ? trial.linear().end()
+         : trial.has_screw() ? trial.screw().end()
+                             : trial.walls().end();
+}
+
 // Everything that lasts as long as one run of the program.
 class Experiment {
  public:
@@ -39,6 +47,7 @@ class Experiment {
 
   ExitCode run() {
     if (Status s = prepare(); !s) return fail(s.message());
+    begin_recording();
     while (const std::optional<TrialNext> next = next_trial(rules_, order_, trials_made(record_))) {
       if (!make(*next)) return finish();
     }
@@ -70,6 +79,8 @@ class Experiment {
   bool make(const TrialNext& next);
   bool live(const std::string& scene);
   bool write(const pb::ExperimentLine& line);
+  void begin_recording();
+  void mark(const std::string& what, const TrialNext& next, const std::string& how);
   void question();
   ExitCode finish();
 
@@ -84,6 +95,7 @@ class Experiment {
   ExperimentFile file_;
   ExperimentRecord record_;
   std::string prompted_;
+  bool recorded_ = false;      // the master records, on this runner's word
   bool trials_begun_ = false;  // trials have begun: a scene between them is ours to change
   Nanos prompt_at_ = 0;        // from when on it is said again
   std::unique_ptr<CursorSender> cursor_;  // null: a person
@@ -263,6 +275,40 @@ bool Experiment::live(const std::string& scene) {
   return true;
 }
 
+// Everything between here and the end, on both sides, where the master's configuration lets. One
+// that a killed runner of the same person left goes on.
+void Experiment::begin_recording() {
+  const Result<pb::Status> now = status_of(client_, kAnswer);
+  if (!now) return;
+  if (!now->has_recording()) {
+    return say("not recorded: the master's configuration has no recording {}");
+  }
+  std::string label = words_.experiment + "-" + words_.subject;
+  for (char& c : label) c = c == '.' ? '-' : c;
+  label.resize(std::min(label.size(), kLongestLabel));
+  if (now->recording().has_file()) {
+    recorded_ = now->recording().file().find(label) != std::string::npos;
+    return say("recorded to " + shown(now->recording().file(), 200));
+  }
+  pb::Request request;
+  request.mutable_record()->set_on(true);
+  request.mutable_record()->set_label(label);
+  const Status begun = order(request);
+  recorded_ = begun.is_ok();
+  say(begun ? "recording into " + shown(now->recording().folder(), 200) + ", label " + label
+            : "not recorded: " + begun.message());
+}
+
+// Where in a recording a trial is.
+void Experiment::mark(const std::string& what, const TrialNext& next, const std::string& how) {
+  pb::Request request;
+  request.set_mark(fmt::format("trial {}: {} {} {} {}{}{}", what, words_.experiment,
+                               task_->modes()[static_cast<std::size_t>(next.mode)], words_.subject,
+                               record_.trials.size() + 1, words_.simulated ? " simulated" : "",
+                               how.empty() ? "" : " " + how));
+  (void)order(request);
+}
+
 bool Experiment::make(const TrialNext& next) {
   const std::vector<std::string> modes = task_->modes();
   say(fmt::format("Trial {}{}{}", next.number,
@@ -274,6 +320,8 @@ bool Experiment::make(const TrialNext& next) {
     fail(there.message());
     return false;
   }
+  // Before it begins: those who mark during a trial are heard.
+  mark("begins", next, next.practice ? "practice" : "");
   pb::ExperimentLine line;
   pb::ExperimentTrial& begun = *line.mutable_began();
   begun = task_->begin(next);
@@ -287,6 +335,7 @@ bool Experiment::make(const TrialNext& next) {
     task_->fill(ended);
     say("  " + task_->outcome());
   }
+  mark("ends", next, whole ? end_of(ended) : "interrupted");
   record_.trials.push_back(ended);
   *line.mutable_ended() = ended;
   if (!write(line)) return false;
@@ -321,6 +370,11 @@ ExitCode Experiment::finish() {
   pb::Request clear;
   clear.set_prompt("");
   (void)last.call(clear, kSecond);
+  if (recorded_) {
+    pb::Request end;
+    end.mutable_record()->set_on(false);
+    (void)last.call(end, kSecond);
+  }
   if (cursor_) {
     for (const bool drive : {true, false}) {
       pb::Request request;

@@ -2,9 +2,14 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <charconv>
+#include <cmath>
 #include <cstring>
 #include <fstream>
+#include <optional>
+#include <sstream>
 
 #include "server/base/plain_text.h"
 #include "server/base/units.h"
@@ -20,6 +25,20 @@ constexpr const char* kPhaseNames[kLinearPhases] = {"AB", "turn", "BC"};
 
 std::string three(const Vec3& v, double unit) {
   return fmt::format("{:.5f},{:.5f},{:.5f}", v.x() / unit, v.y() / unit, v.z() / unit);
+}
+
+std::vector<std::string> fields_of(const std::string& line) {
+  std::vector<std::string> out;
+  std::istringstream in(line);
+  for (std::string field; std::getline(in, field, ',');) out.push_back(field);
+  return out;
+}
+
+std::optional<double> number_in(const std::string& text) {
+  double out = 0.0;
+  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), out);
+  if (code != std::errc() || end != text.data() + text.size() || !std::isfinite(out)) return {};
+  return out;
 }
 
 }  // namespace
@@ -43,6 +62,38 @@ Status write_trace(const std::string& file, const std::vector<TraceRow>& rows) {
   out.close();
   if (out) return Status::ok();
   return Status::error(shown(file, 200) + ": cannot be written: " + std::strerror(errno));
+}
+
+Result<std::vector<std::vector<double>>> read_trace(const std::string& file,
+                                                    const std::vector<std::string>& columns) {
+  std::ifstream in(file);
+  if (!in) return Status::error(shown(file, 200) + ": cannot be read: " + std::strerror(errno));
+  std::string line;
+  std::getline(in, line);
+  const std::vector<std::string> head = fields_of(line);
+  std::vector<std::size_t> places;
+  for (const std::string& column : columns) {
+    const auto place = std::find(head.begin(), head.end(), column);
+    if (place == head.end()) {
+      return Status::error(shown(file, 200) + ": line 1: no column '" + column + "'");
+    }
+    places.push_back(static_cast<std::size_t>(place - head.begin()));
+  }
+  std::vector<std::vector<double>> out;
+  for (int number = 2; std::getline(in, line) && !in.eof(); ++number) {
+    const std::vector<std::string> fields = fields_of(line);
+    std::vector<double>& row = out.emplace_back();
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      const std::string text = places[i] < fields.size() ? fields[places[i]] : "";
+      const std::optional<double> value = number_in(text);
+      if (!value) {
+        return Status::error(fmt::format("{}: line {}: {} is '{}', expected a number",
+                                         shown(file, 200), number, columns[i], shown(text)));
+      }
+      row.push_back(*value);
+    }
+  }
+  return out;
 }
 
 }  // namespace handrail

@@ -27,4 +27,9 @@ std::string trace_file(const std::string& folder, const std::string& experiment,
 // error names the file.
 Status write_trace(const std::string& file, const std::vector<TraceRow>& rows);
 
+// Of a trace, the named columns, a row a line. A last line that is cut off is left out. The error
+// names the file, the line and the column, or says that there is no such file.
+Result<std::vector<std::vector<double>>> read_trace(const std::string& file,
+                                                    const std::vector<std::string>& columns);
+
 }  // namespace handrail

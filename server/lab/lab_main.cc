@@ -80,6 +80,8 @@ void add_recordings(CLI::App& app, JoinCommand& join, RecordingCsvCommand& csv) 
   CLI::App* table = app.add_subcommand("recording-csv", "a recording as a table");
   table->add_option("FILE", csv.file, "recording, .mcap")->required();
   table->add_option("--out", csv.out, "CSV file to write")->required();
+  table->add_option("--trial", csv.trial, "that trial of the recorded experiment alone")
+      ->check(CLI::Range(1, 1000000));
   table->add_option("--hz", csv.hz, "at most so many rows a second; without it every tick")
       ->check(kFinite)
       ->check(CLI::Range(0.1, 1000.0));

@@ -2,6 +2,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <sstream>
 #include <string>
 
 #include "proto/record.pb.h"
@@ -75,10 +76,37 @@ class Thinning {
   double next_ = 0.0;
 };
 
+// Whether the time is within the wanted trial, as marks tell.
+class TrialGate {
+ public:
+  explicit TrialGate(int wanted) : wanted_(wanted), open_(wanted == 0) {}
+  bool open() const { return open_; }
+  bool seen() const { return seen_; }
+  void see(const pb::RecordedEvent& event) {
+    if (wanted_ == 0 || event.kind() != pb::RecordedEvent::MARK) return;
+    // trial begins: EXPERIMENT MODE SUBJECT NUMBER ...
+    std::istringstream words(event.text());
+    std::string trial, what, skipped;
+    int number = 0;
+    if (!(words >> trial >> what >> skipped >> skipped >> skipped >> number)) return;
+    if (trial != "trial" || number != wanted_) return;
+    if (what == "begins:") open_ = seen_ = true;
+    if (what == "ends:") open_ = false;
+  }
+
+ private:
+  int wanted_;
+  bool open_;
+  bool seen_ = false;
+};
+
 }  // namespace
 
-Result<std::uint64_t> write_recording_csv(std::istream& in, std::ostream& out, double hz) {
+Result<std::uint64_t> write_recording_csv(std::istream& in, std::ostream& out, double hz,
+                                          int trial) {
   McapReader reader(in);
+  TrialGate gate(trial);
+  pb::RecordedEvent event;
   pb::RecordedTick tick;
   pb::RecordedCycle cycle;
   Numbers tip;
@@ -93,11 +121,15 @@ Result<std::uint64_t> write_recording_csv(std::istream& in, std::ostream& out, d
     const McapSchema* schema = reader.schema_of(message->channel);
     const auto size = static_cast<int>(message->data.size());
     std::string text;
-    if (schema != nullptr && schema->name == "handrail.pb.RecordedTick") {
+    if (schema != nullptr && schema->name == "handrail.pb.RecordedEvent" &&
+        event.ParseFromArray(message->data.data(), size)) {
+      gate.see(event);
+    } else if (schema != nullptr && schema->name == "handrail.pb.RecordedTick") {
       if (!tick.ParseFromArray(message->data.data(), size)) {
         return Status::error("a message that is no handrail.pb.RecordedTick");
       }
       if (tick.has_slave()) tip = tick.slave().measured_pose();
+      if (!gate.open()) continue;
       const double t = time(tick.at_ns());
       if (rows == 0) out << kMasterColumns;
       if (thinning.takes(t)) text = row(tick, t, tip);
@@ -105,6 +137,7 @@ Result<std::uint64_t> write_recording_csv(std::istream& in, std::ostream& out, d
       if (!cycle.ParseFromArray(message->data.data(), size)) {
         return Status::error("a message that is no handrail.pb.RecordedCycle");
       }
+      if (!gate.open()) continue;
       const double t = time(cycle.at_ns());
       if (rows == 0) out << kSlaveColumns;
       if (thinning.takes(t)) text = row(cycle, t);
@@ -114,6 +147,10 @@ Result<std::uint64_t> write_recording_csv(std::istream& in, std::ostream& out, d
     if (!(out << text)) return Status::error("the table cannot be written: is the disk full?");
   }
   if (rows > 0) return rows;
+  if (trial > 0 && reader.damage().empty()) {
+    return Status::error("it has no trial " + std::to_string(trial) +
+                         (gate.seen() ? " with ticks" : " that is marked"));
+  }
   return Status::error(reader.damage().empty() ? "it holds neither ticks nor cycles"
                                                : reader.damage());
 }

@@ -194,7 +194,7 @@ int run_recording_csv_command(const RecordingCsvCommand& command) {
     return complain(Status::error(command.out + ": cannot be written: " + std::strerror(errno)),
                     kFailed);
   }
-  const auto rows = write_recording_csv(in, out, command.hz);
+  const auto rows = write_recording_csv(in, out, command.hz, command.trial);
   if (!rows) return complain(Status::error(command.file + ": " + rows.message()), kUsage);
   out.close();
   if (!out) return complain(Status::error(command.out + ": cannot be written"), kFailed);

@@ -30,6 +30,7 @@ struct RecordingCsvCommand {
   std::string file;
   std::string out;
   double hz = 0.0;  // 0: every tick
+  int trial = 0;    // of an experiment, alone; 0: all
 };
 
 // Exit codes: 0 done, 1 the table cannot be written, 2 no recording.
