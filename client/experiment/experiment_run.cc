@@ -306,7 +306,7 @@ void Experiment::mark(const std::string& what, const TrialNext& next, const std:
                                task_->modes()[static_cast<std::size_t>(next.mode)], words_.subject,
                                record_.trials.size() + 1, words_.simulated ? " simulated" : "",
                                how.empty() ? "" : " " + how));
-  (void)order(request);
+  if (const Status done = order(request); !done && recorded_) say("  no mark: " + done.message());
 }
 
 bool Experiment::make(const TrialNext& next) {

@@ -146,15 +146,6 @@ void ScrewExperiment::say_once(const std::string& text, const TaskHelp& help) {
   said_ = text;
 }
 
-// The wrist goes back as it came, by the middle of its way: who has turned it further than that is
-// nearer to the start by the other way round, where a joint ends.
-Quat ScrewExperiment::on_the_turn(const Quat& q_ST) {
-  const ScrewWork work(scene_);
-  const Quat middle = screw_start(scene_, 0.0).q;
-  const double beyond = -rotation_log(q_ST * middle.conjugate()).dot(work.out);
-  return beyond > 2.0 * kNearUpright ? middle : X_start_.q;
-}
-
 // Out of the screw first, along it.
 Vec3 ScrewExperiment::on_the_way(const Vec3& p_ST) {
   const ScrewWork work(scene_);
@@ -171,7 +162,7 @@ void ScrewExperiment::to_start(const pb::Status& now, const TaskHelp& help) {
   const StartSight sight = start_of(now);
   Pose there = X_start_;
   there.p = on_the_way(sight.X_ST.p);
-  there.q = on_the_turn(sight.X_ST.q);
+  there.q = next_turn(scene_, X_start_.q, sight.X_ST.q);
   const auto wanted = order_to_a(sight, there);
   if (!wanted) return;
   const Status given = help.order(*wanted);

@@ -44,7 +44,6 @@ class ScrewExperiment final : public ExperimentTask {
   bool look(std::vector<RigSight>& out);
   void to_start(const pb::Status& now, const TaskHelp& help);
   Vec3 on_the_way(const Vec3& p_ST);
-  Quat on_the_turn(const Quat& q_ST);
   void loosen(const TaskHelp& help);
   void open_clutch(const pb::Status& now, const TaskHelp& help);
   void say_once(const std::string& text, const TaskHelp& help);

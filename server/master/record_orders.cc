@@ -15,7 +15,7 @@ namespace {
 
 // Who prompts says so again within this, or the prompt goes with them.
 constexpr Nanos kPromptLasts = 5 * kSecond;
-constexpr std::size_t kLongestMark = 32, kLongestPrompt = 200;  // [bytes]
+constexpr std::size_t kLongestMark = 200, kLongestPrompt = 200;  // [bytes]
 
 // Why that text cannot be shown to others; empty: it can.
 std::string problem_of(const char* what, const std::string& text, std::size_t least,

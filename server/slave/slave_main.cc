@@ -22,6 +22,7 @@
 #include "server/daemon/errand.h"
 #include "server/link/secure/secure_transport.h"
 #include "server/link/unix_transport.h"
+#include "server/record/device_io.h"
 #include "server/record/record_setup.h"
 #include "server/record/scene_records.h"
 #include "server/scene/config_io.h"

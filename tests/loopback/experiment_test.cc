@@ -174,8 +174,8 @@ TEST_F(ExperimentTest, MarksAndPromptsAreOneLineOfText) {
   EXPECT_EQ(now.mark().text(), "again");
   EXPECT_NEAR(now.mark().time_s(), now.time_s(), 5.0);
   EXPECT_LE(now.mark().time_s(), now.time_s());
-  EXPECT_THAT(refusal("mark: ''"), HasSubstr("mark: '', expected 1 to 32 bytes of plain text"));
-  EXPECT_THAT(refusal("mark: '" + std::string(33, 'x') + "'"), HasSubstr("1 to 32 bytes"));
+  EXPECT_THAT(refusal("mark: ''"), HasSubstr("mark: '', expected 1 to 200 bytes of plain text"));
+  EXPECT_THAT(refusal("mark: '" + std::string(201, 'x') + "'"), HasSubstr("1 to 200 bytes"));
   EXPECT_THAT(refusal("prompt: 'two\\nlines'"), HasSubstr("in one line"));
   EXPECT_THAT(refusal("prompt: 'esc\\033[2J'"), HasSubstr("in one line"));
   EXPECT_THAT(refusal("mark: 'x' observer: true"), HasSubstr("only looks"));

@@ -4,8 +4,10 @@
 
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "client/api/rig_client.h"
+#include "server/lab/replay/recording_csv.h"
 #include "tests/loopback/whole_cell.h"
 
 namespace handrail {
@@ -19,6 +21,7 @@ class ScrewExperimentTest : public WholeCell {
   void SetUp() override {
     device_kind = "kind: PAGE";
     rig_extra = "status_socket: '" + rig_socket() + "'";
+    slave_extra = master_extra = " recording { folder: '" + folder.path() + "/recordings' }";
     WholeCell::SetUp();
   }
   std::string rig_socket() const { return folder.path() + "/rig.sock"; }
@@ -64,6 +67,29 @@ class ScrewExperimentTest : public WholeCell {
     return false;
   }
 
+  // Of the third trial, the only one that this runner made: one row a millisecond, as it says it
+  // took.
+  void its_ticks_stand_in_a_recording() {
+    std::string recording;
+    for (const auto& entry : std::filesystem::directory_iterator(folder.path() + "/recordings")) {
+      const std::string name = entry.path().string();
+      if (name.find("-master-screw-fastening-sim1") != std::string::npos) recording = name;
+    }
+    std::ifstream in(recording, std::ios::binary);
+    std::ostringstream table, none;
+    const auto rows = write_recording_csv(in, table, 0.0, 3);
+    ASSERT_TRUE(rows) << recording << ": " << rows.message();
+    const std::string lines = file();
+    const auto at = lines.rfind("\"completion_time_s\":");
+    ASSERT_NE(at, std::string::npos) << lines;
+    const double took = std::stod(lines.substr(at + 20));
+    // The way to the start belongs to a trial too.
+    EXPECT_GT(static_cast<double>(*rows), 1e3 * took);
+    EXPECT_LT(static_cast<double>(*rows), 1e3 * (took + 60.0));
+    std::ifstream again(recording, std::ios::binary);
+    EXPECT_THAT(write_recording_csv(again, none, 0.0, 4).message(), HasSubstr("no trial 4"));
+  }
+
   RigClient rig_client{folder.path() + "/rig.sock"};
 };
 
@@ -94,6 +120,10 @@ TEST_F(ScrewExperimentTest, ASimulatedPersonFastensTheScrewWithProtectionAndTool
   EXPECT_EQ(code, 0) << text;
   EXPECT_THAT(text, HasSubstr("simulated operators"));
   EXPECT_TRUE(std::filesystem::exists(results() + "/screw-fastening-measures.svg"));
+  for (const char* figure : {"measures", "trajectories", "forces"}) {
+    EXPECT_TRUE(std::filesystem::exists(results() + "/screw-fastening-" + figure + ".svg"));
+  }
+  its_ticks_stand_in_a_recording();
   // It leaves the cell as it found it.
   EXPECT_EQ(status().prompt(), "");
   EXPECT_EQ(status().lease().holder(), "");

@@ -19,6 +19,9 @@ constexpr double kNearTurned = 1.0 * kDeg;
 constexpr double kTurnMemory = 0.15;   // [s]
 constexpr double kTurns = 5.0 * kDeg;  // [rad/s]
 
+// The wrist has come to the middle of its way: more than what turning leaves, our choice.
+constexpr double kAtMiddle = 2.0 * kDeg;
+
 constexpr char kHead[] =
     "time_s,phase,tip_x_mm,tip_y_mm,tip_z_mm,tip_qw,tip_qx,tip_qy,tip_qz,turned_deg,depth_mm,"
     "slipped,jammed,force_x_n,force_y_n,force_z_n,spring_x_n,spring_y_n,spring_z_n\n";
@@ -143,6 +146,14 @@ std::string ScrewLive::to_do() const {
   if (!in) return so_far + "Over the screw: axis (1), N-rotation (N); the key into it.";
   return so_far + (tools ? "F-rotation (F): turn" : "Turn") +
          " clockwise by half a turn; lift the key, turn it back.";
+}
+
+Quat next_turn(const Scene& scene, const Quat& start, const Quat& q_ST) {
+  const Quat middle = screw_start(scene, 0.0).q;
+  const Vec3 out = ScrewWork(scene).out;
+  const auto beyond = [&](const Quat& q) { return rotation_log(q * middle.conjugate()).dot(out); };
+  const bool same_side = beyond(q_ST) * beyond(start) >= 0.0;
+  return same_side || std::abs(beyond(q_ST)) < kAtMiddle ? start : middle;
 }
 
 Status write_screw_trace(const std::string& file, const std::vector<ScrewRow>& rows) {

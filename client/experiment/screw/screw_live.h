@@ -118,6 +118,11 @@ class ScrewLive {
   std::vector<ScrewRow> rows_;
 };
 
+// How the tip is to be turned next on its way to `start`, as it is at `q_ST`: at once, or first to
+// the middle of the wrist's way. The wrist goes back as it came. Who has turned it further than the
+// middle may be nearer to the start by the other way round, where a joint ends. Frame S.
+Quat next_turn(const Scene& scene, const Quat& start, const Quat& q_ST);
+
 // A head line with units, then a line a row. Nothing for no rows. The error names the file.
 Status write_screw_trace(const std::string& file, const std::vector<ScrewRow>& rows);
 

@@ -142,7 +142,7 @@ int run_fault_command(const FaultCommand& command, const std::atomic<bool>& canc
     return complain(Status::error("no row '" + command.row + "'; there are" + known), kUsage);
   }
   return run_rows(command,
-                  {rows, std::move(*seeds), command.quick, command.replay, command.threads},
+                  {rows, std::move(*seeds), command.quick, command.threads, command.replay},
                   cancelled);
 }
 

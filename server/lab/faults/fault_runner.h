@@ -17,8 +17,8 @@ struct FaultRuns {
   std::span<const FaultRow> rows;
   std::vector<std::uint64_t> seeds = {1};
   bool quick = false;   // fewer runs, with long spans cut to kQuickShare
-  bool replay = false;  // each is recorded and done again
   int threads = 0;      // 0: one a core; results do not depend on it
+  bool replay = false;  // each is recorded and done again
 };
 
 // Where the runs stand. Called before the first, and then by one thread at a time.

@@ -5,6 +5,7 @@
 
 #include <fstream>
 
+#include "server/base/units.h"
 #include "server/scene/scene_library.h"
 #include "tests/support/temp_folder.h"
 
@@ -59,6 +60,21 @@ struct Screwing {
     pass(10);
   }
 };
+
+TEST(ScrewLive, TheWristGoesBackToTheStartAsItCame) {
+  const Quat start = screw_start(scene(), std::numbers::pi).q, middle = screw_start(scene(), 0.0).q;
+  const Vec3 out = ScrewWork(scene()).out;
+  const auto next_from = [&](double clockwise) {
+    return next_turn(scene(), start, rotation_exp(-clockwise * kDeg * out) * start);
+  };
+  // From the start on, clockwise: half a turn, and who overshoots as far again.
+  for (const double clockwise : {-20.0, 0.0, 45.0, 89.0, 91.0}) {
+    EXPECT_LT(angle_between(next_from(clockwise), start), 1e-9) << clockwise;
+  }
+  for (const double clockwise : {100.0, 180.0, 190.0, 225.0, 260.0}) {
+    EXPECT_LT(angle_between(next_from(clockwise), middle), 1e-9) << clockwise;
+  }
+}
 
 TEST(ScrewLive, TheClockStartsByAMarkAtTheStartWithALooseScrew) {
   Screwing it;
