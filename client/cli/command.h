@@ -30,7 +30,7 @@ struct Options {
   std::optional<std::string> roles, key, next;                             // keys trust, after it
   std::optional<std::string> listen, with, code;                           // keys pair
   std::optional<std::string> minutes;                                      // keys link
-  std::optional<std::string> subject, folder, figures, trials, rig;        // experiment
+  std::optional<std::string> subject, folder, figures, trials, rig, rehearse;  // experiment
   bool resume = false;
   bool simulated = false;
   bool report = false;

@@ -24,6 +24,7 @@
 #include "client/cli/vector_text.h"
 #include "client/experiment/experiment_run.h"
 #include "client/experiment/experiment_task.h"
+#include "client/experiment/rehearsal/wall_rehearsal.h"
 #include "server/base/clock.h"
 #include "server/base/plain_text.h"
 
@@ -150,7 +151,7 @@ ExitCode run_screw(const Options& o, const Console& c) {
   return send_order(o, c, r, "screw: c goes to " + *o.word);
 }
 
-constexpr int kMostTrials = 20;
+constexpr int kMostTrials = 20, kMostRehearsed = 10'000;
 
 // A whole number from 1 on; 0: it is none.
 int count_in(const std::string& text, int most) {
@@ -180,6 +181,18 @@ ExitCode run_experiment_command(const Options& options, const Console& console) 
   }
   const ExperimentPlace place{options.master, options.as,  console.out,
                               console.err,    interrupted, console.in};
+  if (options.rehearse) {
+    const int people = count_in(*options.rehearse, kMostRehearsed);
+    if (people == 0) {
+      return complain(console, "experiment: --rehearse '" + shown(*options.rehearse) +
+                                   "', expected 1 to 10000");
+    }
+    catch_interrupts();
+    const auto text = rehearsal_text(words.experiment, people, words.json, interrupted);
+    if (!text) return complain(console, "experiment: " + text.message());
+    console.out << *text;
+    return kExitDone;
+  }
   if (options.report) return report_experiment(words, options.figures.value_or(""), place);
   if (options.figures) return complain(console, "experiment: --figures goes with --report");
   if (!options.subject) {

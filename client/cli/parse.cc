@@ -89,6 +89,9 @@ void add_experiment_options(CLI::App& app, Options& o) {
   app.add_flag("--simulated", o.simulated, "a simulated operator in place of a person");
   app.add_flag("--report", o.report, "what all in the folder have done, without a master");
   add_text(app, "--figures", o.figures, "DIR", "with --report: draw them there");
+  add_text(
+      app, "--rehearse", o.rehearse, "N",
+      "gearshift, wrench: one trial each of N simulated people in virtual time, without a master");
 }
 
 void add_options(CLI::App& app, const Takes& takes, Options& o) {

@@ -7,7 +7,6 @@
 #include <cstring>
 #include <fstream>
 
-#include "server/base/clock.h"
 #include "server/base/plain_text.h"
 #include "server/base/units.h"
 #include "server/lab/walls/wall_report_io.h"
@@ -104,10 +103,10 @@ TaskPrompt WallTask::prompt() const {
   return {(held_ ? "" : "Hold the lever. ") + words(), ball()};
 }
 
-void WallTask::act(const pb::Status&, const TaskHelp&) {
+void WallTask::act(const pb::Status& now, const TaskHelp&) {
   if (!hand_ || ended_ || !seen_) return;
   const Aim wanted = aim(now_);
-  hand_->live(monotonic_now(), now_, wanted.p, wanted.v, wanted.lets_go);
+  hand_->live(from_seconds(now.time_s()), now_, wanted.p, wanted.v, wanted.lets_go);
 }
 
 void WallTask::start_clock(double t) { started_ = t; }

@@ -4,17 +4,16 @@
 
 #include <algorithm>
 
-#include "server/base/clock.h"
 #include "server/base/units.h"
 
 namespace handrail {
 namespace {
 
 // Our choices.
-constexpr double kAtBall = 5e-3;  // less than half of the aisle [m]
-constexpr double kHeldFor = 1.0;  // before the ball sets out [s]
-constexpr double kLoose = 0.05;   // what a hand at the aisle's end turns by chance [rad]
-constexpr Nanos kAskAgain = kSecond;
+constexpr double kAtBall = 5e-3;   // less than half of the aisle [m]
+constexpr double kHeldFor = 1.0;   // before the ball sets out [s]
+constexpr double kLoose = 0.05;    // what a hand at the aisle's end turns by chance [rad]
+constexpr double kAskAgain = 1.0;  // [s]
 
 double c_of(const Scene& scene) {
   const EffectSpec* friction = effect_of(scene, EffectKind::kProgressive);
@@ -41,8 +40,8 @@ void WrenchExperiment::restart() {
 void WrenchExperiment::act(const pb::Status& now, const TaskHelp& help) {
   c_ = now.walls().screw_c();
   ready_ = loose_ && c_ == wanted_c_;
-  if (!ready_ && !timed() && monotonic_now() >= again_at_) {
-    again_at_ = monotonic_now() + kAskAgain;
+  if (!ready_ && !timed() && now.time_s() >= again_at_) {
+    again_at_ = now.time_s() + kAskAgain;
     pb::Request wanted;
     if (!loose_) {
       wanted.set_scene_load(scene().name);

@@ -41,9 +41,9 @@ class WrenchExperiment final : public WallTask {
   double wanted_c_;  // as a trial begins
   GuidingBall ball_;
   bool loose_ = false;
-  bool ready_ = false;    // and c is what it is to be
-  Nanos again_at_ = 0;    // the order that makes it so
-  bool refused_ = false;  // and that was said
+  bool ready_ = false;     // and c is what it is to be
+  double again_at_ = 0.0;  // the order that makes it so, the master's clock [s]
+  bool refused_ = false;   // and that was said
   std::optional<double> there_since_;
   double now_ = 0.0;  // since the clock started [s]
   double turned_ = 0.0, c_ = 0.0;

@@ -19,14 +19,15 @@ const ofStudy = (mode, figure) => {
   const values = ({ trials }) => trials.filter((t) => t.mode === mode).map((t) => (t.end === 'done' ? t[figure] ?? Infinity : Infinity));
   return { name: `${mode.padEnd(5)} ${figure}`, live: values, lab: values };
 };
-const ofWalls = (name, live, lab) => ({
-  name,
-  live: ({ trial }) => trial.map((t) => (t.end === 'done' ? t[live] : Infinity)),
-  lab: ({ people }) => people.map(lab),
-});
-const force = ofWalls('largest force, N', 'max_force_n', (p) => p.max_force_n);
-const depth = ofWalls('hand from lever, mm', 'max_hand_from_lever_mm', (p) => p.max_penetration_mm);
-const turned = ofWalls('turned, rad', 'turned_rad', (p) => p.alpha_rad.at(-1));
+const ofWalls = (name, figure) => {
+  const values = ({ trial }) => trial.map((t) => (t.end === 'done' ? t[figure] : Infinity));
+  return { name, live: values, lab: values };
+};
+const force = ofWalls('largest force, N', 'max_force_n');
+const depth = ofWalls('hand from lever, mm', 'max_hand_from_lever_mm');
+const turned = ofWalls('turned, rad', 'turned_rad');
+const ball = ofWalls('mean from ball, mm', 'mean_from_ball_mm');
+const time = ofWalls('time, s', 'time_s');
 const EXPERIMENTS = {
   'linear-movement': {
     lab: ['linear-movement', '--trials', '1'],
@@ -36,9 +37,11 @@ const EXPERIMENTS = {
     lab: ['screw-fastening', '--trials', '1'],
     figures: ['NC-NV', 'NC-V', 'C-NV', 'C-V'].flatMap((mode) => ['completion_time_s', 'path_mm', 'mean_contact_force_n', 'max_contact_force_n'].map((f) => ofStudy(mode, f))),
   },
-  gearshift: { lab: ['gearshift'], figures: [ofWalls('time, s', 'time_s', (p) => p.duration_s), force, depth] },
-  wrench: { lab: ['wrench', '--c', '5', '--turns', '2', '--loosen', '0'], figures: [turned, force, depth] },
-  'wrench-loosening': { lab: ['wrench', '--c', '15', '--turns', '2', '--loosen', '2'], figures: [force, depth] },
+  // Among walls the same task and person, the page's device and the master's tick in virtual time: the lab's
+  // people hold a joystick, which follows the hand without a page's delay.
+  gearshift: { figures: [time, force, depth] },
+  wrench: { figures: [turned, force, depth, ball] },
+  'wrench-loosening': { figures: [force, depth, ball] },
 };
 
 async function make(experiment) {
@@ -70,11 +73,11 @@ function interval(all) {
 
 let outside = 0;
 for (const experiment of wanted.length ? wanted : Object.keys(EXPERIMENTS)) {
-  const { lab: words, figures } = EXPERIMENTS[experiment] ?? {};
+  const { lab: study, figures } = EXPERIMENTS[experiment] ?? {};
   if (!figures) throw new Error(`no experiment '${experiment}', expected ${Object.keys(EXPERIMENTS).join(', ')}`);
   await make(experiment);
   const live = json('handrail', 'experiment', experiment, '--report', '--simulated', '--json', '--out', folder);
-  const lab = json('handrail-lab', ...words, ...LAB);
+  const lab = study ? json('handrail-lab', ...study, ...LAB) : json('handrail', 'experiment', experiment, '--rehearse', '400', '--json');
   for (const figure of figures) {
     const [low, high] = interval(figure.lab(lab));
     const here = median(figure.live(live));

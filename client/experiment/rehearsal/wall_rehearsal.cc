@@ -1,0 +1,183 @@
+#include "client/experiment/rehearsal/wall_rehearsal.h"
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "client/experiment/experiment_task.h"
+#include "client/experiment/wall_results_io.h"
+#include "devices/page/page_data.h"
+#include "devices/page/page_device.h"
+#include "server/base/units.h"
+#include "server/lab/walls/wall_bench.h"
+#include "server/master/haptic_settings.h"
+#include "server/master/wall_runs.h"
+#include "server/scene/scene_library.h"
+
+namespace handrail {
+namespace {
+
+// The runner waits 7 ms and then for its answer, 0.2 ms as measured at the running programs.
+constexpr Nanos kStatusPeriod = 7200 * kMicrosecond;
+constexpr Nanos kCursorPeriod = 10 * kMillisecond;  // as the runner sends
+constexpr std::uint32_t kHeld = 4;                  // the dead-man, as in CursorSample
+// Longer than a trial with the way to its start may take.
+constexpr Nanos kGivesUp = 200 * kSecond;
+
+void put_plane(const Vec2& v, double unit, google::protobuf::RepeatedField<double>& out) {
+  out.Add(v.x() / unit);
+  out.Add(v.y() / unit);
+}
+
+// A master with the page's device and a scene of walls, without threads.
+class WallMaster {
+ public:
+  explicit WallMaster(const Scene& scene) : scene_(scene), run_(loop_scene()) {
+    run_.begin(1);
+    set_device();
+    // Opening a device that is made up cannot fail.
+    static_cast<void>(device_.open());
+  }
+
+  void lead(const Pose& X_MC) {
+    cursor_.X_MC = X_MC;
+    if (now_ < cursor_due_) return;
+    cursor_due_ = now_ + kCursorPeriod;
+    ++cursor_.sequence;
+    cursor_.buttons = kHeld;
+    cursor_.at = now_;
+    device_.lead(cursor_);
+  }
+
+  void tick() {
+    now_ += kMillisecond;
+    HapticTick given;
+    given.dt = to_seconds(kMillisecond);
+    given.in.unseen = kMillisecond;
+    given.led_by_cursor = true;
+    given.in.hand = hand_reading(device_.read(now_));
+    given.in.order = std::exchange(order_, {});
+    if (std::exchange(loads_, false)) {
+      run_.change(loop_scene());
+      set_device();
+      ++epoch_;
+    }
+    device_.write(run_.tick(given).out.f_H_M);
+  }
+
+  Nanos now() const { return now_; }
+
+  // What an operator would be answered.
+  pb::Status status() const {
+    pb::Status out;
+    out.set_time_s(to_seconds(now_));
+    out.set_scene(scene_.name);
+    out.set_scene_epoch(epoch_);
+    out.mutable_haptic()->mutable_cursor()->set_held(cursor_.sequence > 0);
+    const WallState& state = run_.scene().walls->state;
+    const WallOutput& felt = run_.result().walls;
+    pb::WallStatus& walls = *out.mutable_walls();
+    walls.set_touching(felt.contact.touching);
+    put_plane(felt.contact.proxy, kMm, *walls.mutable_proxy_mm());
+    put_plane(felt.hand, kMm, *walls.mutable_hand_mm());
+    put_plane(state.turn.transpose() * felt.f_H_M.force.head<2>(), 1.0, *walls.mutable_force_n());
+    walls.set_region(felt.contact.region);
+    walls.set_locked(felt.effects.locked);
+    const EffectSpec* detent = effect_of(scene_, EffectKind::kDetent);
+    const auto place = static_cast<std::size_t>(felt.effects.place);
+    if (detent != nullptr && felt.effects.locked && place < detent->place_names.size()) {
+      walls.set_place(detent->place_names[place]);
+    }
+    if (const auto* screw = state.effects.find<ProgressiveFriction>()) {
+      walls.set_turned_rad(screw->alpha());
+      walls.set_screw_c(screw->c());
+    }
+    return out;
+  }
+
+  // Of a runner's orders those that walls know.
+  Status order(const pb::Request& request) {
+    if (request.has_scene_load()) {
+      loads_ = true;
+    } else if (request.has_screw_c()) {
+      order_.kind = OrderKind::kScrew;
+      order_.screw_c = request.screw_c();
+    }
+    return Status::ok();
+  }
+
+ private:
+  LoopScene loop_scene() { return loop_scene_of(scene_, page_capabilities(), {}, runs_); }
+  void set_device() {
+    const WallSettings& walls = run_.scene().walls->settings;
+    const Vec2 start = walls.walls->stages.front().pose.to_world(walls.walls->start);
+    device_.simulate(walls.device, Vec3(start.x(), start.y(), 0.0));
+  }
+
+  const Scene& scene_;
+  WallRuns runs_;
+  PageDevice device_{page_hand()};
+  HapticRun run_;
+  CursorSample cursor_;
+  Nanos now_ = 0;
+  Nanos cursor_due_ = 0;
+  HapticOrder order_;
+  bool loads_ = false;
+  std::uint64_t epoch_ = 1;
+};
+
+}  // namespace
+
+Result<ExperimentRecord> rehearse(const std::string& experiment, const std::string& subject) {
+  const auto scene = SceneLibrary().load(scene_of_experiment(experiment));
+  if (!scene) return scene.status();
+  if (scene->walls == nullptr) {
+    return Status::error(experiment +
+                         ": has no walls; the lab's own study of it is in virtual time");
+  }
+  auto task = make_task(experiment, *scene, "");
+  if (!task) return task.status();
+  if (Status s = (*task)->simulate(subject); !s) return s;
+  const auto master = std::make_unique<WallMaster>(*scene);
+  TrialNext next;
+  next.number = next.attempt = 1;
+  pb::ExperimentTrial trial = (*task)->begin(next);
+  bool seen = false;
+  Nanos status_due = 0;
+  while (!(*task)->ended() && master->now() < kGivesUp) {
+    if (master->now() >= status_due) {
+      status_due += kStatusPeriod;
+      const pb::Status now = master->status();
+      (*task)->see(&now);
+      (*task)->act(now, {[&](const pb::Request& order) { return master->order(order); },
+                         [](const std::string&) {}});
+      seen = true;
+    }
+    if (seen) master->lead((*task)->hand());
+    master->tick();
+  }
+  if (!(*task)->ended())
+    return Status::error(experiment + ": " + subject + " did not come to an end");
+  (*task)->fill(trial);
+  ExperimentRecord out;
+  out.subject.set_experiment(experiment);
+  out.subject.set_subject(subject);
+  out.subject.set_simulated(true);
+  out.subject.set_trials(1);
+  out.trials.push_back(std::move(trial));
+  return out;
+}
+
+Result<std::string> rehearsal_text(const std::string& experiment, int people, bool json,
+                                   const std::function<bool()>& cancelled) {
+  std::vector<ExperimentRecord> all;
+  for (int i = 1; i <= people; ++i) {
+    if (cancelled()) return Status::error("cancelled");
+    auto one = rehearse(experiment, "p" + std::to_string(i));
+    if (!one) return one.status();
+    all.push_back(std::move(*one));
+  }
+  return wall_results_text(all, json);
+}
+
+}  // namespace handrail
