@@ -82,6 +82,12 @@ void fill_ended(const TrialNext& next, const TrialResult& result, pb::Experiment
   fill(trial, *out.mutable_linear());
 }
 
+std::string end_of(const pb::ExperimentTrial& trial) {
+  return trial.has_linear()  ? trial.linear().end()
+         : trial.has_screw() ? trial.screw().end()
+                             : trial.walls().end();
+}
+
 std::vector<TrialMade> trials_made(const ExperimentRecord& record) {
   std::vector<TrialMade> out;
   for (const pb::ExperimentTrial& trial : record.trials) out.push_back(made_of(trial));

@@ -21,6 +21,9 @@ pb::ExperimentTrial screw_line(const TrialNext& next);
 void fill_ended(const TrialNext& next, const TrialResult& result, pb::ExperimentTrial& out);
 void fill_ended(const TrialNext& next, const ScrewResult& result, pb::ExperimentTrial& out);
 
+// How it ended, as the file has it.
+std::string end_of(const pb::ExperimentTrial& trial);
+
 // What next_trial() asks for.
 std::vector<TrialMade> trials_made(const ExperimentRecord& record);
 

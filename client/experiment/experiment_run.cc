@@ -33,12 +33,6 @@ constexpr Nanos kRetry = 500 * kMillisecond;     // of a master that does not an
 
 constexpr std::size_t kLongestLabel = 40;  // of a recording
 
-std::string end_of(const pb::ExperimentTrial& trial) {
-  return trial.has_linear()  ? trial.linear().end()
-         : trial.has_screw() ? trial.screw().end()
-                             : trial.walls().end();
-}
-
 // Everything that lasts as long as one run of the program.
 class Experiment {
  public:
