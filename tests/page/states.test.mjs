@@ -208,6 +208,7 @@ test('WhereAPromptLeadsIsDrawnAndTheScrewThatIsTurned', async () => {
   assert.equal(await corner(), 1); // nothing but wall
   Object.assign(walls, { ball_mm: [20, -10], turned_rad: 1, screw_c: 5 });
   await until(page, () => document.querySelector('#canvas2d').dataset.ball);
+  assert.ok(await page.isVisible('#key-ball'), 'the legend names it');
   const [ball, scale, green] = await page.evaluate(() => {
     const canvas = document.querySelector('#canvas2d');
     const [x, y] = canvas.dataset.ball.split(' ').map(Number);
@@ -219,6 +220,7 @@ test('WhereAPromptLeadsIsDrawnAndTheScrewThatIsTurned', async () => {
   assert.ok((await corner()) > 1, 'the screw is drawn');
   delete walls.ball_mm;
   await until(page, () => !document.querySelector('#canvas2d').dataset.ball);
+  assert.ok(!(await page.isVisible('#key-ball')));
 });
 
 test('TheScrewIsTurnedAsTheSimulatedRigSaysAndAmissIsSaid', async () => {

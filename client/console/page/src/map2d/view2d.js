@@ -147,6 +147,7 @@ export class View2d {
     }
     this.drawPlaces(facts, view, lie);
     this.drawHand(view, lever, hand, ring);
+    /** @type {HTMLElement} */ (document.querySelector('#key-ball')).hidden = !ball;
     if (ball) this.drawBall(view, ball);
     else delete this.canvas.dataset.ball;
     this.drawForce(view, lever, force);
