@@ -97,7 +97,9 @@ Table lab_rows() {
       {"server/lab/network", kBase},
       {"server/lab/cell",
        network + kRigs + Folders{"server/haptic", "server/follow", "server/link", "server/record"}},
-      {"server/lab/study", lab + kHands + sides + Folders{"devices/rig", "server/haptic"}},
+      {"server/lab/study",
+       lab + kHands + sides +
+           Folders{"devices/rig", "server/haptic", "server/lab/replay", "server/record"}},
       {"server/lab/study/linear", lab + Folders{"server/lab/study", "server/task"}},
       {"server/lab/study/screw", lab + kHands + kRigs + Folders{"server/lab/study", "server/task"}},
       {"server/lab/hand", lab + kHands + sides},

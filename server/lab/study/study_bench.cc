@@ -34,7 +34,8 @@ Result<std::unique_ptr<CellOptions>> study_cell(const StudyMachine& machine, con
   }
   run_only_listed(machine.scene, cell->rig);
   cell->haptic = haptic_settings(machine.scene, omni_capabilities(machine.torque));
-  cell->follow = follow_settings(machine.scene, cell->rig.controller.period, true, 1000.0);
+  cell->follow =
+      follow_settings(machine.scene, cell->rig.controller.period, true, kStudySensorRange);
   cell->transit = machine.transit;
   cell->tick = machine.tick;
   return cell;
@@ -50,6 +51,15 @@ StudyBench::StudyBench(const StudyMachine& machine, const CellOptions& cell,
             seed + 1),
       tip_(cell_.rig().true_tip()) {
   (void)omni_.open();
+}
+
+void StudyBench::record(const StudyMachine& machine, const std::string& trial) {
+  recording_ = std::make_unique<TrialRecording>(cell_, machine, trial);
+}
+
+Status StudyBench::finish_recording(const std::string& end) {
+  const auto recording = std::move(recording_);
+  return recording ? recording->finish(end) : Status::ok();
 }
 
 bool StudyBench::engage() {
@@ -69,6 +79,7 @@ void StudyBench::tick(const HapticOrder& order) {
   HandReading hand = hand_reading(omni_.read(cell_.now()));
   hand.clutch_button = clutch_;
   cell_.tick(hand, order);
+  if (recording_) recording_->pull();
   omni_.write(cell_.master().f_H_M);
   if (cell_.robot_cycle() || cell_.rig().world() != nullptr) tip_ = cell_.rig().true_tip();
   mind_.step(dt_, in_sight(), cell_.master().f_H_M.force, *omni_.hand());

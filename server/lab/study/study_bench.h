@@ -4,12 +4,14 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "devices/hand/operator_model.h"
 #include "devices/omni/sim_omni.h"
 #include "server/base/status.h"
 #include "server/lab/cell/cell.h"
+#include "server/lab/study/trial_recording.h"
 #include "server/model/scene.h"
 
 namespace handrail {
@@ -21,7 +23,11 @@ struct StudyMachine {
   Nanos transit = 0;          // one-way time of the link
   Nanos tick = kMillisecond;  // of the haptic loop
   bool torque = false;        // the device turns the stylus too
+  StudyRecording recording;   // of every trial
 };
+
+// A larger component of the force is a fault [N].
+inline constexpr double kStudySensorRange = 1000.0;
 
 // The cell of a machine whose arm stands at `X_ST`; the error says that it cannot, and names `what`
 // the scene wants there.
@@ -38,6 +44,10 @@ class StudyBench {
   // Engages with the clutch closed and rests a little; false if the cell does not engage.
   bool engage();
   void tick(const HapticOrder& order);
+  // Records from the first tick on; `trial` as TrialRecording has it.
+  void record(const StudyMachine& machine, const std::string& trial);
+  // The error names the file. Nothing without a recording.
+  Status finish_recording(const std::string& end);
   void clutch(bool closed) { clutch_ = closed; }
   OperatorModel& mind() { return mind_; }
   void leave_off() { mind_.leave_off(*omni_.hand()); }
@@ -59,6 +69,7 @@ class StudyBench {
   SimOmni omni_;
   OperatorModel mind_;
   Pose tip_;
+  std::unique_ptr<TrialRecording> recording_;  // null: none
 };
 
 // What every trial is told.
@@ -66,11 +77,19 @@ template <typename Mode>
 struct TrialPlan {
   Mode mode = {};
   OperatorParameters person;
+  int subject = 1;             // whose trial it is, from 1
   int number = 1;              // of this trial among all the operator makes, from 1
   std::uint64_t seed = 1;      // of everything that differs from trial to trial
   std::uint64_t arm_seed = 1;  // of the arm's joint lags
   bool keep_trace = false;
 };
+
+// What a recording calls a trial of the experiment.
+template <typename Mode>
+std::string name_of(const std::string& experiment, const TrialPlan<Mode>& plan) {
+  return experiment + " " + name_of(plan.mode) + " sim" + std::to_string(plan.subject) + " " +
+         std::to_string(plan.number);
+}
 
 // What the operator of a trial takes for a decision; practice shortens it [s].
 template <typename Mode>

@@ -30,6 +30,7 @@ struct StudyCommand {
   int threads = 0;  // 0: one a core
   bool json = false;
   std::string figures;                // folder for the SVG files; empty: none
+  std::string record;                 // folder for every trial's recording; empty: none
   std::vector<std::string> settings;  // KEY=VALUE, all together one variation
   std::vector<std::string> sweeps;    // KEY=VALUE,VALUE,..., a variation for each value
 };
@@ -77,8 +78,12 @@ Result<std::vector<StudyRun>> study_runs(const StudyCommand& command, const Suit
 template <typename Study>
 int run_study_command(const StudyCommand& command, const StudyJob<Study>& job,
                       const std::atomic<bool>& cancelled) {
-  const auto runs = study_runs(command, job.suits);
+  auto runs = study_runs(command, job.suits);
   if (!runs) return complain(runs.status(), kUsage);
+  if (!command.record.empty()) {
+    if (Status s = make_folder(command.record); !s) return complain(s, kFailed);
+    runs->front().setup.machine.recording.folder = command.record;
+  }
   if (!command.figures.empty()) {
     if (Status s = make_folder(command.figures); !s) return complain(s, kFailed);
   }

@@ -137,6 +137,7 @@ Result<Study> run_person(const StudyPlan& plan, int modes, const Population& pop
     trial.mode = static_cast<typename Study::Mode>(mode);
     int succeeded = 0;
     const int most = kAttemptsPerTrial * plan.trials;
+    trial.subject = index + 1;
     for (int i = 0; i < most && succeeded < plan.trials; ++i) {
       if (plan.cancelled != nullptr && plan.cancelled->load()) return Status::error("cancelled");
       trial.number = first + i;

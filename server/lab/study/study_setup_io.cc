@@ -107,6 +107,9 @@ Result<StudySetup> study_setup(const std::string& scene, const std::string& popu
   auto loaded = SceneLibrary().load(scene, of_scene);
   if (!loaded) return loaded.status();
   out.machine.scene = std::move(*loaded);
+  auto text = scene_text(out.machine.scene, of_scene);
+  if (!text) return text.status();
+  out.machine.recording.scene_text = std::move(*text);
   const auto rig = rig_options(of_rig);
   if (!rig) return rig.status();
   out.machine.rig = *rig;
