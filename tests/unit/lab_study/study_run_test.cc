@@ -17,6 +17,7 @@ enum class Mode { kA, kB, kC, kD };
 enum class End { kDone, kMissed };
 
 struct Trial {
+  int subject = 0;
   Mode mode = Mode::kA;
   OperatorParameters person;
   int number = 1;
