@@ -58,9 +58,11 @@ function checkLengths(place, message, lengths) {
 class WrenchHistory {
   entries = [];
 
+  /** A wrench that is none is 0, and `state` says that it is not valid. */
   put(at, state) {
     const valid = state.wrench_valid && state.wrench.every(Number.isFinite);
     const wrench = valid ? state.wrench : [0, 0, 0, 0, 0, 0];
+    state.wrench_valid = valid;
     this.entries.push({ at, wrench });
     while (this.entries.length > 2 && this.entries[1].at < at - KEPT_NS) this.entries.shift();
   }

@@ -143,9 +143,10 @@ process.stdout.on('error', () => {}); // nobody reads: the data set is made all 
 try {
   process.exitCode = await main(process.argv.slice(2));
 } catch (error) {
+  const writing = unfinished;
   clean();
   // What the system says, as of a full disk, has its own words; anything else is a fault of this program.
-  const told = error instanceof ExportError || error.code;
-  process.stderr.write(`lerobot: ${told ? error.message : error.stack}\n`);
+  const told = error instanceof ExportError ? error.message : error.code ? `${writing || 'the data set'}: cannot be written: ${error.message}` : error.stack;
+  process.stderr.write(`lerobot: ${told}\n`);
   process.exitCode = NOTHING;
 }

@@ -5,7 +5,7 @@ import { decompress } from 'fzstd';
 import protobuf from 'protobufjs';
 import descriptor from 'protobufjs/ext/descriptor/index.js';
 
-const MAGIC = Buffer.from('\x89MCAP', 'latin1');
+const MAGIC = Buffer.from('\x89MCAP0\r\n', 'latin1');
 const READ_BYTES = 1 << 18;
 // A chunk is at most 0.1 s, some 300 kB, or one image or scene with a picture of some MB.
 const CHUNK_LIMIT = 64 << 20;
@@ -69,10 +69,12 @@ async function* pieces(path, file, progress) {
 
 function checkBeginning(path, bytes) {
   const seen = bytes.subarray(0, 8);
-  if (!seen.subarray(0, 5).equals(MAGIC)) {
-    throw new ExportError(`${path}: begins with ${JSON.stringify(seen.toString('latin1'))}, expected an MCAP file`);
+  if (seen.equals(MAGIC)) return;
+  const version = seen[5];
+  if (version !== MAGIC[5] && Buffer.from(seen).fill(MAGIC[5], 5, 6).equals(MAGIC)) {
+    throw new ExportError(`${path}: is MCAP of version '${String.fromCharCode(version)}', expected '0'`);
   }
-  if (seen[5] !== 0x30) throw new ExportError(`${path}: is MCAP of version '${String.fromCharCode(seen[5])}', expected '0'`);
+  throw new ExportError(`${path}: begins with ${JSON.stringify(seen.toString('latin1'))}, expected an MCAP file`);
 }
 
 /** The messages that a record of the file holds, decoded. */
