@@ -146,7 +146,7 @@ try {
   const writing = unfinished;
   clean();
   // What the system says, as of a full disk, has its own words; anything else is a fault of this program.
-  const told = error instanceof ExportError ? error.message : error.code ? `${writing || 'the data set'}: cannot be written: ${error.message}` : error.stack;
+  const told = error instanceof ExportError ? error.message : error.syscall ? `${writing || 'the data set'}: cannot be written: ${error.message}` : error.stack;
   process.stderr.write(`lerobot: ${told}\n`);
   process.exitCode = NOTHING;
 }

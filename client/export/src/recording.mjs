@@ -71,7 +71,7 @@ function checkBeginning(path, bytes) {
   const seen = bytes.subarray(0, 8);
   if (seen.equals(MAGIC)) return;
   const version = seen[5];
-  if (version !== MAGIC[5] && Buffer.from(seen).fill(MAGIC[5], 5, 6).equals(MAGIC)) {
+  if (seen.length === MAGIC.length && Buffer.from(seen).fill(MAGIC[5], 5, 6).equals(MAGIC)) {
     throw new ExportError(`${path}: is MCAP of version '${String.fromCharCode(version)}', expected '0'`);
   }
   throw new ExportError(`${path}: begins with ${JSON.stringify(seen.toString('latin1'))}, expected an MCAP file`);
