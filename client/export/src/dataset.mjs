@@ -49,8 +49,10 @@ export class Dataset {
   totals = new TotalStats();
   episodeRows = [];
 
-  constructor(folder, both) {
+  /** A data file that has `fileBytes` takes no further episode. */
+  constructor(folder, both, fileBytes = FILE_MB << 20) {
     this.folder = folder;
+    this.fileBytes = fileBytes;
     this.features = featuresOf(both);
     mkdirSync(join(folder, 'meta/episodes/chunk-000'), { recursive: true });
   }
@@ -75,7 +77,7 @@ export class Dataset {
   }
 
   openData() {
-    if (this.data && this.data.size() >= FILE_MB << 20) {
+    if (this.data && this.data.size() >= this.fileBytes) {
       this.data.finish();
       this.data = null;
       if (++this.place.file === CHUNK_FILES) this.place = { chunk: this.place.chunk + 1, file: 0 };

@@ -1,5 +1,4 @@
 // A Parquet file, row group by row group.
-import { statSync } from 'node:fs';
 import { ParquetWriter, fileWriter } from 'hyparquet-writer';
 
 const TYPES = {
@@ -23,7 +22,6 @@ function elements(name, dtype, depth) {
 export class Table {
   /** `columns`: [{name, dtype, depth: how many lists stand around a value}]; `metadata`: {key: text} of the file. */
   constructor(path, columns, metadata = {}) {
-    this.path = path;
     this.columns = columns;
     this.writer = new ParquetWriter({
       writer: fileWriter(path),
@@ -42,9 +40,9 @@ export class Table {
     });
   }
 
-  /** Bytes in the file by now, to a megabyte. */
+  /** Bytes of the file by now, also those that are not on the disk yet. */
   size() {
-    return statSync(this.path).size;
+    return this.writer.writer.offset;
   }
 
   finish() {
