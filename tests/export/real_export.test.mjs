@@ -67,10 +67,10 @@ before(async () => {
   } catch {} // the experiment has ended it
   const rec = join(folder, 'rec');
   for (const end = Date.now() + READY_MS; Date.now() < end; await wait(100)) {
-    const files = existsSync(rec) ? readdirSync(rec).filter((name) => name.includes('made')).map((name) => join(rec, name)) : [];
+    const files = existsSync(rec) ? readdirSync(rec).map((name) => join(rec, name)) : [];
     const whole = (path) => readFileSync(path).subarray(-8).toString('latin1') === '\x89MCAP0\r\n';
     if (files.length !== 2 || !files.every(whole)) continue;
-    [master, slave] = ['-master-', '-slave-'].map((side) => files.find((path) => path.includes(side)));
+    [master, slave] = ['-master', '-slave'].map((side) => files.find((path) => path.includes(side)));
     break;
   }
   assert.ok(master, `two whole files, of ${existsSync(rec) ? readdirSync(rec) : 'none'}`);
@@ -81,7 +81,6 @@ after(async () => {
   for (const child of children.reverse()) {
     if (child.exitCode !== null) continue;
     const ended = new Promise((resolve) => child.on('exit', resolve));
-    child.removeAllListeners('error');
     child.kill('SIGTERM');
     await ended;
   }
