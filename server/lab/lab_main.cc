@@ -59,6 +59,8 @@ void add_replay(CLI::App& app, ReplayCommand& replay) {
   CLI::App* sub = app.add_subcommand(
       "replay", "do again what a recording holds: the same inputs through the same steps");
   sub->add_option("FILE", replay.file, "recording, .mcap")->required();
+  sub->add_option("--link", replay.link,
+                  "another network under the same hand: delay=MS,jitter=MS,loss=PERCENT");
   sub->add_option("--tool", replay.tool, "a tool of the scene in place of each of its sort");
   sub->add_option("--scene", replay.scene, "another scene in place of all");
   sub->add_option("--set", replay.set,

@@ -149,6 +149,20 @@ async function lateness(programs, seconds, join = async () => {}) {
   return { late: status.loop_lateness_us.p999, company };
 }
 
+/** Windows in turn, of a master that has no recorder and of one that writes everything down: lateness of each. */
+export async function recordingCost(programs, { rounds = 9, seconds = 5 } = {}) {
+  const plain = await programs.config('master');
+  const without = [], with_ = [];
+  for (let i = 0; i < rounds; ++i) {
+    await programs.configure('master', plain);
+    without.push((await lateness(programs, seconds)).late);
+    await programs.configure('master', `${plain} recording { folder: 'recordings' }`);
+    with_.push((await lateness(programs, seconds, async () => programs.handrail('record', 'start', '--socket', programs.socket))).late);
+  }
+  await programs.configure('master', plain);
+  return { without, with: with_ };
+}
+
 /** Windows in turn, without and with viewers: lateness of each, and the slowest viewer's frames a second. */
 export async function viewersCost(programs, url, { count = 20, rounds = 9, seconds = 5 } = {}) {
   const without = [], with_ = [], slowest = [];

@@ -1,6 +1,6 @@
 import { loadavg } from 'node:os';
 import { launch } from './browser.mjs';
-import { crowd, dataAge, handToForceAndBack, pageReady, pictures, quantile, strangers, viewersCost } from './figures.mjs';
+import { crowd, dataAge, handToForceAndBack, pageReady, pictures, quantile, recordingCost, strangers, viewersCost } from './figures.mjs';
 import { Programs } from './programs.mjs';
 
 const json = process.argv.includes('--json');
@@ -47,6 +47,9 @@ try {
   row('haptic loop, 99.9 % late, in windows without a viewer', cost.without, 'us', '');
   row('... with 20 viewers', cost.with, 'us', '+ 50 (median)');
   row('statuses a second of the slowest viewer', cost.slowest, '/s', '60');
+  const written = await recordingCost(programs);
+  row('haptic loop, 99.9 % late, in windows without a recorder', written.without, 'us', '');
+  row('... while everything is recorded', written.with, 'us', '+ 50 (median)');
   const rush = await crowd(programs, url);
   row('a thousand pages at once, until the last is answered', rush.first.map(({ slowest }) => slowest), 'ms', '< 2000', 1);
   row('haptic loop, 99.9 % late, in windows without them', rush.without, 'us', '');

@@ -1,6 +1,6 @@
 // The real programs of build/release/bin, in a folder of their own, started and ended one by one.
 import { execFileSync, spawn } from 'node:child_process';
-import { mkdtemp, rm, writeFile } from 'node:fs/promises';
+import { mkdtemp, readFile, rm, writeFile } from 'node:fs/promises';
 import { createServer } from 'node:net';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
@@ -42,9 +42,18 @@ export class Programs {
     return join(this.folder, 'rig.sock');
   }
 
+  /** A daemon's configuration, and another for its next start. */
+  config(name) {
+    return readFile(join(this.folder, `${name}.cfg`), 'utf8');
+  }
+
+  configure(name, config) {
+    return writeFile(join(this.folder, `${name}.cfg`), config);
+  }
+
   /** Starts a daemon with that configuration, or again as it was. */
   async start(name, config) {
-    if (config) await writeFile(join(this.folder, `${name}.cfg`), config);
+    if (config) await this.configure(name, config);
     return this.run(name, ['--config', join(this.folder, `${name}.cfg`)]);
   }
 

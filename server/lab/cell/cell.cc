@@ -14,6 +14,14 @@ KeptTiming timing_of(const LinkSnapshot& link) {
   return {link.received_at, link.peer_sent, link.round_trip};
 }
 
+// Both sides have one clock.
+template <typename State>
+KeptTiming timing_of(const Wire<State>& wire, Nanos now) {
+  const Nanos age = wire.age(now);
+  if (age >= kForever) return {};
+  return {now - age, now - age - wire.transit(), 2 * wire.transit()};
+}
+
 }  // namespace
 
 Cell::Cell(const CellOptions& options)
@@ -59,7 +67,8 @@ void Cell::step_master(const HandReading& hand, const HapticOrder& order) noexce
   keeper_.before_tick(now_, run_);
   run_.tick(given_);
   keeper_.after_tick(net_ ? net_->master_now(now_) : now_, given_,
-                     net_ ? timing_of(net_->master().snapshot()) : KeptTiming(), run_);
+                     net_ ? timing_of(net_->master().snapshot()) : timing_of(to_master_, now_),
+                     run_);
 }
 
 void Cell::hear_slave() noexcept {
@@ -244,9 +253,9 @@ void Cell::on_event(RobotEvent event, Nanos at) noexcept {
   keeper_.before_cycle(at, follow_, follow_out_);
   if (placed) place(options_.follow, reply_.q_commanded, follow_);
   follow_step(options_.follow, follow_in_, follow_, follow_out_);
-  keeper_.after_cycle(net_ ? net_->slave_now(at) : at, placed ? &reply_.q_commanded : nullptr,
-                      follow_in_, net_ ? timing_of(net_->slave().snapshot()) : KeptTiming(),
-                      follow_out_);
+  keeper_.after_cycle(
+      net_ ? net_->slave_now(at) : at, placed ? &reply_.q_commanded : nullptr, follow_in_,
+      net_ ? timing_of(net_->slave().snapshot()) : timing_of(to_slave_, at), follow_out_);
   follow_in_.stop_input = stop_open_;
   if (follow_out_.send == Send::kQuestion) to_controller(client_.ask());
   if (follow_out_.send != Send::kTarget) return;

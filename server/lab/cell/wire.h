@@ -46,6 +46,8 @@ class Wire {
   // How long ago at `now` the state last received arrived; kForever before the first.
   Nanos age(Nanos now) const noexcept { return arrived_ < 0 ? kForever : now - arrived_; }
 
+  Nanos transit() const noexcept { return transit_; }
+
  private:
   struct Entry {
     State state;

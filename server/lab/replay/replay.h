@@ -11,6 +11,7 @@
 
 #include "server/base/status.h"
 #include "server/base/time.h"
+#include "server/lab/replay/asked_link.h"
 #include "server/scene/overrides.h"
 
 namespace handrail {
@@ -19,7 +20,8 @@ struct ReplayOptions {
   // What is asked to be otherwise; none of them: the recording as it is.
   std::vector<Override> overrides;  // of the scenes
   std::string scene;                // in place of all of them; empty: those recorded
-  std::string tool;  // a tool of the scene, by name, in place of every one of its sort
+  std::string tool;               // a tool of the scene, by name, in place of every one of its sort
+  std::optional<LinkWords> link;  // another network; of a master
   // Go on from images, which are another program's memory: false for a file of whoever it may be.
   bool images = true;
   // Compare to the bit what the same build recorded; false: within kOtherBuild, as the C library's
@@ -28,7 +30,7 @@ struct ReplayOptions {
   // Asked now and then; true ends the replay.
   std::function<bool()> cancelled = {};
 
-  bool as_recorded() const { return overrides.empty() && scene.empty() && tool.empty(); }
+  bool as_recorded() const { return overrides.empty() && scene.empty() && tool.empty() && !link; }
 };
 
 // The first output that is another than the recorded one.

@@ -124,6 +124,11 @@ int run_replay_command(const ReplayCommand& command, const std::function<bool()>
   options.overrides = *overrides;
   options.scene = command.scene;
   options.tool = command.tool;
+  if (!command.link.empty()) {
+    const auto words = link_words(command.link);
+    if (!words) return complain(words.status(), kUsage);
+    options.link = *words;
+  }
   options.images = !command.no_images;
   options.exact = !command.other_processor;
   options.cancelled = cancelled;

@@ -12,6 +12,7 @@ struct ReplayCommand {
   std::vector<std::string> set;  // KEY=VALUE
   std::string scene;
   std::string tool;
+  std::string link;  // another network; empty: none
   bool no_images = false;
   bool other_processor = false;
   bool json = false;

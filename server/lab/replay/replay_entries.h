@@ -52,6 +52,7 @@ class ReplayEntries : public ReplaySide {
       return Status::error("number " + std::to_string(last_) + ": " + taken.message());
     }
     // Most leave it out: it is that of the one before.
+    anew_ = other_in(recorded_) != nullptr;
     if (const auto* other = other_in(recorded_)) {
       other_ = *other;
     } else if (knows_other(recorded_) && other_) {
@@ -83,6 +84,7 @@ class ReplayEntries : public ReplaySide {
 
   Message recorded_;
   Kept kept_;
+  bool anew_ = false;  // the entry brought a state of the other side that was not there before
 
  private:
   using Other = std::remove_cvref_t<decltype(*other_in(std::declval<const Message&>()))>;

@@ -54,7 +54,9 @@ class MasterSide final : public ReplayEntries<pb::RecordedTick, KeptTick> {
         config_(std::move(config)),
         scenes_(scenes),
         options_(options),
-        compare_(exact) {}
+        compare_(exact) {
+    if (options_.link) link_.emplace(*options_.link);
+  }
 
  private:
   Status begin(const pb::RecordedImage& image) override {
@@ -132,6 +134,7 @@ class MasterSide final : public ReplayEntries<pb::RecordedTick, KeptTick> {
         is_position_tool(asked->second.kind) == is_position_tool(order.tool.kind)) {
       order.tool = asked->second;
     }
+    if (link_) link_->apply(kept_.at, anew_, kept_.given.in);
     SlaveState& slave = kept_.given.in.slave;
     const MasterState& own = run_->result().out.link;
     slave.scene = run_->scene().haptic.scene;
@@ -146,6 +149,7 @@ class MasterSide final : public ReplayEntries<pb::RecordedTick, KeptTick> {
   const RecordedScenes& scenes_;
   const ReplayOptions options_;
   ReplayCompare compare_;
+  std::optional<AskedLink> link_;  // asked for in place of the recorded one
   std::map<std::uint32_t, LoopScene> made_;
   std::map<std::uint32_t, ToolCall> asked_tools_;  // in place of others, by scene
   std::deque<WallRuns> kept_runs_;

@@ -74,6 +74,10 @@ Result<std::unique_ptr<ReplaySide>> replay_slave(const pb::RecordedStart& start,
     return Status::error("arm.period_ns is " + std::to_string(arm.period_ns()) +
                          ", expected 1 ms to 1 s");
   }
+  if (options.link) {
+    return Status::error(
+        "--link is for a master's recording: what a slave hears later it does later");
+  }
   if (!options.tool.empty()) {
     return Status::error("--tool is for a master's recording: a slave takes the tools it is told");
   }
