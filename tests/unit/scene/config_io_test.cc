@@ -197,6 +197,18 @@ TEST(Config, WantsARecordingForARecordedHandOnly) {
             "c.conf:1:1: field 'device.recording': missing, but kind RECORDED plays a file");
   EXPECT_EQ(master_error("device { recording: 'a.csv' }"),
             "c.conf:1:10: field 'device.recording': only used with kind: RECORDED or SIM_JOYSTICK");
+  using ::testing::HasSubstr;
+  EXPECT_THAT(master_error("device { spacemouse { } }"),
+              HasSubstr("only used with kind: SPACEMOUSE"));
+  const std::string mouse = "device { kind: SPACEMOUSE spacemouse { ";
+  EXPECT_THAT(master_error(mouse + "clutch_button: 1 } }"),
+              HasSubstr("1 is taken by clutch_button"));
+  EXPECT_THAT(master_error(mouse + "enable_button: 0 } }"),
+              HasSubstr("0 is taken by clutch_button"));
+  EXPECT_THAT(master_error(mouse + "enable_button: 1 } }"), HasSubstr("1 is taken by drop_button"));
+  EXPECT_THAT(master_error(mouse + "drop_button: 32 } }"),
+              HasSubstr("device.spacemouse.drop_button"));
+  EXPECT_THAT(master_error(mouse + "motion { speed_mm_s: 501 } } }"), HasSubstr("speed_mm_s"));
 }
 
 TEST(Config, TakesRelativePathsFromTheFilesFolder) {
