@@ -304,6 +304,10 @@ Result<pb::MasterConfig> load_master_config(const std::string& path, const std::
   resolve_link_socket(path, *config);
   resolve_recording(path, *config);
   if (!config->has_operator_socket()) config->set_operator_socket(default_operator_socket());
+  if (config->device().spacemouse().has_socket()) {
+    pb::SpaceMouseConfig& mouse = *config->mutable_device()->mutable_spacemouse();
+    mouse.set_socket(from_folder_of(path, mouse.socket()));
+  }
   if (config->device().has_recording()) {
     config->mutable_device()->set_recording(from_folder_of(path, config->device().recording()));
   }

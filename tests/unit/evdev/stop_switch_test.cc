@@ -190,7 +190,10 @@ TEST_F(StopSwitchTest, AfterEventsThatAreMissingItIsOpenUntilTheKeyIsAsked) {
   kernel.hold(true);
   kernel.event(EV_SYN, SYN_DROPPED, 0);
   EXPECT_TRUE(stop.is_open());
-  while (kernel.opened() < 2) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  for (int i = 0; kernel.opened() < 2 && i < 10'000; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  ASSERT_EQ(kernel.opened(), 2);
   std::this_thread::sleep_for(std::chrono::milliseconds(20));
   EXPECT_TRUE(stop.is_open());
   kernel.key(KEY_A, 0);

@@ -197,6 +197,9 @@ TEST(Config, WantsARecordingForARecordedHandOnly) {
             "c.conf:1:1: field 'device.recording': missing, but kind RECORDED plays a file");
   EXPECT_EQ(master_error("device { recording: 'a.csv' }"),
             "c.conf:1:10: field 'device.recording': only used with kind: RECORDED or SIM_JOYSTICK");
+}
+
+TEST(Config, ASpaceMouseHasItsOwnBlockAndEachButtonOnce) {
   using ::testing::HasSubstr;
   EXPECT_THAT(master_error("device { spacemouse { } }"),
               HasSubstr("only used with kind: SPACEMOUSE"));
@@ -221,6 +224,10 @@ TEST(Config, TakesRelativePathsFromTheFilesFolder) {
   EXPECT_EQ(config->device().recording(), folder.path() + "/a.csv");
   EXPECT_EQ(config->scene_path(0), folder.path() + "/mine");
   EXPECT_EQ(config->scene_path(1), "/abs");
+  const std::string mouse =
+      folder.write("m.conf", "device { kind: SPACEMOUSE spacemouse { socket: 'spnav.sock' } }");
+  EXPECT_EQ(load_master_config(mouse)->device().spacemouse().socket(),
+            folder.path() + "/spnav.sock");
   const std::string slave = folder.write("s.conf", "link_socket: 'run/link.sock'");
   EXPECT_EQ(load_slave_config(slave)->link_socket(), folder.path() + "/run/link.sock");
   EXPECT_EQ(load_master_config(slave)->link_socket(), folder.path() + "/run/link.sock");

@@ -201,7 +201,10 @@ TEST_F(SpaceMouse, ItReadsWithoutAllocatingAndGivesBackItsDescriptors) {
   server.drop();
   const std::ptrdiff_t before = open_descriptors();
   server.listen();
-  for (int i = 0; i < 20; ++i) open(device);
+  for (int i = 0; i < 20; ++i) {
+    open(device);
+    EXPECT_TRUE(tick(device).valid);
+  }
   device.close();
   device.close();
   EXPECT_FALSE(device.read(now).valid);
