@@ -7,7 +7,7 @@
 namespace handrail {
 namespace {
 
-bool same(const SpnavState& a, const SpnavState& b) {
+bool same_spnav(const SpnavState& a, const SpnavState& b) {
   return a.counts == b.counts && a.buttons == b.buttons && a.unplugged == b.unplugged &&
          a.motions == b.motions;
 }
@@ -26,7 +26,7 @@ HANDRAIL_FUZZ(spnav) {
     still = cut.take(said.subspan(at, std::min(piece, said.size() - at)));
   }
   fuzz::require(sound == still, "where it is cut does not matter");
-  fuzz::require(same(whole.state(), cut.state()), "nor to what it says");
+  fuzz::require(same_spnav(whole.state(), cut.state()), "nor to what it says");
   fuzz::require(whole.protocol() == cut.protocol(), "nor to the protocol");
   fuzz::require(whole.protocol() <= 0xff, "a protocol is a byte");
   fuzz::require(whole.state().motions <= said.size() / kSpnavRecord, "a motion is a whole record");
