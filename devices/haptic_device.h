@@ -22,7 +22,7 @@ struct HapticCapabilities {
   bool simulated = false;
   bool senses_rotation = false;
   bool actuates_torque = false;
-  double max_force = 0.0;         // peak [N]
+  double max_force = 0.0;         // peak; 0: it makes none, and `dynamics` says nothing [N]
   double continuous_force = 0.0;  // sustainable [N]
   double max_torque = 0.0;        // peak [N m]; 0 without torque
   DeviceDynamics dynamics;        // what stability is reckoned with

@@ -79,6 +79,8 @@ constexpr Entry kDevices[] = {
     {HapticDeviceKind::kRecorded, recorded},
     {HapticDeviceKind::kSimJoystick, sim_joystick},
     {HapticDeviceKind::kPage, page},
+    {HapticDeviceKind::kSpaceMouse,
+     [](const auto& o) { return Made(std::make_unique<SpaceMouseDevice>(o.spacemouse)); }},
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "devices/hand/hand_model.h"
 #include "devices/haptic_device.h"
+#include "devices/spacemouse/spacemouse_device.h"
 #include "server/base/status.h"
 
 namespace handrail {
@@ -17,6 +18,7 @@ enum class HapticDeviceKind : std::uint8_t {
   kRecorded,
   kSimJoystick,
   kPage,
+  kSpaceMouse,
   kCount
 };
 
@@ -27,6 +29,7 @@ struct HapticDeviceOptions {
   // means to go, if not empty.
   std::string recording_path;
   DeviceEffects effects;  // kSimJoystick
+  SpaceMouseOptions spacemouse;
 };
 
 // The hand that usually holds such a device: around a handle, a stylus, or led by a cursor.

@@ -22,6 +22,7 @@ double largest_share(const Vec3& a, const Vec3& b, double cap) {
 // 70 % of it on, linearly, so that the force never steps.
 double peak_now(const ForceLimits& limits, double heat) {
   const double sustained = limits.continuous * limits.continuous;
+  if (sustained <= 0.0) return limits.peak;  // a device without force has nothing to heat
   const double excess = std::clamp((heat / sustained - 0.7) / 0.3, 0.0, 1.0);
   return limits.peak - excess * (limits.peak - limits.continuous);
 }

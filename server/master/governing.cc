@@ -23,6 +23,8 @@ std::string what(const Rendering& r) {
 
 // What it declares, and by whom.
 std::string declared(const HapticCapabilities& device) {
+  if (device.max_force <= 0.0)
+    return device.name + ": makes no force, walls and tools are not felt";
   const DeviceDynamics& d = device.dynamics;
   return fmt::format(
       "{}: mass {:g} kg, damping {:g} N s/m, friction {:g} N, counts {:.3g} mm, delay {:g} ms ({})",
@@ -48,7 +50,7 @@ RenderingLoop rendering_loop(const HapticCapabilities& device) {
 
 GovernorSettings governor_settings(const HapticCapabilities& device, bool on) {
   GovernorSettings out;
-  out.on = on;
+  out.on = on && device.max_force > 0.0;
   out.peak = device.max_force;
   // What a device takes up whose mass, counts or delay are not known is not known either.
   const double late = std::ceil(device.dynamics.delay / out.period);
@@ -62,8 +64,9 @@ GovernorSettings governor_settings(const HapticCapabilities& device, bool on) {
 
 std::vector<CheckedRendering> check_renderings(const Scene& scene,
                                                const HapticCapabilities& device) {
-  const RenderingLoop loop = rendering_loop(device);
   std::vector<CheckedRendering> out;
+  if (device.max_force <= 0.0) return out;  // nothing is rendered at it
+  const RenderingLoop loop = rendering_loop(device);
   for (const Rendering& rendering : renderings_of(scene, loop)) {
     CheckedRendering& c = out.emplace_back();
     c.rendering = rendering;

@@ -31,7 +31,7 @@ HapticSettings haptic_settings(const Scene& scene, const HapticCapabilities& dev
   out.guide.reach = scene.guidance.tool_reach;
   out.guide.smoother_length = scene.smoother_samples;
   out.damping = scene.guidance.damping;
-  if (governor && !scene.walls) {
+  if (governor && !scene.walls && device.max_force > 0.0) {
     const RenderingLoop loop = rendering_loop(device);
     // A damper that the device does not hold comes down with the scene's tools.
     out.damping *= governed_share(check_renderings(scene, device));

@@ -56,6 +56,29 @@ void log_line(bool bad, const std::string& line) {
   spdlog::log(bad ? spdlog::level::err : spdlog::level::info, line);
 }
 
+DeflectionSettings deflection_of(const pb::DeflectionConfig& config) {
+  DeflectionSettings out;
+  out.mode = config.mode() == pb::DeflectionConfig::POSITION ? DeflectionMode::kPosition
+                                                             : DeflectionMode::kVelocity;
+  out.speed = config.speed_mm_s() * kMm;
+  out.turn_rate = config.turn_deg_s() * kDeg;
+  out.reach = config.reach_mm() * kMm;
+  out.tilt = config.tilt_deg() * kDeg;
+  return out;
+}
+
+SpaceMouseOptions spacemouse_options(const pb::SpaceMouseConfig& config) {
+  SpaceMouseOptions out;
+  out.socket = config.socket();
+  out.motion = deflection_of(config.motion());
+  out.full_counts = config.full_counts();
+  out.patience = static_cast<Nanos>(config.patience_ms() * 1e6);
+  out.clutch_button = static_cast<int>(config.clutch_button());
+  out.drop_button = static_cast<int>(config.drop_button());
+  if (config.has_enable_button()) out.enable_button = static_cast<int>(config.enable_button());
+  return out;
+}
+
 HapticDeviceOptions device_options(const pb::DeviceConfig& config) {
   HapticDeviceOptions out;
   switch (config.kind()) {
@@ -64,7 +87,9 @@ HapticDeviceOptions device_options(const pb::DeviceConfig& config) {
     case pb::DeviceConfig::RECORDED: out.kind = HapticDeviceKind::kRecorded; break;
     case pb::DeviceConfig::SIM_JOYSTICK: out.kind = HapticDeviceKind::kSimJoystick; break;
     case pb::DeviceConfig::PAGE: out.kind = HapticDeviceKind::kPage; break;
+    case pb::DeviceConfig::SPACEMOUSE: out.kind = HapticDeviceKind::kSpaceMouse; break;
   }
+  out.spacemouse = spacemouse_options(config.spacemouse());
   const pb::HandModel& hand = config.hand();
   out.recording_path = config.recording();
   const bool cursor = out.kind == HapticDeviceKind::kPage;

@@ -95,6 +95,34 @@ Problem check_link(const Config& c, bool encrypted, const char* other) {
   return problem.empty() ? Problem() : FieldProblem{"link_socket", problem};
 }
 
+// The blocks of devices that are not the one that is used would be read by nobody.
+Problem check_device(const pb::DeviceConfig& c) {
+  const bool spacemouse = c.kind() == pb::DeviceConfig::SPACEMOUSE;
+  if (c.has_spacemouse() && !spacemouse) {
+    return FieldProblem{"device.spacemouse", "only used with kind: SPACEMOUSE"};
+  }
+  const pb::SpaceMouseConfig& mouse = c.spacemouse();
+  if (mouse.has_socket()) {
+    const std::string problem = socket_path_problem(mouse.socket());
+    if (!problem.empty()) return FieldProblem{"device.spacemouse.socket", problem};
+  }
+  const auto taken = [](const char* field, std::uint32_t button, const char* by) {
+    return FieldProblem{field, std::to_string(button) + " is taken by " + by};
+  };
+  if (mouse.drop_button() == mouse.clutch_button()) {
+    return taken("device.spacemouse.drop_button", mouse.drop_button(), "clutch_button");
+  }
+  if (!mouse.has_enable_button()) return std::nullopt;
+  const std::uint32_t enable = mouse.enable_button();
+  if (enable == mouse.clutch_button()) {
+    return taken("device.spacemouse.enable_button", enable, "clutch_button");
+  }
+  if (enable == mouse.drop_button()) {
+    return taken("device.spacemouse.enable_button", enable, "drop_button");
+  }
+  return std::nullopt;
+}
+
 Problem check(const pb::MasterConfig& c) {
   Problem slave;
   if (c.has_slave() && c.slave().empty()) {
@@ -119,7 +147,7 @@ Problem check(const pb::MasterConfig& c) {
     recording = FieldProblem{"device.recording", "only used with kind: RECORDED or SIM_JOYSTICK"};
   }
   return first({slave, check_link(c, c.has_slave(), "slave"), socket, operators, recording,
-                check_recording_folder(c), check_scene_name(c.scene())});
+                check_device(c.device()), check_recording_folder(c), check_scene_name(c.scene())});
 }
 
 Problem check_payload(const pb::SlaveConfig& c) {
@@ -154,6 +182,10 @@ Problem check_gripper(const pb::RobotConfig& robot) {
 }
 
 Problem check(const pb::SlaveConfig& c) {
+  Problem stop;
+  if (c.has_stop_switch() && c.stop_switch().device().empty()) {
+    stop = FieldProblem{"stop_switch.device", "empty, expected the path of an input device"};
+  }
   Problem bytes;
   const std::uint32_t n = c.robot().packet_bytes();
   if (n != 64 && n != 196) {
@@ -173,7 +205,7 @@ Problem check(const pb::SlaveConfig& c) {
                 check_ipv4("robot.address", c.robot().address()),
                 check_peer_port("robot.port", c.robot().port()), bytes, check_gripper(c.robot()),
                 sensor, check_payload(c), check_recording_folder(c), check_scene_name(c.scene()),
-                check_distinct(ends)});
+                check_distinct(ends), stop});
 }
 
 Problem check(const pb::RigConfig& c) {
@@ -272,6 +304,10 @@ Result<pb::MasterConfig> load_master_config(const std::string& path, const std::
   resolve_link_socket(path, *config);
   resolve_recording(path, *config);
   if (!config->has_operator_socket()) config->set_operator_socket(default_operator_socket());
+  if (config->device().spacemouse().has_socket()) {
+    pb::SpaceMouseConfig& mouse = *config->mutable_device()->mutable_spacemouse();
+    mouse.set_socket(from_folder_of(path, mouse.socket()));
+  }
   if (config->device().has_recording()) {
     config->mutable_device()->set_recording(from_folder_of(path, config->device().recording()));
   }

@@ -43,12 +43,13 @@ Status check_first(const FollowSettings& settings, const RobotReply& first, int&
 }  // namespace
 
 RobotLoop::RobotLoop(Robot& robot, const FollowSettings& settings, SlaveMailboxes& boxes,
-                     Nanos (*clock)() noexcept, SlaveTap* tap)
+                     Nanos (*clock)() noexcept, SlaveTap* tap, StopCircuit* stop)
     : robot_(robot),
       settings_(settings),
       boxes_(boxes),
       clock_(clock),
       tap_(tap),
+      stop_(stop),
       begins_(random_session_id()) {
   state_.fault_epoch = begins_;
 }
@@ -143,6 +144,7 @@ void RobotLoop::connect() {
 }
 
 void RobotLoop::step(Nanos now, Reason fault) {
+  input_.stop_input = stop_ != nullptr && stop_->is_open();
   take_settings();
   take_news(now);
   input_.unseen = stepped_at_ == -kForever ? 0 : now - stepped_at_;

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "devices/robot.h"
+#include "devices/stop_circuit.h"
 #include "server/base/clock.h"
 #include "server/follow/follow_step.h"
 #include "server/record/record_tap.h"
@@ -25,10 +26,12 @@ class RobotLoop {
   static constexpr Nanos kForceFresh = 20 * kMillisecond;  // older readings count as missing
   static constexpr Nanos kStopPatience = 2 * kSecond;      // for coming to a stop at the end
 
-  // `clock` is read once a turn. Robot, mailboxes and tap must outlive the loop. `tap`: where each
-  // cycle is left for who records; null: nobody does.
+  // `clock` is read once a turn. Robot, mailboxes, tap and circuit must outlive the loop. `tap`:
+  // where each cycle is left for who records; null: nobody does. `stop`: asked once a step, in the
+  // loop's thread; null: there is no stop circuit.
   RobotLoop(Robot& robot, const FollowSettings& settings, SlaveMailboxes& boxes,
-            Nanos (*clock)() noexcept = monotonic_now, SlaveTap* tap = nullptr);
+            Nanos (*clock)() noexcept = monotonic_now, SlaveTap* tap = nullptr,
+            StopCircuit* stop = nullptr);
 
   // Waits for the controller and answers it, or tries to connect. Returns when to come again; 0 =
   // at once. Real-time safe while connected; connecting allocates. Never logs.
@@ -68,6 +71,7 @@ class RobotLoop {
   FollowOutput output_;
   std::optional<JointVector> place_;  // where the next step finds the motion placed
   SlaveTap* tap_;
+  StopCircuit* stop_;
   KeptCycle kept_;
   std::uint64_t begins_;  // where the faults' epochs do, until that is kept
   SlaveReport report_;

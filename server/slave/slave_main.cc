@@ -6,11 +6,13 @@
 #include <functional>
 #include <future>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include "devices/evdev/stop_switch.h"
 #include "devices/melfa/melfa_robot.h"
 #include "devices/net_ft/net_ft_sensor.h"
 #include "proto/config.pb.h"
@@ -46,8 +48,7 @@ const char kWhat[] =
     "The robot's side: follows the master's commands on the arm, within its limits, and reports\n"
     "joints and contact forces back. SIGTERM stops the arm on its path, then exits.";
 
-const char kNoStopCircuit[] =
-    "stop circuit: none, no driver reads one yet; the controller's emergency stop must be in reach";
+const char kInReach[] = "the controller's emergency stop must be in reach";
 
 int fail(const std::string& message) { return fail_start("handrail-slave", message); }
 
@@ -80,6 +81,20 @@ std::unique_ptr<NetFtSensor> make_sensor(const pb::FtConfig& config) {
   return std::make_unique<NetFtSensor>(options);
 }
 
+std::optional<StopSwitchOptions> switch_options(const pb::SlaveConfig& config) {
+  if (!config.has_stop_switch()) return std::nullopt;
+  StopSwitchOptions out;
+  out.path = config.stop_switch().device();
+  if (config.stop_switch().has_key()) out.key = static_cast<int>(config.stop_switch().key());
+  return out;
+}
+
+std::string stop_text(const std::optional<StopSwitchOptions>& options) {
+  if (!options) return fmt::format("stop circuit: none (stop_switch); {}", kInReach);
+  const std::string key = options->key ? fmt::format("key {}", *options->key) : "any key";
+  return fmt::format("stop circuit: {} of {}, no safety device; {}", key, options->path, kInReach);
+}
+
 // What is done to the force before the bumper feels it; empty: nothing.
 std::string sensor_text(const FollowSettings& settings) {
   std::string out;
@@ -99,8 +114,9 @@ std::string sensor_text(const FollowSettings& settings) {
 // The thread that turns the loop until it has finished.
 class RobotThread {
  public:
-  RobotThread(Robot& robot, const FollowSettings& settings, SlaveMailboxes& boxes, SlaveTap* tap)
-      : loop_(robot, settings, boxes, monotonic_now, tap) {
+  RobotThread(Robot& robot, const FollowSettings& settings, SlaveMailboxes& boxes, SlaveTap* tap,
+              StopCircuit* stop)
+      : loop_(robot, settings, boxes, monotonic_now, tap, stop) {
     const SignalsBlocked blocked;
     thread_ = std::thread([this] { run(); });
   }
@@ -209,10 +225,11 @@ int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
   const Result<TransportMaker> link = link_of(config);
   if (!link) return fail(link.message());
   const std::string sensor_says = sensor_text(*settings);
+  const std::optional<StopSwitchOptions> stop_options = switch_options(config);
   if (check_only) {
     std::puts("configuration ok");
     if (!sensor_says.empty()) std::puts(sensor_says.c_str());
-    std::puts(kNoStopCircuit);
+    std::puts(stop_text(stop_options).c_str());
     return end_output("handrail-slave", 0);
   }
 
@@ -234,7 +251,14 @@ int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
   if (sensor) {
     if (const Status started = sensor->start(); !started) return fail(started.message());
   }
-  RobotThread loop(robot, *settings, boxes, tap.get());
+  std::optional<StopSwitch> stop;
+  if (stop_options) {
+    if (const Status started = stop.emplace(*stop_options).start(); !started) {
+      return fail("stop_switch: " + started.message());
+    }
+    spdlog::info("{}", stop_text(stop_options));
+  }
+  RobotThread loop(robot, *settings, boxes, tap.get(), stop ? &*stop : nullptr);
   news.serve(
       *server, fmt::format("READY link={}", server->place()),
       {"robot", loop.realtime(), [&] { loop.request_stop(); }, [&] { return loop.finished(); }});

@@ -13,6 +13,7 @@ const Folders kModel = kBase + Folders{"server/model"};
 const Folders kConsole =
     kModel + Folders{"proto", "client/console/gateway", "client/console/scene"};
 const Folders kHands = {"devices/hand", "devices/omni", "devices/joystick", "devices/page"};
+const Folders kDesk = {"devices/spacemouse", "devices/input"};
 const Folders kRigs = {"devices/rig", "devices/rig/world", "devices/melfa", "devices/net_ft"};
 
 // What both sides are made of.
@@ -57,7 +58,7 @@ Table program_rows() {
   return {{"server/master", daemons + Folders{"server/haptic", "server/stability",
                                               "server/constraint", "server/kinematics"}},
           {"server/slave", daemons + Folders{"server/follow", "server/kinematics", "devices/melfa",
-                                             "devices/net_ft"}},
+                                             "devices/net_ft", "devices/evdev"}},
           {"client/api", kBase + Folders{"proto", "server/keys", "server/link/secure"}},
           {"client/doctor", kModel + Folders{"proto", "server/keys", "server/link", "client/api"}},
           {"client/experiment", task + study +
@@ -135,7 +136,10 @@ Table lab_rows() {
 
 Table device_rows() {
   const Folders sim = kModel + Folders{"devices", "devices/hand"};
-  return {{"devices", kModel + kHands},
+  return {{"devices", kModel + kHands + kDesk},
+          {"devices/input", kModel + Folders{"devices"}},
+          {"devices/spacemouse", kModel + Folders{"devices", "devices/input"}},
+          {"devices/evdev", kBase + Folders{"devices", "devices/input"}},
           {"devices/udp", kBase},
           {"devices/melfa", kModel + Folders{"devices", "devices/udp"}},
           {"devices/net_ft", kBase + Folders{"devices", "devices/udp"}},

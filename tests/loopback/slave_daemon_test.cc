@@ -282,10 +282,8 @@ TEST(SlaveProgram, CheckReadsTheConfigurationAndTheScene) {
   TempFolder folder;
   Program good({kSlave, "--check"});
   EXPECT_EQ(good.line("configuration ok"), "configuration ok\n");
-  EXPECT_EQ(
-      good.line("stop circuit: "),
-      "stop circuit: none, no driver reads one yet; the controller's emergency stop must be in "
-      "reach\n");
+  EXPECT_EQ(good.line("stop circuit: "),
+            "stop circuit: none (stop_switch); the controller's emergency stop must be in reach\n");
   EXPECT_EQ(good.exit_code(), 0);
   const std::string text = "force_sensor { filter_ms: 20 } payload { mass_kg: 0.5 }";
   Program filtered({kSlave, "--check", "--config", folder.write("f", text)});

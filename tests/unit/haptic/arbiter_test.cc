@@ -21,6 +21,17 @@ TEST(Arbiter, TheDevicesOwnLimitComesLastEvenWhenItIsLoweredAtOnce) {
   EXPECT_LE(out.device.norm(), 1.0 + 1e-12);
 }
 
+TEST(Arbiter, ADeviceThatMakesNoForceGetsNone) {
+  Arbiter arbiter;
+  ForceLimits limits;
+  limits.peak = limits.continuous = 0.0;
+  for (int i = 0; i < 200; ++i) {
+    const ForceShares out = arbiter.share(limits, {5, 0, 0}, {0, 1, 0}, 1.0, Trust::kBoth, kTick);
+    ASSERT_EQ(out.device, kNone) << i;
+    ASSERT_EQ(out.spring, kNone) << i;
+  }
+}
+
 TEST(Arbiter, AForceThatIsNoNumberOrCannotBeSquaredCountsAsNone) {
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(),
                            std::numeric_limits<double>::infinity(), 1e300, -1e200}) {

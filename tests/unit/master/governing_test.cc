@@ -34,6 +34,17 @@ Scene walled(double stiffness) {
   return scene;
 }
 
+TEST(Governing, ADeviceThatMakesNoForceHasNothingToGovern) {
+  HapticCapabilities device;
+  device.name = "cap";
+  const auto checked = check_renderings(walled(1e6), device);
+  EXPECT_TRUE(checked.empty());
+  EXPECT_EQ(governed_share(checked), 1.0);
+  EXPECT_FALSE(governor_settings(device, true).on);
+  device.max_force = 3.3;
+  EXPECT_TRUE(governor_settings(device, true).on);
+}
+
 TEST(Governing, WhatIsShippedIsRenderedAsItWasPublished) {
   const SceneLibrary library;
   for (const auto& [name, file] : library.list()) {

@@ -199,6 +199,21 @@ TEST(Config, WantsARecordingForARecordedHandOnly) {
             "c.conf:1:10: field 'device.recording': only used with kind: RECORDED or SIM_JOYSTICK");
 }
 
+TEST(Config, ASpaceMouseHasItsOwnBlockAndEachButtonOnce) {
+  using ::testing::HasSubstr;
+  EXPECT_THAT(master_error("device { spacemouse { } }"),
+              HasSubstr("only used with kind: SPACEMOUSE"));
+  const std::string mouse = "device { kind: SPACEMOUSE spacemouse { ";
+  EXPECT_THAT(master_error(mouse + "clutch_button: 1 } }"),
+              HasSubstr("1 is taken by clutch_button"));
+  EXPECT_THAT(master_error(mouse + "enable_button: 0 } }"),
+              HasSubstr("0 is taken by clutch_button"));
+  EXPECT_THAT(master_error(mouse + "enable_button: 1 } }"), HasSubstr("1 is taken by drop_button"));
+  EXPECT_THAT(master_error(mouse + "drop_button: 32 } }"),
+              HasSubstr("device.spacemouse.drop_button"));
+  EXPECT_THAT(master_error(mouse + "motion { speed_mm_s: 501 } } }"), HasSubstr("speed_mm_s"));
+}
+
 TEST(Config, TakesRelativePathsFromTheFilesFolder) {
   const TempFolder folder;
   const std::string file = folder.write(
@@ -209,6 +224,10 @@ TEST(Config, TakesRelativePathsFromTheFilesFolder) {
   EXPECT_EQ(config->device().recording(), folder.path() + "/a.csv");
   EXPECT_EQ(config->scene_path(0), folder.path() + "/mine");
   EXPECT_EQ(config->scene_path(1), "/abs");
+  const std::string mouse =
+      folder.write("m.conf", "device { kind: SPACEMOUSE spacemouse { socket: 'spnav.sock' } }");
+  EXPECT_EQ(load_master_config(mouse)->device().spacemouse().socket(),
+            folder.path() + "/spnav.sock");
   const std::string slave = folder.write("s.conf", "link_socket: 'run/link.sock'");
   EXPECT_EQ(load_slave_config(slave)->link_socket(), folder.path() + "/run/link.sock");
   EXPECT_EQ(load_master_config(slave)->link_socket(), folder.path() + "/run/link.sock");

@@ -79,6 +79,12 @@ class ScriptedRobot : public Robot {
   double largest_step = 0.0;
 };
 
+class ScriptedCircuit final : public StopCircuit {
+ public:
+  bool is_open() noexcept override { return open; }
+  bool open = false;
+};
+
 inline FollowSettings settings() {
   FollowSettings s;
   s.scene = scene_name("first");
@@ -123,7 +129,8 @@ class RobotLoopTest : public ::testing::Test {
 
   SlaveMailboxes boxes;
   ScriptedRobot robot;
-  RobotLoop loop{robot, settings(), boxes, manual_now};
+  ScriptedCircuit circuit;
+  RobotLoop loop{robot, settings(), boxes, manual_now, nullptr, &circuit};
   MasterNews news;
   SlaveReport report;
   SlaveState state;

@@ -132,6 +132,28 @@ TEST_F(RobotLoopTest, AnswersEveryReplyOnceAndFollowsTheMaster) {
   EXPECT_GT(robot.largest_step, 0.0);
 }
 
+TEST_F(RobotLoopTest, AnOpenStopCircuitLatchesAFaultThatNoResetTakesAwayWhileItIsOpen) {
+  engage();
+  circuit.open = true;
+  turn();
+  turn();
+  EXPECT_EQ(state.state, SessionState::kFault);
+  EXPECT_EQ(state.fault, Reason::kStopInput);
+  const auto reset = [&] {
+    news.state.desired = Desired::kOff;
+    news.state.state = SessionState::kOff;
+    news.state.fault_reset = state.fault_epoch;
+    for (int i = 0; i < 5; ++i) turn();
+  };
+  reset();
+  EXPECT_EQ(state.fault, Reason::kStopInput);
+  circuit.open = false;
+  turn();
+  EXPECT_EQ(state.state, SessionState::kFault) << "closing it alone moves nothing";
+  reset();
+  EXPECT_EQ(state.state, SessionState::kOff);
+}
+
 TEST_F(RobotLoopTest, AnOldCommandIsNotFollowed) {
   engage();
   news.state.X_SU.p.z() += 0.05;

@@ -1,0 +1,46 @@
+// An input device of the kernel as it is opened.
+#pragma once
+
+#include <array>
+#include <bitset>
+#include <string>
+
+#include "devices/evdev/evdev_stream.h"
+#include "server/base/fixed_text.h"
+#include "server/base/status.h"
+
+namespace handrail {
+
+// What is asked of the kernel, as open(2) and ioctl(2). A test answers in its place.
+class EvdevKernel {
+ public:
+  virtual ~EvdevKernel() = default;
+  // For reading, without waiting. -1: errno says why.
+  virtual int open(const char* path) noexcept;
+  virtual int control(int fd, unsigned long request, void* argument) noexcept;
+};
+
+// The kernel itself.
+EvdevKernel& evdev_kernel() noexcept;
+
+struct EvdevRange {
+  std::int32_t least = 0, most = 0, flat = 0;  // [counts]
+};
+
+// Copied without throwing.
+struct EvdevOpened {
+  int fd = -1;  // never blocks
+  FixedText<80> name{};
+  std::bitset<KEY_CNT> has_key;
+  std::bitset<ABS_CNT> has_axis;
+  std::array<EvdevRange, ABS_CNT> ranges{};
+  EvdevState state;  // as it was opened
+};
+
+// How a device is had: kGrab keeps its events from every other program.
+enum class EvdevUse { kShare, kGrab };
+
+// Opens `path`. Waits for nobody. The error names the path, the cause and what to do.
+Result<EvdevOpened> open_evdev(EvdevKernel& kernel, const std::string& path, EvdevUse use);
+
+}  // namespace handrail
