@@ -47,6 +47,7 @@ struct ReplaySummary {
   double way = 0.0;         // that the command went [m]
   double most_off = 0.0;    // of the hand from its position tool [m]
   double engaged = 0.0;     // that the hand led the arm [s]
+  int refused = 0;          // orders
 };
 
 struct ReplayResult {

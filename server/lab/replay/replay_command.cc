@@ -35,6 +35,7 @@ void print_both(const ReplayResult& r) {
   row("way of the command", r.was.way / kMm, r.is.way / kMm, "mm");
   row("hand furthest off the tool", r.was.most_off / kMm, r.is.most_off / kMm, "mm");
   row("time that the hand led", r.was.engaged, r.is.engaged, "s");
+  print_line("orders refused", fmt::format("{:>12} {:>11}", r.was.refused, r.is.refused));
   std::printf("  %-30s%12s%12.3f mm\n", "commands apart, at most", "", r.apart / kMm);
   std::printf(
       "The hand is the recorded one: it did not feel what is asked here, and would have moved\n"
@@ -94,8 +95,8 @@ void print_json(const ReplayResult& r, double took) {
   const auto summary = [](const ReplaySummary& s) {
     return fmt::format(
         "{{\"most_force_n\": {}, \"mean_force_n\": {}, \"way_mm\": {}, "
-        "\"most_off_mm\": {}, \"engaged_s\": {}}}",
-        s.most_force, s.mean_force, s.way / kMm, s.most_off / kMm, s.engaged);
+        "\"most_off_mm\": {}, \"engaged_s\": {}, \"refused\": {}}}",
+        s.most_force, s.mean_force, s.way / kMm, s.most_off / kMm, s.engaged, s.refused);
   };
   std::string first = "null";
   if (r.first) {

@@ -21,6 +21,7 @@ class Summing {
  public:
   explicit Summing(ReplaySummary& out) : out_(out) {}
   void add(const pb::RecordedTick& tick) {
+    out_.refused += tick.order_result() != 0;
     if (tick.wrench_size() < 3 || tick.command().command_pose_size() < 3) return;
     const Vec3 force(tick.wrench(0), tick.wrench(1), tick.wrench(2));
     sum_ += force.norm();

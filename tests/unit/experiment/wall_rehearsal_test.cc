@@ -33,7 +33,8 @@ TEST(WallRehearsal, AWrenchIsLoosenedAgainWhereItsCIsSet) {
   const pb::WallTrial back = made_by("wrench-loosening", "p1");
   EXPECT_EQ(back.end(), "done");
   EXPECT_EQ(back.screw_c(), 15.0);
-  EXPECT_NEAR(back.turned_rad(), 0.0, 0.1);
+  // As many turns back: what is left is of the hand that leaves the aisle early or late.
+  EXPECT_NEAR(back.turned_rad(), 0.0, 0.2);
 }
 
 TEST(WallRehearsal, WhatHasNoWallsIsTold) {
