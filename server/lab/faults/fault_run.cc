@@ -38,6 +38,11 @@ void find(FaultOutcome& outcome, std::uint64_t count, const char* what) {
   outcome.found += fmt::format("{} x {}", count, what);
 }
 
+void find(FaultOutcome& outcome, const FaultRecording::Again& again) {
+  find(outcome, again.different, "steps that differ in the replay");
+  if (!again.problem.empty()) find(outcome, 1, again.problem.c_str());
+}
+
 void measure(FaultOutcome& outcome, double worst, double bound) {
   outcome.measured = true;
   outcome.worst = worst;
@@ -324,12 +329,6 @@ void FaultRun::watch_surface() {
   }
 }
 
-void FaultRun::judge_replay(FaultOutcome& out) {
-  const FaultRecording::Again again = recording_->again();
-  find(out, again.different, "steps that differ in the replay");
-  if (!again.problem.empty()) find(out, 1, again.problem.c_str());
-}
-
 FaultOutcome FaultRun::outcome() {
   auditor_.finish();
   const AuditReport& report = auditor_.report();
@@ -355,7 +354,7 @@ FaultOutcome FaultRun::outcome() {
   out.harder = harder_;
   out.deeper = deeper_ * 1e3;
   find(out, not_resumed_, "ms not engaged with a link that had come back");
-  if (recording_) judge_replay(out);
+  if (recording_) find(out, recording_->again());
   return out;
 }
 

@@ -141,7 +141,6 @@ class FaultRun {
   FaultOutcome outcome();
 
  private:
-  void judge_replay(FaultOutcome& out);
   void feed_auditor();
   void feed_controller_audit();
   void judge_halt(const std::vector<JointVector>& maybe_held, const JointVector& next);
@@ -206,5 +205,7 @@ void measure(FaultOutcome& outcome, double worst, double bound);
 
 // Adds `count` violations called `what`.
 void find(FaultOutcome& outcome, std::uint64_t count, const char* what);
+// Adds what differs in a replay, and what could not be done again.
+void find(FaultOutcome& outcome, const FaultRecording::Again& again);
 
 }  // namespace handrail

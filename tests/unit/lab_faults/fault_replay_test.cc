@@ -48,6 +48,10 @@ TEST(FaultReplayTest, WhatWasNotOfThatSceneDiffers) {
   const FaultRecording::Again again = recording.again();
   EXPECT_GT(again.different, 0u);
   EXPECT_THAT(again.problem, HasSubstr("slave: "));
+  FaultOutcome told;
+  find(told, again);
+  EXPECT_EQ(told.violations, again.different + 1);
+  EXPECT_THAT(told.found, HasSubstr("steps that differ in the replay, 1 x slave: "));
 }
 
 TEST(FaultReplayTest, EveryRowThatHasACellIsDoneAgain) {

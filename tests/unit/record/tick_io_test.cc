@@ -195,6 +195,27 @@ TEST(TickIo, ACycleComesBackToTheBit) {
   }
 }
 
+// A program that begins anew does not know what its forerunner heard.
+TEST(TickIo, WhereNothingIsKnownNothingIsLeftOfTheOtherSide) {
+  KeptTick tick;
+  tick.given.in.slave.stop_epoch = 3;
+  pb::RecordedTick of_tick;
+  put(KeptTick(), of_tick);
+  of_tick.set_dt(1e-3);
+  of_tick.set_slave_known(true);
+  ASSERT_TRUE(take(of_tick, tick));
+  EXPECT_EQ(tick.given.in.slave.stop_epoch, 3u) << "that of the tick before";
+  of_tick.set_slave_known(false);
+  ASSERT_TRUE(take(of_tick, tick));
+  EXPECT_EQ(tick.given.in.slave.stop_epoch, SlaveState().stop_epoch);
+  KeptCycle cycle;
+  cycle.given.master.stop_epoch = 7;
+  pb::RecordedCycle of_cycle;
+  put(KeptCycle(), of_cycle);
+  ASSERT_TRUE(take(of_cycle, cycle));
+  EXPECT_EQ(cycle.given.master.stop_epoch, MasterState().stop_epoch);
+}
+
 TEST(TickIo, WhatIsMissingIsNamed) {
   pb::RecordedTick tick;
   put(KeptTick(), tick);
