@@ -82,6 +82,15 @@ void fill_ended(const TrialNext& next, const TrialResult& result, pb::Experiment
   fill(trial, *out.mutable_linear());
 }
 
+std::string trial_mark(const std::string& what, const ExperimentRecord& person,
+                       const std::string& mode, const std::string& how) {
+  const pb::ExperimentSubject& who = person.subject;
+  std::string out = "trial " + what + ": " + who.experiment() + " " + mode + " " + who.subject() +
+                    " " + std::to_string(person.trials.size() + 1);
+  if (who.simulated()) out += " simulated";
+  return how.empty() ? out : out + " " + how;
+}
+
 std::string end_of(const pb::ExperimentTrial& trial) {
   return trial.has_linear()  ? trial.linear().end()
          : trial.has_screw() ? trial.screw().end()

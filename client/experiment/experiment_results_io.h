@@ -21,6 +21,9 @@ pb::ExperimentTrial screw_line(const TrialNext& next);
 void fill_ended(const TrialNext& next, const TrialResult& result, pb::ExperimentTrial& out);
 void fill_ended(const TrialNext& next, const ScrewResult& result, pb::ExperimentTrial& out);
 
+// What a recording has where the next trial of `person` begins or ends.
+std::string trial_mark(const std::string& what, const ExperimentRecord& person,
+                       const std::string& mode, const std::string& how);
 // How it ended, as the file has it.
 std::string end_of(const pb::ExperimentTrial& trial);
 

@@ -14,6 +14,7 @@
 #include "client/experiment/experiment_task.h"
 #include "client/experiment/live_status.h"
 #include "client/experiment/questionnaire.h"
+#include "client/experiment/standstill.h"
 #include "client/experiment/trace_csv.h"
 #include "server/base/clock.h"
 #include "server/base/operator_name.h"
@@ -89,6 +90,7 @@ class Experiment {
   ExperimentFile file_;
   ExperimentRecord record_;
   std::string prompted_;
+  Standstill standstill_;
   bool recorded_ = false;      // the master records, on this runner's word
   bool trials_begun_ = false;  // trials have begun: a scene between them is ours to change
   Nanos prompt_at_ = 0;        // from when on it is said again
@@ -262,6 +264,11 @@ bool Experiment::live(const std::string& scene) {
     task_->see(now ? &*now : nullptr);
     if (!now) continue;
     prompt(task_->prompt());
+    if (const std::string held = standstill_.see(prompted_, now->reason(), monotonic_now());
+        !held.empty()) {
+      say("  for a minute the arm has not come further: " + held);
+      if (words_.simulated) return fail("the arm does not come further: " + held), false;
+    }
     task_->act(*now, {[&](pb::Request r) { return order_for_driver(*now, std::move(r)); },
                       [&](const std::string& text) { say(text); }});
     if (cursor_) cursor_->set(task_->hand());
@@ -274,9 +281,8 @@ bool Experiment::live(const std::string& scene) {
 void Experiment::begin_recording() {
   const Result<pb::Status> now = status_of(client_, kAnswer);
   if (!now) return;
-  if (!now->has_recording()) {
+  if (!now->has_recording())
     return say("not recorded: the master's configuration has no recording {}");
-  }
   std::string label = words_.experiment + "-" + words_.subject;
   for (char& c : label) c = c == '.' ? '-' : c;
   label.resize(std::min(label.size(), kLongestLabel));
@@ -296,10 +302,8 @@ void Experiment::begin_recording() {
 // Where in a recording a trial is.
 void Experiment::mark(const std::string& what, const TrialNext& next, const std::string& how) {
   pb::Request request;
-  request.set_mark(fmt::format("trial {}: {} {} {} {}{}{}", what, words_.experiment,
-                               task_->modes()[static_cast<std::size_t>(next.mode)], words_.subject,
-                               record_.trials.size() + 1, words_.simulated ? " simulated" : "",
-                               how.empty() ? "" : " " + how));
+  request.set_mark(
+      trial_mark(what, record_, task_->modes()[static_cast<std::size_t>(next.mode)], how));
   if (const Status done = order(request); !done && recorded_) say("  no mark: " + done.message());
 }
 
