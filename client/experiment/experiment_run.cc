@@ -159,7 +159,7 @@ Status Experiment::load_scene(const std::string& name) {
     end.set_disengage(true);
     load.set_scene_load(name);
     if (trials_begun_ && now->state() != "off") (void)order_for_driver(*now, end);
-    const Status loaded = order_for_driver(*now, load);
+    Status loaded = order_for_driver(*now, load);
     if (loaded || !trials_begun_ || monotonic_now() > give_up || place_.cancelled()) return loaded;
     ::poll(nullptr, 0, static_cast<int>(kSample / kMillisecond));
   }

@@ -15,7 +15,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 std::string trace_in(const TempFolder& folder) {
-  const std::string file = trace_file(folder.path(), "linear-movement", "anna", 3);
+  std::string file = trace_file(folder.path(), "linear-movement", "anna", 3);
   std::vector<TraceRow> rows(3);
   for (int i = 0; i < 3; ++i) {
     rows[static_cast<std::size_t>(i)].time = 7.0 + 0.25 * i;
