@@ -264,8 +264,8 @@ bool Experiment::live(const std::string& scene) {
     task_->see(now ? &*now : nullptr);
     if (!now) continue;
     prompt(task_->prompt());
-    if (const std::string held = standstill_.see(prompted_, now->reason(), monotonic_now());
-        !held.empty()) {
+    const std::string held = standstill_.see(prompted_, holds(*now), monotonic_now());
+    if (!held.empty()) {
       say("  for a minute the arm has not come further: " + held);
       if (words_.simulated) return fail("the arm does not come further: " + held), false;
     }
@@ -286,17 +286,15 @@ void Experiment::begin_recording() {
   std::string label = words_.experiment + "-" + words_.subject;
   for (char& c : label) c = c == '.' ? '-' : c;
   label.resize(std::min(label.size(), kLongestLabel));
-  if (now->recording().has_file()) {
-    recorded_ = now->recording().file().find(label) != std::string::npos;
-    return say("recorded to " + shown(now->recording().file(), 200));
-  }
+  recorded_ = is_recording_with(label, now->recording().file());
+  if (recorded_) return say("recording goes on in " + shown(now->recording().file(), 200));
   pb::Request request;
   request.mutable_record()->set_on(true);
   request.mutable_record()->set_label(label);
   const Status begun = order(request);
   recorded_ = begun.is_ok();
   say(begun ? "recording into " + shown(now->recording().folder(), 200) + ", label " + label
-            : "not recorded: " + begun.message());
+            : "not recorded by this runner: " + begun.message());
 }
 
 // Where in a recording a trial is.

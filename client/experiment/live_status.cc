@@ -77,4 +77,12 @@ TraceRow row_of(const pb::Status& now, LinearPhase phase) {
           pose_of(now.hand()).p, force_in(now.device_force()), phase};
 }
 
+std::string holds(const pb::Status& now) {
+  return now.state() == "engaged" ? now.reason() : "none";
+}
+
+bool is_recording_with(const std::string& label, const std::string& file) {
+  return file.ends_with("-master-" + label + ".mcap");
+}
+
 }  // namespace handrail

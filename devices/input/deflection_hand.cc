@@ -11,7 +11,9 @@ namespace {
 constexpr double kDeflectionSmoothing = 0.016;
 // In which a free hand is back in the middle but for a third; our choice [s].
 constexpr double kRecentring = 0.15;
+// A step is made in parts as long as a tick: the same motion, however late a reading is [s].
 constexpr double kLongestPart = 1e-3;
+// So that the work stays bounded, as the simulated devices do [s].
 constexpr double kLongestStep = 1.0;
 
 Vec3 in_shares(const Vec3& v) noexcept {

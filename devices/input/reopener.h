@@ -64,6 +64,7 @@ class Reopener {
   }
 
  private:
+  // In place of a descriptor, of which none is negative.
   static constexpr int kNothing = -1;  // was lost
   static constexpr int kNotYet = -2;   // opened, and so there is nothing to close
 

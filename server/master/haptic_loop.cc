@@ -5,6 +5,7 @@
 
 #include "server/link/stall_watch.h"
 #include "server/master/haptic_settings.h"
+#include "server/master/wall_runs.h"
 
 namespace handrail {
 namespace {
@@ -29,7 +30,7 @@ HapticLoop::HapticLoop(HapticDevice& device, const LoopScene& scene, MasterMailb
       tap_(tap),
       begins_(random_session_id()),
       last_tick_(start) {
-  set_device();
+  place_device(run_.scene(), device_);
   run_.begin(begins_);
 }
 
@@ -54,7 +55,7 @@ void HapticLoop::tick(Nanos now) noexcept {
   }
   if (tap_ != nullptr) keep_image(now);
   report_.out = run_.tick(tick_).out;
-  show_walls();
+  report_.walls = wall_report(run_);
   device_.write(report_.out.f_H_M);
   publish(now);
   if (tap_ != nullptr) keep_tick(now);
@@ -66,20 +67,11 @@ void HapticLoop::tick(Nanos now) noexcept {
   boxes_.doorbell.ring();
 }
 
-// The hand begins where the scene's walls leave it free.
-void HapticLoop::set_device() noexcept {
-  const WallRun* run = run_.scene().walls;
-  if (run == nullptr) return device_.simulate(DeviceEffects(), Vec3::Zero());
-  const WallSettings& walls = run->settings;
-  const Vec2 start = walls.walls->stages.front().pose.to_world(walls.walls->start);
-  device_.simulate(walls.device, Vec3(start.x(), start.y(), 0.0));
-}
-
 void HapticLoop::take_scene() noexcept {
   if (boxes_.scene.take(next_scene_)) report_.scene_pending = true;
   if (!report_.scene_pending || !run_.idle()) return;
   run_.change(next_scene_);
-  set_device();
+  place_device(run_.scene(), device_);
   report_.scene_pending = false;
   ++report_.scene_epoch;
 }
@@ -96,36 +88,9 @@ void HapticLoop::take_slave(Nanos now) noexcept {
   in.hold_heard = heard == -kForever ? kForever : now - heard;
 }
 
-void HapticLoop::show_walls() noexcept {
-  report_.walls = WallReport();
-  if (!run_.result().has_walls) return;
-  const WallState& state = run_.scene().walls->state;
-  const WallOutput& felt = run_.result().walls;
-  WallReport& shown = report_.walls;
-  shown.present = true;
-  shown.stage = felt.stage;
-  shown.contact = felt.contact;
-  shown.hand = felt.hand;
-  shown.force = state.turn.transpose() * felt.f_H_M.force.head<2>();
-  shown.penetration = (felt.contact.proxy - felt.hand).norm();
-  shown.locked = felt.effects.locked;
-  shown.place = felt.effects.place;
-  const auto* screw = state.effects.find<ProgressiveFriction>();
-  shown.has_screw = screw != nullptr;
-  if (screw == nullptr) return;
-  shown.turned = screw->alpha();
-  shown.screw_c = screw->c();
-}
-
 void HapticLoop::keep_image(Nanos now) noexcept {
-  ++kept_.number;
-  if (!tap_->image_due(now)) return;
-  MasterTap::Image& image = tap_->image();
-  image.number = kept_.number;
-  image.scene = run_.scene().number;
-  image.begins = std::exchange(begins_, 0);
-  image.size = run_.save(image.bytes);
-  tap_->keep_image(now);
+  tap_->image_before(++kept_.number, now, run_.scene().number, begins_,
+                     [this](auto& bytes) { return run_.save(bytes); });
 }
 
 void HapticLoop::keep_tick(Nanos now) noexcept {

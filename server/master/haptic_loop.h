@@ -32,9 +32,7 @@ class HapticLoop {
 
  private:
   void take_scene() noexcept;
-  void set_device() noexcept;
   void take_slave(Nanos now) noexcept;
-  void show_walls() noexcept;
   // For who records: what the loop remembers, when that is due, and each tick.
   void keep_image(Nanos now) noexcept;
   void keep_tick(Nanos now) noexcept;

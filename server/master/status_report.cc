@@ -113,7 +113,9 @@ void set_plane(google::protobuf::RepeatedField<double>* out, const Vec2& v, doub
   out->Add(v.y() / unit);
 }
 
-void set_walls(const WallReport& walls, pb::WallStatus& s) {
+}  // namespace
+
+void show_walls(const WallReport& walls, pb::WallStatus& s) {
   s.set_stage(static_cast<std::uint32_t>(walls.stage));
   s.set_touching(walls.contact.touching);
   s.set_penetration_mm(walls.penetration / kMm);
@@ -126,8 +128,6 @@ void set_walls(const WallReport& walls, pb::WallStatus& s) {
   s.set_turned_rad(walls.turned);
   s.set_screw_c(walls.screw_c);
 }
-
-}  // namespace
 
 std::string reason_text(Reason reason, Reason peer_fault) {
   const bool of_slave = reason == Reason::kPeerFault && peer_fault != Reason::kNone;
@@ -304,7 +304,7 @@ pb::Status status_report(const MasterIdentity& identity, const HapticReport& rep
   if (known) {
     for (const std::string& text : hash_mismatches(out.link, slave)) s.add_hash_mismatch(text);
   }
-  if (report.walls.present) set_walls(report.walls, *s.mutable_walls());
+  if (report.walls.present) show_walls(report.walls, *s.mutable_walls());
   for (int i = 1; i < static_cast<int>(Reason::kCount); ++i) {
     const auto reason = static_cast<Reason>(i);
     if (out.reasons.has(reason)) s.add_interventions(describe(reason));

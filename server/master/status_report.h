@@ -40,6 +40,9 @@ pb::Status status_report(const MasterIdentity& identity, const HapticReport& rep
 // whose command has no joints on the branch that the arm is on: not those.
 void show_joints(const ArmGeometry& arm, const SlaveState& slave, pb::Status& status);
 
+// What the loop says of the walls; the scene's names are others' to add.
+void show_walls(const WallReport& walls, pb::WallStatus& status);
+
 // `reason` in words; of a slave in fault also why it is: HapticOutput::peer_fault.
 std::string reason_text(Reason reason, Reason peer_fault);
 

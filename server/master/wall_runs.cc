@@ -48,4 +48,32 @@ LoopScene loop_scene_of(const Scene& scene, const HapticCapabilities& device,
   return out;
 }
 
+WallReport wall_report(const HapticRun& run) noexcept {
+  WallReport shown;
+  if (!run.result().has_walls) return shown;
+  const WallState& state = run.scene().walls->state;
+  const WallOutput& felt = run.result().walls;
+  shown.present = true;
+  shown.stage = felt.stage;
+  shown.contact = felt.contact;
+  shown.hand = felt.hand;
+  shown.force = state.turn.transpose() * felt.f_H_M.force.head<2>();
+  shown.penetration = (felt.contact.proxy - felt.hand).norm();
+  shown.locked = felt.effects.locked;
+  shown.place = felt.effects.place;
+  const auto* screw = state.effects.find<ProgressiveFriction>();
+  shown.has_screw = screw != nullptr;
+  if (screw == nullptr) return shown;
+  shown.turned = screw->alpha();
+  shown.screw_c = screw->c();
+  return shown;
+}
+
+void place_device(const LoopScene& scene, HapticDevice& device) noexcept {
+  if (scene.walls == nullptr) return device.simulate(DeviceEffects(), Vec3::Zero());
+  const WallSettings& walls = scene.walls->settings;
+  const Vec2 start = walls.walls->stages.front().pose.to_world(walls.walls->start);
+  device.simulate(walls.device, Vec3(start.x(), start.y(), 0.0));
+}
+
 }  // namespace handrail

@@ -7,6 +7,7 @@
 #include "devices/haptic_device.h"
 #include "proto/config.pb.h"
 #include "server/haptic/haptic_run.h"
+#include "server/master/mailboxes.h"
 #include "server/model/scene.h"
 
 namespace handrail {
@@ -32,5 +33,12 @@ class WallRuns {
 // them, and the walls, kept in `runs`.
 LoopScene loop_scene_of(const Scene& scene, const HapticCapabilities& device,
                         const pb::MasterConfig& config, WallRuns& runs);
+
+// What is told of the walls after a tick; not present in a scene without. Real-time safe.
+WallReport wall_report(const HapticRun& run) noexcept;
+
+// A device that is simulated has the scene's effects, and begins where its walls leave it free.
+// Real-time safe.
+void place_device(const LoopScene& scene, HapticDevice& device) noexcept;
 
 }  // namespace handrail

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <utility>
 
 #include "server/base/ring.h"
 #include "server/base/time.h"
@@ -74,6 +75,18 @@ class RecordTap {
   Image& image() noexcept { return scratch_; }
   void keep_image(Nanos now) noexcept {
     next_image_ = images_.push(scratch_) ? now + kImagePeriod : now;
+  }
+  // Before the entry of that number, all of the above: where an image is due, or where the program
+  // begins, which `begins` then says no more. `save(bytes)` fills them and gives how many.
+  template <typename Save>
+  void image_before(std::uint64_t number, Nanos now, std::uint32_t scene, std::uint64_t& begins,
+                    const Save& save) noexcept {
+    if (begins == 0 && !image_due(now)) return;
+    scratch_.number = number;
+    scratch_.scene = scene;
+    scratch_.begins = std::exchange(begins, 0);
+    scratch_.size = save(scratch_.bytes);
+    keep_image(now);
   }
   void keep(const Entry& entry) noexcept {
     if (entries_.push(entry)) return;

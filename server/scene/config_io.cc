@@ -183,8 +183,10 @@ Problem check_gripper(const pb::RobotConfig& robot) {
 
 Problem check(const pb::SlaveConfig& c) {
   Problem stop;
-  if (c.has_stop_switch() && c.stop_switch().device().empty()) {
-    stop = FieldProblem{"stop_switch.device", "empty, expected the path of an input device"};
+  if (c.has_stop_switch() && !c.stop_switch().device().starts_with("/")) {
+    stop = FieldProblem{"stop_switch.device",
+                        "'" + shown(c.stop_switch().device()) +
+                            "', expected the path of an input device, from / on"};
   }
   Problem bytes;
   const std::uint32_t n = c.robot().packet_bytes();

@@ -186,14 +186,8 @@ void RobotLoop::take_settings() {
 }
 
 void RobotLoop::keep_image(Nanos now) noexcept {
-  ++kept_.number;
-  if (!tap_->image_due(now)) return;
-  SlaveTap::Image& image = tap_->image();
-  image.number = kept_.number;
-  image.scene = settings_.number;
-  image.begins = std::exchange(begins_, 0);
-  image.size = save_follow(state_, output_, image.bytes);
-  tap_->keep_image(now);
+  tap_->image_before(++kept_.number, now, settings_.number, begins_,
+                     [this](auto& bytes) { return save_follow(state_, output_, bytes); });
 }
 
 void RobotLoop::keep_cycle(Nanos now) noexcept {

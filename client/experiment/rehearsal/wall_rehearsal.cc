@@ -11,6 +11,7 @@
 #include "server/base/units.h"
 #include "server/lab/walls/wall_bench.h"
 #include "server/master/haptic_settings.h"
+#include "server/master/status_report.h"
 #include "server/master/wall_runs.h"
 #include "server/scene/scene_library.h"
 
@@ -24,17 +25,12 @@ constexpr std::uint32_t kHeld = 4;                  // the dead-man, as in Curso
 // Longer than a trial with the way to its start may take.
 constexpr Nanos kGivesUp = 200 * kSecond;
 
-void put_plane(const Vec2& v, double unit, google::protobuf::RepeatedField<double>& out) {
-  out.Add(v.x() / unit);
-  out.Add(v.y() / unit);
-}
-
 // A master with the page's device and a scene of walls, without threads.
 class WallMaster {
  public:
   explicit WallMaster(const Scene& scene) : scene_(scene), run_(loop_scene()) {
     run_.begin(1);
-    set_device();
+    place_device(run_.scene(), device_);
     // Opening a device that is made up cannot fail.
     static_cast<void>(device_.open());
   }
@@ -59,7 +55,7 @@ class WallMaster {
     given.in.order = std::exchange(order_, {});
     if (std::exchange(loads_, false)) {
       run_.change(loop_scene());
-      set_device();
+      place_device(run_.scene(), device_);
       ++epoch_;
     }
     device_.write(run_.tick(given).out.f_H_M);
@@ -74,23 +70,13 @@ class WallMaster {
     out.set_scene(scene_.name);
     out.set_scene_epoch(epoch_);
     out.mutable_haptic()->mutable_cursor()->set_held(cursor_.sequence > 0);
-    const WallState& state = run_.scene().walls->state;
-    const WallOutput& felt = run_.result().walls;
+    const WallReport report = wall_report(run_);
     pb::WallStatus& walls = *out.mutable_walls();
-    walls.set_touching(felt.contact.touching);
-    put_plane(felt.contact.proxy, kMm, *walls.mutable_proxy_mm());
-    put_plane(felt.hand, kMm, *walls.mutable_hand_mm());
-    put_plane(state.turn.transpose() * felt.f_H_M.force.head<2>(), 1.0, *walls.mutable_force_n());
-    walls.set_region(felt.contact.region);
-    walls.set_locked(felt.effects.locked);
+    show_walls(report, walls);
     const EffectSpec* detent = effect_of(scene_, EffectKind::kDetent);
-    const auto place = static_cast<std::size_t>(felt.effects.place);
-    if (detent != nullptr && felt.effects.locked && place < detent->place_names.size()) {
+    const auto place = static_cast<std::size_t>(report.place);
+    if (detent != nullptr && report.locked && place < detent->place_names.size()) {
       walls.set_place(detent->place_names[place]);
-    }
-    if (const auto* screw = state.effects.find<ProgressiveFriction>()) {
-      walls.set_turned_rad(screw->alpha());
-      walls.set_screw_c(screw->c());
     }
     return out;
   }
@@ -108,11 +94,6 @@ class WallMaster {
 
  private:
   LoopScene loop_scene() { return loop_scene_of(scene_, page_capabilities(), {}, runs_); }
-  void set_device() {
-    const WallSettings& walls = run_.scene().walls->settings;
-    const Vec2 start = walls.walls->stages.front().pose.to_world(walls.walls->start);
-    device_.simulate(walls.device, Vec3(start.x(), start.y(), 0.0));
-  }
 
   const Scene& scene_;
   WallRuns runs_;

@@ -1,19 +1,11 @@
 #include "server/lab/cell/cell_keeper.h"
 
-#include <utility>
-
 namespace handrail {
 
 void CellKeeper::before_tick(Nanos now, const HapticRun& run) noexcept {
   if (master_ == nullptr) return;
-  ++tick_.number;
-  if (master_begins_ == 0 && !master_->image_due(now)) return;
-  MasterTap::Image& image = master_->image();
-  image.number = tick_.number;
-  image.scene = kCellScene;
-  image.begins = std::exchange(master_begins_, 0);
-  image.size = run.save(image.bytes);
-  master_->keep_image(now);
+  master_->image_before(++tick_.number, now, kCellScene, master_begins_,
+                        [&](auto& bytes) { return run.save(bytes); });
 }
 
 void CellKeeper::after_tick(Nanos now, const HapticTick& given, const KeptTiming& timing,
@@ -30,14 +22,8 @@ void CellKeeper::after_tick(Nanos now, const HapticTick& given, const KeptTiming
 void CellKeeper::before_cycle(Nanos now, const FollowState& state,
                               const FollowOutput& out) noexcept {
   if (slave_ == nullptr) return;
-  ++cycle_.number;
-  if (slave_begins_ == 0 && !slave_->image_due(now)) return;
-  SlaveTap::Image& image = slave_->image();
-  image.number = cycle_.number;
-  image.scene = kCellScene;
-  image.begins = std::exchange(slave_begins_, 0);
-  image.size = save_follow(state, out, image.bytes);
-  slave_->keep_image(now);
+  slave_->image_before(++cycle_.number, now, kCellScene, slave_begins_,
+                       [&](auto& bytes) { return save_follow(state, out, bytes); });
 }
 
 void CellKeeper::after_cycle(Nanos now, const JointVector* placed, const FollowInput& given,

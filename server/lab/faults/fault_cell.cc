@@ -5,11 +5,11 @@
 #include <stdexcept>
 
 #include "devices/omni/omni_data.h"
+#include "proto/config.pb.h"
+#include "proto/record.pb.h"
 #include "server/kinematics/arm_of.h"
 #include "server/lab/replay/replay.h"
 #include "server/master/wall_runs.h"
-#include "server/record/device_io.h"
-#include "server/record/record_setup.h"
 #include "server/scene/scene_io.h"
 #include "server/slave/follow_settings.h"
 
@@ -42,18 +42,6 @@ pb::MasterConfig config_of(const FaultOptions& fault) {
                                                          : pb::MasterConfig::HOLD);
   out.set_loop_limit_ms(to_seconds(fault.fade_loop) * 1e3);
   out.set_governor(false);
-  return out;
-}
-
-pb::RecordedStart master_start(const FaultOptions& fault) {
-  pb::RecordedStart out = recorded_start("handrail-master", 1, config_of(fault));
-  put(omni_capabilities(false), *out.mutable_device());
-  return out;
-}
-
-pb::RecordedStart slave_start(const FaultOptions&) {
-  pb::RecordedStart out = recorded_start("handrail-slave", 1, pb::SlaveConfig());
-  *out.mutable_arm() = recorded_arm(kMxtPeriod, true, kSensorRange);
   return out;
 }
 
@@ -114,8 +102,9 @@ std::unique_ptr<Cell> fault_cell(std::uint64_t seed, const FaultOptions& fault) 
 }
 
 FaultRecording::FaultRecording(Cell& cell, const FaultOptions& fault)
-    : recording_(cell, master_start(fault), slave_start(fault), recorded_fault_scene(fault),
-                 master_, slave_) {}
+    : recording_(cell, cell_master(config_of(fault), omni_capabilities(false)),
+                 cell_slave(kMxtPeriod, kSensorRange), recorded_fault_scene(fault), master_,
+                 slave_) {}
 
 FaultRecording::Again FaultRecording::again() {
   recording_.finish();

@@ -2,8 +2,12 @@
 
 #include <utility>
 
+#include "proto/config.pb.h"
+#include "proto/record.pb.h"
+#include "server/record/device_io.h"
 #include "server/record/mcap/mcap_writer.h"
 #include "server/record/record_feed.h"
+#include "server/record/record_setup.h"
 
 namespace handrail {
 namespace {
@@ -76,14 +80,26 @@ class CellRecording::Side final : public RecordSink {
   Nanos newest_ = 0;
 };
 
-CellRecording::CellRecording(Cell& cell, pb::RecordedStart master, pb::RecordedStart slave,
-                             const pb::RecordedScene& scene, std::ostream& to_master,
-                             std::ostream& to_slave)
+pb::RecordedStart cell_master(const pb::MasterConfig& config, const HapticCapabilities& device) {
+  pb::RecordedStart out = recorded_start("handrail-master", 1, config);
+  put(device, *out.mutable_device());
+  return out;
+}
+
+pb::RecordedStart cell_slave(Nanos period, double sensor_range) {
+  pb::RecordedStart out = recorded_start("handrail-slave", 1, pb::SlaveConfig());
+  *out.mutable_arm() = recorded_arm(period, true, sensor_range);
+  return out;
+}
+
+CellRecording::CellRecording(Cell& cell, const pb::RecordedStart& master,
+                             const pb::RecordedStart& slave, const pb::RecordedScene& scene,
+                             std::ostream& to_master, std::ostream& to_slave)
     : cell_(cell),
       master_tap_(std::make_unique<MasterTap>()),
       slave_tap_(std::make_unique<SlaveTap>()) {
-  master_ = std::make_unique<Side>(make_feed(*master_tap_), std::move(master), scene, to_master);
-  slave_ = std::make_unique<Side>(make_feed(*slave_tap_), std::move(slave), scene, to_slave);
+  master_ = std::make_unique<Side>(make_feed(*master_tap_), master, scene, to_master);
+  slave_ = std::make_unique<Side>(make_feed(*slave_tap_), slave, scene, to_slave);
   cell_.keep(master_tap_.get(), slave_tap_.get());
 }
 

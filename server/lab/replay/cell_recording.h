@@ -5,17 +5,27 @@
 #include <ostream>
 #include <string>
 
-#include "proto/record.pb.h"
+#include "devices/haptic_device.h"
 #include "server/lab/cell/cell.h"
 
 namespace handrail {
+
+namespace pb {
+class MasterConfig;
+class RecordedScene;
+class RecordedStart;
+}  // namespace pb
+
+// What a recording of a cell begins with, of either side, without times and build.
+pb::RecordedStart cell_master(const pb::MasterConfig& config, const HapticCapabilities& device);
+pb::RecordedStart cell_slave(Nanos period, double sensor_range);
 
 class CellRecording {
  public:
   // From the cell's first tick on; it must outlive the cell's last. `master`, `slave`: what is
   // known of each program, without times and build. `scene`: that the cell runs, number kCellScene.
   // What is written goes to the two streams, whose errors are for who calls to see.
-  CellRecording(Cell& cell, pb::RecordedStart master, pb::RecordedStart slave,
+  CellRecording(Cell& cell, const pb::RecordedStart& master, const pb::RecordedStart& slave,
                 const pb::RecordedScene& scene, std::ostream& to_master, std::ostream& to_slave);
   ~CellRecording();
   CellRecording(const CellRecording&) = delete;

@@ -11,6 +11,7 @@
 #include "server/base/units.h"
 #include "server/haptic/smoother.h"
 #include "server/lab/study/population_io.h"
+#include "server/scene/scene_io.h"
 #include "server/scene/scene_library.h"
 
 namespace handrail {
@@ -104,12 +105,13 @@ Result<StudySetup> study_setup(const std::string& scene, const std::string& popu
   }
 
   StudySetup out;
-  auto loaded = SceneLibrary().load(scene, of_scene);
+  const auto scene_file = SceneLibrary().find(scene);
+  if (!scene_file) return scene_file.status();
+  pb::Scene raw;
+  auto loaded = load_scene_file(*scene_file, &raw, of_scene);
   if (!loaded) return loaded.status();
   out.machine.scene = std::move(*loaded);
-  auto text = scene_text(out.machine.scene, of_scene);
-  if (!text) return text.status();
-  out.machine.recording.scene_text = std::move(*text);
+  out.machine.recording.scene_text = scene_file_text(raw);
   const auto rig = rig_options(of_rig);
   if (!rig) return rig.status();
   out.machine.rig = *rig;

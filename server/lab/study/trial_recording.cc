@@ -8,28 +8,19 @@
 
 #include "devices/omni/omni_data.h"
 #include "proto/config.pb.h"
+#include "proto/record.pb.h"
+#include "proto/scene.pb.h"
 #include "server/lab/study/study_bench.h"
-#include "server/record/device_io.h"
-#include "server/record/record_setup.h"
-#include "server/scene/scene_io.h"
 
 namespace handrail {
 namespace {
 
-pb::RecordedStart master_start(const StudyMachine& machine) {
-  pb::MasterConfig config;
-  // As haptic_settings() leaves them without a configuration.
-  config.set_presence(pb::MasterConfig::NONE);
-  config.set_governor(false);
-  config.set_good_link_ms(0);
-  pb::RecordedStart out = recorded_start("handrail-master", 1, config);
-  put(omni_capabilities(machine.torque), *out.mutable_device());
-  return out;
-}
-
-pb::RecordedStart slave_start(const StudyMachine& machine) {
-  pb::RecordedStart out = recorded_start("handrail-slave", 1, pb::SlaveConfig());
-  *out.mutable_arm() = recorded_arm(machine.rig.controller.period, true, kStudySensorRange);
+pb::MasterConfig config_of_studies() {
+  pb::MasterConfig out;
+  // As haptic_settings() leaves it without a configuration.
+  out.set_presence(pb::MasterConfig::NONE);
+  out.set_governor(false);
+  out.set_good_link_ms(0);
   return out;
 }
 
@@ -53,8 +44,10 @@ TrialRecording::TrialRecording(Cell& cell, const StudyMachine& machine, const st
       name_(file_name(machine.recording.folder, trial)),
       master_(name_ + ".master.mcap", std::ios::binary),
       slave_(name_ + ".slave.mcap", std::ios::binary),
-      recording_(std::make_unique<CellRecording>(cell, master_start(machine), slave_start(machine),
-                                                 recorded_study_scene(machine), master_, slave_)) {
+      recording_(std::make_unique<CellRecording>(
+          cell, cell_master(config_of_studies(), omni_capabilities(machine.torque)),
+          cell_slave(machine.rig.controller.period, kStudySensorRange),
+          recorded_study_scene(machine), master_, slave_)) {
   recording_->mark("trial begins: " + trial_ + " simulated");
 }
 
@@ -71,23 +64,20 @@ Status TrialRecording::finish(const std::string& end) {
   return Status::ok();
 }
 
-Result<std::string> scene_text(const Scene& scene, const std::vector<Override>& overrides) {
-  pb::Scene raw;
-  const auto loaded = load_scene_file(scene.file, &raw, overrides);
-  if (!loaded) return loaded.status();
+std::string scene_file_text(const pb::Scene& scene) {
   std::string out;
-  google::protobuf::TextFormat::PrintToString(raw, &out);
+  // A message of ours always has a text.
+  (void)google::protobuf::TextFormat::PrintToString(scene, &out);
   return out;
 }
 
 std::string text_without_protection(const std::string& text) {
   pb::Scene raw;
-  std::string out;
-  if (!google::protobuf::TextFormat::ParseFromString(text, &raw)) return text;
+  // It is one that scene_file_text() has made.
+  (void)google::protobuf::TextFormat::ParseFromString(text, &raw);
   raw.mutable_bumper()->set_enabled(false);
   raw.mutable_guidance()->set_spring_n_mm(0.0);
-  google::protobuf::TextFormat::PrintToString(raw, &out);
-  return out;
+  return scene_file_text(raw);
 }
 
 }  // namespace handrail

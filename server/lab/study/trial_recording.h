@@ -7,10 +7,12 @@
 
 #include "server/base/status.h"
 #include "server/lab/replay/cell_recording.h"
-#include "server/model/scene.h"
-#include "server/scene/overrides.h"
 
 namespace handrail {
+
+namespace pb {
+class Scene;
+}
 
 struct StudyMachine;
 
@@ -38,8 +40,8 @@ class TrialRecording {
   std::unique_ptr<CellRecording> recording_;
 };
 
-// The scene's file with its settings in it, as read_scene's text. The error names file or setting.
-Result<std::string> scene_text(const Scene& scene, const std::vector<Override>& overrides);
+// A scene as its file would have it.
+std::string scene_file_text(const pb::Scene& scene);
 
 // The same text without contact protection, as set_protection() has it.
 std::string text_without_protection(const std::string& text);

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "client/experiment/live_status.h"
+
 namespace handrail {
 namespace {
 
@@ -29,6 +31,26 @@ TEST(Standstill, AnythingElseBeginsAnew) {
 TEST(Standstill, WhereNothingHoldsTheArmNothingIsTold) {
   Standstill it;
   for (int s = 0; s < 600; ++s) EXPECT_EQ(it.see("mark", "none", s * kSecond), "");
+}
+
+TEST(Standstill, OnlyAnArmThatIsLedIsHeld) {
+  pb::Status now;
+  now.set_reason("J6 ends");
+  for (const char* state : {"off", "clutched", "fault"}) {
+    now.set_state(state);
+    EXPECT_EQ(holds(now), "none") << state;
+  }
+  now.set_state("engaged");
+  EXPECT_EQ(holds(now), "J6 ends");
+}
+
+TEST(RecordingOfARunner, IsTheOneWithItsWholeLabel) {
+  const std::string file = "/r/20261128T073324.964Z-master-gearshift-ann.mcap";
+  EXPECT_TRUE(is_recording_with("gearshift-ann", file));
+  EXPECT_FALSE(is_recording_with("gearshift-anna", file));
+  EXPECT_FALSE(is_recording_with("gearshift-an", file));
+  EXPECT_FALSE(is_recording_with("ann", file));
+  EXPECT_FALSE(is_recording_with("gearshift-ann", ""));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <sstream>
 
+#include "proto/record.pb.h"
 #include "server/lab/faults/fault_rows.h"
 #include "server/lab/replay/recording_csv.h"
 #include "server/lab/replay/replay.h"
