@@ -182,6 +182,9 @@ ExitCode run_experiment_command(const Options& options, const Console& console) 
   const ExperimentPlace place{options.master, options.as,  console.out,
                               console.err,    interrupted, console.in};
   if (options.rehearse) {
+    if (options.subject || options.report || options.simulated || options.resume) {
+      return complain(console, "experiment: --rehearse goes with --json alone");
+    }
     const int people = count_in(*options.rehearse, kMostRehearsed);
     if (people == 0) {
       return complain(console, "experiment: --rehearse '" + shown(*options.rehearse) +

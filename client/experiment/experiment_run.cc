@@ -14,6 +14,7 @@
 #include "client/experiment/experiment_task.h"
 #include "client/experiment/live_status.h"
 #include "client/experiment/questionnaire.h"
+#include "client/experiment/recording/experiment_recording.h"
 #include "client/experiment/standstill.h"
 #include "client/experiment/trace_csv.h"
 #include "server/base/clock.h"
@@ -32,17 +33,18 @@ constexpr Nanos kPromptAgain = kSecond;          // the master forgets one that 
 constexpr Nanos kBallAgain = 33 * kMillisecond;  // a picture of the page's
 constexpr Nanos kRetry = 500 * kMillisecond;     // of a master that does not answer, of a full disk
 
-constexpr std::size_t kLongestLabel = 40;  // of a recording
-
 // Everything that lasts as long as one run of the program.
 class Experiment {
  public:
   Experiment(const ExperimentWords& words, const ExperimentPlace& place)
-      : words_(words), place_(place), client_(place.master, place.as, place.cancelled) {}
+      : words_(words),
+        place_(place),
+        client_(place.master, place.as, place.cancelled),
+        recording_(place.master, place.as, recording_label(words.experiment, words.subject),
+                   [this](const std::string& text) { say(text); }) {}
 
   ExitCode run() {
     if (Status s = prepare(); !s) return fail(s.message());
-    begin_recording();
     while (const std::optional<TrialNext> next = next_trial(rules_, order_, trials_made(record_))) {
       if (!make(*next)) return finish();
     }
@@ -74,7 +76,6 @@ class Experiment {
   bool make(const TrialNext& next);
   bool live(const std::string& scene);
   bool write(const pb::ExperimentLine& line);
-  void begin_recording();
   void mark(const std::string& what, const TrialNext& next, const std::string& how);
   void question();
   ExitCode finish();
@@ -82,6 +83,7 @@ class Experiment {
   const ExperimentWords& words_;
   const ExperimentPlace& place_;
   OperatorClient client_;
+  ExperimentRecording recording_;
   ExitCode code_ = kExitDone;
   Scene scene_;
   std::unique_ptr<ExperimentTask> task_;
@@ -91,7 +93,6 @@ class Experiment {
   ExperimentRecord record_;
   std::string prompted_;
   Standstill standstill_;
-  bool recorded_ = false;      // the master records, on this runner's word
   bool trials_begun_ = false;  // trials have begun: a scene between them is ours to change
   Nanos prompt_at_ = 0;        // from when on it is said again
   std::unique_ptr<CursorSender> cursor_;  // null: a person
@@ -276,33 +277,10 @@ bool Experiment::live(const std::string& scene) {
   return true;
 }
 
-// Everything between here and the end, on both sides, where the master's configuration lets. One
-// that a killed runner of the same person left goes on.
-void Experiment::begin_recording() {
-  const Result<pb::Status> now = status_of(client_, kAnswer);
-  if (!now) return;
-  if (!now->has_recording())
-    return say("not recorded: the master's configuration has no recording {}");
-  std::string label = words_.experiment + "-" + words_.subject;
-  for (char& c : label) c = c == '.' ? '-' : c;
-  label.resize(std::min(label.size(), kLongestLabel));
-  recorded_ = is_recording_with(label, now->recording().file());
-  if (recorded_) return say("recording goes on in " + shown(now->recording().file(), 200));
-  pb::Request request;
-  request.mutable_record()->set_on(true);
-  request.mutable_record()->set_label(label);
-  const Status begun = order(request);
-  recorded_ = begun.is_ok();
-  say(begun ? "recording into " + shown(now->recording().folder(), 200) + ", label " + label
-            : "not recorded by this runner: " + begun.message());
-}
-
-// Where in a recording a trial is.
+// Where in the recording a trial begins or ends.
 void Experiment::mark(const std::string& what, const TrialNext& next, const std::string& how) {
-  pb::Request request;
-  request.set_mark(
-      trial_mark(what, record_, task_->modes()[static_cast<std::size_t>(next.mode)], how));
-  if (const Status done = order(request); !done && recorded_) say("  no mark: " + done.message());
+  const std::string mode = task_->modes()[static_cast<std::size_t>(next.mode)];
+  recording_.mark(trial_mark(what, record_, mode, how));
 }
 
 bool Experiment::make(const TrialNext& next) {
@@ -316,6 +294,7 @@ bool Experiment::make(const TrialNext& next) {
     fail(there.message());
     return false;
   }
+  recording_.keep();
   // Before it begins: those who mark during a trial are heard.
   mark("begins", next, next.practice ? "practice" : "");
   pb::ExperimentLine line;
@@ -366,11 +345,7 @@ ExitCode Experiment::finish() {
   pb::Request clear;
   clear.set_prompt("");
   (void)last.call(clear, kSecond);
-  if (recorded_) {
-    pb::Request end;
-    end.mutable_record()->set_on(false);
-    (void)last.call(end, kSecond);
-  }
+  recording_.end();
   if (cursor_) {
     for (const bool drive : {true, false}) {
       pb::Request request;

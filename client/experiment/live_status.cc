@@ -81,8 +81,4 @@ std::string holds(const pb::Status& now) {
   return now.state() == "engaged" ? now.reason() : "none";
 }
 
-bool is_recording_with(const std::string& label, const std::string& file) {
-  return file.ends_with("-master-" + label + ".mcap");
-}
-
 }  // namespace handrail

@@ -16,8 +16,6 @@ Result<pb::Status> status_of(OperatorClient& client, Nanos patience);
 
 // What holds the arm while it is led; "none" else.
 std::string holds(const pb::Status& now);
-// Whether a recording's file, on whatever computer, is one with that label.
-bool is_recording_with(const std::string& label, const std::string& file);
 
 // Three numbers; zeros where the master says nothing.
 Vec3 vector_of(const google::protobuf::RepeatedField<double>& v);

@@ -35,6 +35,9 @@ const CLI::Validator kFinite(
     },
     "");
 
+const CLI::Validator kNotEmpty(
+    [](const std::string& text) { return text.empty() ? "expected something" : std::string(); },
+    "");
 const CLI::Validator kPngFile(
     [](std::string& text) {
       return text.ends_with(".png") ? std::string()
@@ -60,7 +63,8 @@ void add_replay(CLI::App& app, ReplayCommand& replay) {
       "replay", "do again what a recording holds: the same inputs through the same steps");
   sub->add_option("FILE", replay.file, "recording, .mcap")->required();
   sub->add_option("--link", replay.link,
-                  "another network under the same hand: delay=MS,jitter=MS,loss=PERCENT");
+                  "another network under the same hand: delay=MS,jitter=MS,loss=PERCENT")
+      ->check(kNotEmpty);
   sub->add_option("--tool", replay.tool, "a tool of the scene in place of each of its sort");
   sub->add_option("--scene", replay.scene, "another scene in place of all");
   sub->add_option("--set", replay.set,

@@ -50,7 +50,9 @@ inline void add_study(CLI::App& sub, StudyCommand& study, const std::string& blo
   sub.add_flag("--json", study.json, "print everything, every trial too, as JSON");
   sub.add_option("--figures", study.figures, "folder for the figures (SVG)");
   sub.add_option("--record", study.record,
-                 "folder for recordings of every trial, as the daemons write them");
+                 "folder for recordings of every trial, as the daemons write them")
+      ->check(CLI::Validator(
+          [](const std::string& text) { return text.empty() ? "expected a folder" : ""; }, ""));
   sub.add_option("--set", study.settings,
                  "KEY=VALUE: a scene's field, rig.FIELD, operator.PARAMETER, haptic.rate_hz, "
                  "haptic.torque, link.delay_ms; all --set together are one variation")

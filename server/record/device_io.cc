@@ -35,11 +35,15 @@ Status take(const pb::RecordedDevice& in, HapticCapabilities& out) {
     return Status::error("device.dynamics has " + std::to_string(in.dynamics_size()) +
                          " numbers, expected " + std::to_string(kDynamics));
   }
+  // A device may make no force.
   for (const auto& [field, value] : {std::pair("max_force", in.max_force()),
-                                     std::pair("continuous_force", in.continuous_force()),
-                                     std::pair("least_mass", in.least_mass())}) {
-    if (std::isfinite(value) && value > 0.0) continue;
+                                     std::pair("continuous_force", in.continuous_force())}) {
+    if (std::isfinite(value) && value >= 0.0) continue;
     return Status::error(std::string("device.") + field + " is " + std::to_string(value) +
+                         ", expected a finite number, at least 0");
+  }
+  if (!(std::isfinite(in.least_mass()) && in.least_mass() > 0.0)) {
+    return Status::error("device.least_mass is " + std::to_string(in.least_mass()) +
                          ", expected a finite number over 0");
   }
   out.name = in.name();

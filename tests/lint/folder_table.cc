@@ -61,9 +61,11 @@ Table program_rows() {
                                              "devices/net_ft", "devices/evdev"}},
           {"client/api", kBase + Folders{"proto", "server/keys", "server/link/secure"}},
           {"client/doctor", kModel + Folders{"proto", "server/keys", "server/link", "client/api"}},
-          {"client/experiment", task + study +
-                                    Folders{"client/experiment/screw", "server/lab/walls",
-                                            "server/lab/study/linear", "server/lab/figure"}},
+          {"client/experiment",
+           task + study +
+               Folders{"client/experiment/recording", "client/experiment/screw", "server/lab/walls",
+                       "server/lab/study/linear", "server/lab/figure"}},
+          {"client/experiment/recording", kBase + Folders{"proto", "client/api"}},
           {"client/experiment/screw", kModel + study + Folders{"proto", "client/api"}},
           {"client/experiment/rehearsal",
            task + Folders{"client/experiment", "server/lab/walls", "server/master", "server/haptic",

@@ -8,11 +8,13 @@
 
 #include "client/api/rig_client.h"
 #include "server/lab/replay/recording_csv.h"
+#include "server/lab/replay/replay.h"
 #include "tests/loopback/whole_cell.h"
 
 namespace handrail {
 namespace {
 
+using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -86,6 +88,13 @@ class ScrewExperimentTest : public WholeCell {
     // The way to the start belongs to a trial too.
     EXPECT_GT(static_cast<double>(*rows), 1e3 * took);
     EXPECT_LT(static_cast<double>(*rows), 1e3 * (took + 60.0));
+    std::ifstream whole(recording, std::ios::binary);
+    const auto replayed = replay(whole, {});
+    ASSERT_TRUE(replayed) << replayed.message();
+    std::vector<std::string> marks;
+    for (const auto& event : replayed->happened) marks.push_back(event.text);
+    EXPECT_THAT(marks, Contains("trial begins: screw-fastening C-V sim1 3 simulated"));
+    EXPECT_THAT(marks, Contains("trial ends: screw-fastening C-V sim1 3 simulated done"));
     std::ifstream again(recording, std::ios::binary);
     EXPECT_THAT(write_recording_csv(again, none, 0.0, 4).message(), HasSubstr("no trial 4"));
   }

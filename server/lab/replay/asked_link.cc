@@ -23,11 +23,13 @@ Status wrong(const std::string& part) {
 Result<LinkWords> link_words(const std::string& text) {
   LinkWords out;
   std::istringstream in(text);
-  bool any = false;
+  std::string seen;
   for (std::string part; std::getline(in, part, ',');) {
     const auto equals = part.find('=');
     if (equals == std::string::npos) return wrong(part);
     const std::string key = part.substr(0, equals);
+    if (seen.find(key + ",") != std::string::npos) return wrong(part);
+    seen += key + ",";
     double value = 0.0;
     const char* first = part.data() + equals + 1;
     const char* last = part.data() + part.size();
@@ -43,9 +45,8 @@ Result<LinkWords> link_words(const std::string& text) {
     } else {
       return wrong(part);
     }
-    any = true;
   }
-  if (!any) return wrong(text);
+  if (seen.empty()) return wrong(text);
   return out;
 }
 

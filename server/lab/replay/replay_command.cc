@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <utility>
 
@@ -195,15 +196,23 @@ int run_recording_csv_command(const RecordingCsvCommand& command) {
     return complain(Status::error(command.file + ": cannot be read: " + std::strerror(errno)),
                     kUsage);
   }
-  std::ofstream out(command.out);
-  if (!out) {
-    return complain(Status::error(command.out + ": cannot be written: " + std::strerror(errno)),
-                    kFailed);
-  }
+  // What was there stays until the new one is whole.
+  const std::string part = command.out + ".part";
+  std::ofstream out(part);
+  const auto cannot = [&](const Status& why, int code) {
+    std::error_code ignored;
+    std::filesystem::remove(part, ignored);
+    return complain(why, code);
+  };
+  const auto unwritable = [&] {
+    return Status::error(command.out + ": cannot be written: " + std::strerror(errno));
+  };
+  if (!out) return cannot(unwritable(), kFailed);
   const auto rows = write_recording_csv(in, out, command.hz, command.trial);
-  if (!rows) return complain(Status::error(command.file + ": " + rows.message()), kUsage);
+  if (!rows) return cannot(Status::error(command.file + ": " + rows.message()), kUsage);
   out.close();
-  if (!out) return complain(Status::error(command.out + ": cannot be written"), kFailed);
+  if (!out || std::rename(part.c_str(), command.out.c_str()) != 0)
+    return cannot(unwritable(), kFailed);
   std::printf("%s: %llu rows\n", command.out.c_str(), static_cast<unsigned long long>(*rows));
   return kDone;
 }

@@ -53,8 +53,11 @@ StudyBench::StudyBench(const StudyMachine& machine, const CellOptions& cell,
   (void)omni_.open();
 }
 
-void StudyBench::record(const StudyMachine& machine, const std::string& trial) {
+Status StudyBench::record(const StudyMachine& machine, const std::string& trial) {
+  if (machine.recording.folder.empty()) return Status::ok();
+  if (Status s = TrialRecording::is_new(machine.recording.folder, trial); !s) return s;
   recording_ = std::make_unique<TrialRecording>(cell_, machine, trial);
+  return Status::ok();
 }
 
 Status StudyBench::finish_recording(const std::string& end) {

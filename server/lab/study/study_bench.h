@@ -44,8 +44,9 @@ class StudyBench {
   // Engages with the clutch closed and rests a little; false if the cell does not engage.
   bool engage();
   void tick(const HapticOrder& order);
-  // Records from the first tick on; `trial` as TrialRecording has it.
-  void record(const StudyMachine& machine, const std::string& trial);
+  // Records from the first tick on, where the machine says so; `trial` as TrialRecording has it.
+  // The error says that it is there already.
+  Status record(const StudyMachine& machine, const std::string& trial);
   // The error names the file. Nothing without a recording.
   Status finish_recording(const std::string& end);
   void clutch(bool closed) { clutch_ = closed; }

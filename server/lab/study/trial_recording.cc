@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 
 #include "devices/omni/omni_data.h"
 #include "proto/config.pb.h"
@@ -38,6 +39,12 @@ std::string file_name(const std::string& folder, std::string trial) {
 }
 
 }  // namespace
+
+Status TrialRecording::is_new(const std::string& folder, const std::string& trial) {
+  const std::string file = file_name(folder, trial) + ".master.mcap";
+  if (!std::filesystem::exists(file)) return Status::ok();
+  return Status::error(file + ": is there already; --record with another folder");
+}
 
 TrialRecording::TrialRecording(Cell& cell, const StudyMachine& machine, const std::string& trial)
     : trial_(trial),

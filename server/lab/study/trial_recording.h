@@ -25,6 +25,8 @@ struct StudyRecording {
 
 class TrialRecording {
  public:
+  // Nothing of that trial is in the folder yet, or the error names it.
+  static Status is_new(const std::string& folder, const std::string& trial);
   // From the cell's first tick on. `trial`: what stands in the marks, EXPERIMENT MODE SUBJECT
   // NUMBER; with '-' for spaces the name of the two files, NAME.master.mcap and NAME.slave.mcap.
   TrialRecording(Cell& cell, const StudyMachine& machine, const std::string& trial);

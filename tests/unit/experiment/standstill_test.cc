@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "client/experiment/live_status.h"
+#include "client/experiment/recording/experiment_recording.h"
 
 namespace handrail {
 namespace {
@@ -51,6 +52,8 @@ TEST(RecordingOfARunner, IsTheOneWithItsWholeLabel) {
   EXPECT_FALSE(is_recording_with("gearshift-an", file));
   EXPECT_FALSE(is_recording_with("ann", file));
   EXPECT_FALSE(is_recording_with("gearshift-ann", ""));
+  EXPECT_EQ(recording_label("linear-movement", "a.b_c"), "linear-movement-a-b_c");
+  EXPECT_EQ(recording_label("wrench-loosening", std::string(32, 'x')).size(), 40u);
 }
 
 }  // namespace

@@ -52,6 +52,8 @@ TEST(TrialRecordingTest, ALinearTrialIsTheSameWithItAndReplaysWithItsSettings) {
   StudyMachine plain = setup.machine;
   plain.recording.folder.clear();
   EXPECT_EQ(recorded->execution_time, run_linear_trial(plain, options)->execution_time);
+  EXPECT_THAT(run_linear_trial(setup.machine, options).message(),
+              HasSubstr("/linear-movement-V-sim12-4.master.mcap: is there already"));
   expect_replays(folder.path() + "/linear-movement-V-sim12-4",
                  "trial begins: linear-movement V sim12 4 simulated",
                  "trial ends: linear-movement V sim12 4 simulated done");

@@ -69,7 +69,7 @@ TEST(AskedLink, WhatIsLostIsNotHeardAndWhatIsOvertakenNeither) {
 
 TEST(AskedLink, WordsThatAreNoneAreTold) {
   for (const char* words : {"", "delay", "delay=x", "delay=-1", "delay=6000", "loss=101", "speed=1",
-                            "delay=nan", "delay=1 loss=2"}) {
+                            "delay=1,delay=2", "delay=nan", "delay=1 loss=2"}) {
     const auto taken = link_words(words);
     ASSERT_FALSE(taken) << words;
     EXPECT_THAT(taken.message(), HasSubstr("expected delay=MS,jitter=MS,loss=PERCENT")) << words;

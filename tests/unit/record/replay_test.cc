@@ -206,6 +206,13 @@ TEST(Replay, WhatNoTickCanBeIsRefusedByItsName) {
   InMemory weak = a_recording(5);
   change_start(weak, [](pb::RecordedStart& start) { start.mutable_device()->set_max_force(-1.0); });
   EXPECT_NE(replay_of(weak).message().find("device.max_force is -1"), std::string::npos);
+  change_start(weak, [](pb::RecordedStart& start) {
+    start.mutable_device()->set_max_force(0.0);
+    start.mutable_device()->set_continuous_force(0.0);
+  });
+  EXPECT_TRUE(replay_of(weak)) << "a device that makes no force: " << replay_of(weak).message();
+  change_start(weak, [](pb::RecordedStart& start) { start.mutable_device()->set_least_mass(0.0); });
+  EXPECT_NE(replay_of(weak).message().find("device.least_mass is 0"), std::string::npos);
 }
 
 TEST(Replay, AnotherGainShowsBothSideBySide) {

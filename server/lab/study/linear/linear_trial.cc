@@ -152,8 +152,7 @@ Result<TrialResult> run_linear_trial(const StudyMachine& machine, const TrialOpt
                                options.seed + 2);
   if (!cell) return cell.status();
   const auto bench = std::make_unique<StudyBench>(machine, **cell, options.person, options.seed);
-  const bool recorded = !machine.recording.folder.empty();
-  if (recorded) bench->record(machine, name_of(machine.scene.name, options));
+  if (Status s = bench->record(machine, name_of(machine.scene.name, options)); !s) return s;
   TrialResult out = LinearTrialRun(task, options, *bench).run();
   if (Status s = bench->finish_recording(name_of(out.end)); !s) return s;
   return out;

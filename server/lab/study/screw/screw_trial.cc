@@ -107,12 +107,10 @@ Result<ScrewResult> run_screw_trial(const StudyMachine& given, const ScrewTrialO
                                "screw.start_mm", options.arm_seed, options.seed + 2);
   if (!cell) return cell.status();
   const auto bench = std::make_unique<StudyBench>(machine, **cell, options.person, options.seed);
-  if (!machine.recording.folder.empty()) {
-    if (!has_protection(options.mode)) {
-      machine.recording.scene_text = text_without_protection(machine.recording.scene_text);
-    }
-    bench->record(machine, name_of(machine.scene.name, options));
+  if (!machine.recording.folder.empty() && !has_protection(options.mode)) {
+    machine.recording.scene_text = text_without_protection(machine.recording.scene_text);
   }
+  if (Status s = bench->record(machine, name_of(machine.scene.name, options)); !s) return s;
   ScrewResult out = ScrewTrialRun(machine, work, options, *bench).run();
   if (Status s = bench->finish_recording(name_of(out.end)); !s) return s;
   return out;
