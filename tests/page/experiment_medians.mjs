@@ -45,17 +45,18 @@ const EXPERIMENTS = {
 };
 
 async function make(experiment) {
-  const programs = await new Programs().open();
-  try {
-    for (let i = 1; i <= COUNT; ++i) {
-      const subject = `p${String(i).padStart(2, '0')}`;
+  for (let i = 1; i <= COUNT; ++i) {
+    const subject = `p${String(i).padStart(2, '0')}`;
+    // Their own programs for each: how a loop's millisecond lies to the next one's is drawn anew, as in virtual time.
+    const programs = await new Programs().open();
+    try {
       const child = spawn(join(BIN, 'handrail'), ['experiment', experiment, '--subject', subject, '--simulated', '--trials', '1', '--resume', '--out', folder, '--socket', programs.socket, '--rig-socket', programs.rigSocket], { stdio: ['ignore', 'ignore', 'inherit'] });
       const [code] = await once(child, 'exit');
       if (code !== 0) throw new Error(`${subject}: ended with ${code}`);
       console.error(`${experiment}: ${subject} is done (${i} of ${COUNT})`);
+    } finally {
+      await programs.close();
     }
-  } finally {
-    await programs.close();
   }
 }
 

@@ -5,9 +5,11 @@
 #include <vector>
 
 #include "client/experiment/experiment_task.h"
+#include "client/experiment/trial_order.h"
 #include "client/experiment/wall_results_io.h"
 #include "devices/page/page_data.h"
 #include "devices/page/page_device.h"
+#include "server/base/random.h"
 #include "server/base/units.h"
 #include "server/lab/walls/wall_bench.h"
 #include "server/master/haptic_settings.h"
@@ -19,8 +21,10 @@ namespace handrail {
 namespace {
 
 // The runner waits 7 ms and then for its answer, 0.2 ms as measured at the running programs.
-constexpr Nanos kStatusPeriod = 7200 * kMicrosecond;
+constexpr Nanos kWaits = 7 * kMillisecond;
+constexpr Nanos kAnswered = 200 * kMicrosecond;
 constexpr Nanos kCursorPeriod = 10 * kMillisecond;  // as the runner sends
+constexpr Nanos kGrain = 100 * kMicrosecond;        // of the clock of all; divides what is above
 constexpr std::uint32_t kHeld = 4;                  // the dead-man, as in CursorSample
 // Longer than a trial with the way to its start may take.
 constexpr Nanos kGivesUp = 200 * kSecond;
@@ -35,23 +39,21 @@ class WallMaster {
     static_cast<void>(device_.open());
   }
 
-  void lead(const Pose& X_MC) {
+  // Taken at the next tick.
+  void lead(const Pose& X_MC, Nanos now) {
     cursor_.X_MC = X_MC;
-    if (now_ < cursor_due_) return;
-    cursor_due_ = now_ + kCursorPeriod;
     ++cursor_.sequence;
     cursor_.buttons = kHeld;
-    cursor_.at = now_;
+    cursor_.at = now;
     device_.lead(cursor_);
   }
 
-  void tick() {
-    now_ += kMillisecond;
+  void tick(Nanos now) {
     HapticTick given;
     given.dt = to_seconds(kMillisecond);
     given.in.unseen = kMillisecond;
     given.led_by_cursor = true;
-    given.in.hand = hand_reading(device_.read(now_));
+    given.in.hand = hand_reading(device_.read(now));
     given.in.order = std::exchange(order_, {});
     if (std::exchange(loads_, false)) {
       run_.change(loop_scene());
@@ -61,21 +63,24 @@ class WallMaster {
     device_.write(run_.tick(given).out.f_H_M);
   }
 
-  Nanos now() const { return now_; }
+  // The server looks at the loop: what it finds is told until it looks again.
+  void look(Nanos now) {
+    found_ = wall_report(run_);
+    looked_ = now;
+  }
 
   // What an operator would be answered.
   pb::Status status() const {
     pb::Status out;
-    out.set_time_s(to_seconds(now_));
+    out.set_time_s(to_seconds(looked_));
     out.set_scene(scene_.name);
     out.set_scene_epoch(epoch_);
     out.mutable_haptic()->mutable_cursor()->set_held(cursor_.sequence > 0);
-    const WallReport report = wall_report(run_);
     pb::WallStatus& walls = *out.mutable_walls();
-    show_walls(report, walls);
+    show_walls(found_, walls);
     const EffectSpec* detent = effect_of(scene_, EffectKind::kDetent);
-    const auto place = static_cast<std::size_t>(report.place);
-    if (detent != nullptr && report.locked && place < detent->place_names.size()) {
+    const auto place = static_cast<std::size_t>(found_.place);
+    if (detent != nullptr && found_.locked && place < detent->place_names.size()) {
       walls.set_place(detent->place_names[place]);
     }
     return out;
@@ -100,8 +105,8 @@ class WallMaster {
   PageDevice device_{page_hand()};
   HapticRun run_;
   CursorSample cursor_;
-  Nanos now_ = 0;
-  Nanos cursor_due_ = 0;
+  WallReport found_;
+  Nanos looked_ = 0;
   HapticOrder order_;
   bool loads_ = false;
   std::uint64_t epoch_ = 1;
@@ -123,19 +128,35 @@ Result<ExperimentRecord> rehearse(const std::string& experiment, const std::stri
   TrialNext next;
   next.number = next.attempt = 1;
   pb::ExperimentTrial trial = (*task)->begin(next);
+  // The master's loop, its server, which looks at the loop once a millisecond, and the runner's two
+  // threads each began at a moment of its own.
+  Random phases(subject_seed(subject, "phases"));
+  const auto phase = [&phases] {
+    return kGrain * static_cast<Nanos>(phases.uniform() * (kMillisecond / kGrain));
+  };
+  const Nanos looks = phase();
+  const TaskHelp help{[&](const pb::Request& order) { return master->order(order); },
+                      [](const std::string&) {}};
+  pb::Status told;
   bool seen = false;
-  Nanos status_due = 0;
-  while (!(*task)->ended() && master->now() < kGivesUp) {
-    if (master->now() >= status_due) {
-      status_due += kStatusPeriod;
-      const pb::Status now = master->status();
-      (*task)->see(&now);
-      (*task)->act(now, {[&](const pb::Request& order) { return master->order(order); },
-                         [](const std::string&) {}});
-      seen = true;
+  Nanos asks = kMillisecond + phase(), answered = kForever, leads = phase();
+  for (Nanos now = 0; !(*task)->ended() && now < kGivesUp; now += kGrain) {
+    if (now % kMillisecond == 0) master->tick(now);
+    if (now % kMillisecond == looks) master->look(now);
+    if (now == asks) {
+      told = master->status();
+      answered = now + kAnswered;
     }
-    if (seen) master->lead((*task)->hand());
-    master->tick();
+    if (now == answered) {
+      (*task)->see(&told);
+      (*task)->act(told, help);
+      seen = true;
+      asks = now + kWaits;
+    }
+    if (now == leads) {
+      if (seen) master->lead((*task)->hand(), now);
+      leads = now + kCursorPeriod;
+    }
   }
   if (!(*task)->ended())
     return Status::error(experiment + ": " + subject + " did not come to an end");
