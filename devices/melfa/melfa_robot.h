@@ -32,6 +32,10 @@ class MelfaRobot : public Robot {
   void grip(Grip wanted) noexcept override { client_.grip(wanted); }
   void end() noexcept override;
 
+  // Every packet both ways is left there from now on; null: none. In the loop's thread, or before.
+  void keep(PacketTap* tap) noexcept {
+    socket_.keep(tap, PacketWay::kRobotIn, PacketWay::kRobotOut);
+  }
   const MxtCounters& counters() const noexcept { return client_.counters(); }
 
  private:

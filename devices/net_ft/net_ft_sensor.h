@@ -30,6 +30,11 @@ class NetFtSensor : public FtSensor {
   void bias() noexcept override;
   void stop() noexcept override;
 
+  // Every record and every request is left there from now on; null: none. In the thread that polls,
+  // or before.
+  void keep(PacketTap* tap) noexcept {
+    socket_.keep(tap, PacketWay::kSensorIn, PacketWay::kSensorOut);
+  }
   const RdtCounters& counters() const noexcept { return client_.counters(); }
 
  private:

@@ -7,6 +7,8 @@
 
 #include <boost/asio.hpp>
 
+#include "server/base/clock.h"
+
 namespace handrail {
 
 namespace asio = boost::asio;
@@ -45,8 +47,10 @@ Status UdpClient::open(const std::string& address, std::uint16_t port, int recei
 void UdpClient::drop_waiting() noexcept {
   constexpr int kMost = 1000;  // more than a receive buffer holds
   std::uint8_t byte = 0;
+  PacketTap* const tap = std::exchange(tap_, nullptr);
   for (int i = 0; i < kMost && receive({&byte, 1}); ++i) {
   }
+  tap_ = tap;
 }
 
 bool UdpClient::send(std::span<const std::uint8_t> bytes) noexcept {
@@ -57,6 +61,7 @@ bool UdpClient::send(std::span<const std::uint8_t> bytes) noexcept {
   if (error == asio::error::connection_refused) {
     socket_->udp.send(asio::buffer(bytes.data(), bytes.size()), 0, error);
   }
+  if (!error && tap_ != nullptr) tap_->keep(out_, monotonic_now(), bytes);
   return !error;
 }
 
@@ -65,7 +70,10 @@ std::optional<std::size_t> UdpClient::receive(std::span<std::uint8_t> buffer) no
     boost::system::error_code error;
     const std::size_t size =
         socket_->udp.receive(asio::buffer(buffer.data(), buffer.size()), 0, error);
-    if (!error) return size;
+    if (!error) {
+      if (tap_ != nullptr) tap_->keep(in_, monotonic_now(), buffer.first(size));
+      return size;
+    }
     if (error != asio::error::connection_refused) break;
   }
   return std::nullopt;
@@ -76,6 +84,12 @@ void UdpClient::wait(Nanos timeout) noexcept {
   const timespec limit{span / kSecond, span % kSecond};
   pollfd entry{socket_->udp.is_open() ? socket_->udp.native_handle() : -1, POLLIN, 0};
   ppoll(&entry, 1, &limit, nullptr);
+}
+
+void UdpClient::keep(PacketTap* tap, PacketWay in, PacketWay out) noexcept {
+  tap_ = tap;
+  in_ = in;
+  out_ = out;
 }
 
 void UdpClient::close() noexcept {

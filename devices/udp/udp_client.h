@@ -10,6 +10,7 @@
 
 #include "server/base/status.h"
 #include "server/base/time.h"
+#include "server/packets/packet_tap.h"
 
 namespace handrail {
 
@@ -32,12 +33,17 @@ class UdpClient {
   // Sleeps until a datagram waits or `timeout` has passed; also when closed.
   void wait(Nanos timeout) noexcept;
   void close() noexcept;
+  // From now on what comes and what is sent is left in `tap` too, as of those ways; null: no more.
+  // It outlives this or the next call. The client's thread writes to it.
+  void keep(PacketTap* tap, PacketWay in, PacketWay out) noexcept;
 
  private:
   void drop_waiting() noexcept;
 
   struct Socket;
   std::unique_ptr<Socket> socket_;
+  PacketTap* tap_ = nullptr;
+  PacketWay in_ = PacketWay::kRobotIn, out_ = PacketWay::kRobotOut;
 };
 
 }  // namespace handrail

@@ -91,6 +91,8 @@ void add_recordings(CLI::App& app, JoinCommand& join, RecordingCsvCommand& csv) 
   table->add_option("--hz", csv.hz, "at most so many rows a second; without it every tick")
       ->check(kFinite)
       ->check(CLI::Range(0.1, 1000.0));
+  table->add_flag("--packets", csv.packets, "every datagram as it came or went, a row each")
+      ->excludes("--trial", "--hz");
 }
 
 void add_accuracy(CLI::App& app, AccuracyCommand& accuracy) {

@@ -54,8 +54,11 @@ class LinkServer {
     }
     transport_ = make(io_);
     pump_.emplace(*transport_, peer_);
+    pump_->keep(tap_);
     return transport_->open();
   }
+  // What goes over the link from open() on is left in `tap` too; null: nothing. It outlives this.
+  void keep(PacketTap* tap) noexcept { tap_ = tap; }
   // Where the link is; empty until open().
   std::string place() const { return transport_ ? transport_->place() : std::string(); }
   LinkIdentity identity(Nanos now) const {
@@ -195,6 +198,7 @@ class LinkServer {
   std::unique_ptr<ServedTransport> transport_;       // null until open()
   LinkPeer<Local, Remote> peer_{random_session_id()};
   std::optional<LinkPump<Local, Remote>> pump_;
+  PacketTap* tap_ = nullptr;
   StallWatch stall_;
   LeaderWatch leader_;
   Hooks hooks_;

@@ -9,6 +9,7 @@
 #include "server/base/time.h"
 #include "server/link/peer.h"
 #include "server/link/transport.h"
+#include "server/packets/packet_tap.h"
 
 namespace handrail {
 
@@ -22,6 +23,10 @@ class LinkPump {
 
   LinkPump(Transport& transport, LinkPeer<Local, Remote>& peer)
       : transport_(transport), peer_(peer) {}
+
+  // What the peer's address sends and what is sent to it is left in `tap` too; null: no more. It
+  // outlives the pump.
+  void keep(PacketTap* tap) noexcept { tap_ = tap; }
 
   // Takes what waits, at most kBatch datagrams. True when the peer has said something new: its
   // newest state, or that another leads it. Who is refused for another's sake is told so.
@@ -38,6 +43,9 @@ class LinkPump {
         break;
       }
       if (arrival->handled) continue;
+      // What strangers send is only counted: they could fill a recording.
+      if (tap_ != nullptr && arrival->from_peer)
+        tap_->keep(PacketWay::kLinkIn, now, std::span(buffer_).first(arrival->size));
       if (dropping_) {
         peer_.count_dropped(Reject::kAfterStall);
       } else if (!arrival->from_peer) {
@@ -58,7 +66,10 @@ class LinkPump {
   void send(Nanos now, const Local& state, Nanos sent_until = kForever) noexcept {
     if (now > sent_until && kept(Check::kStaleSend)) return peer_.withhold(now);
     const std::size_t size = peer_.poll(now, state, buffer_);
-    if (size != 0) (void)transport_.send(std::span(buffer_).first(size));
+    if (size == 0) return;
+    const std::span<const std::uint8_t> datagram = std::span(buffer_).first(size);
+    (void)transport_.send(datagram);
+    if (tap_ != nullptr) tap_->keep(PacketWay::kLinkOut, now, datagram);
   }
 
  private:
@@ -69,6 +80,7 @@ class LinkPump {
   std::array<std::uint8_t, kMaxDatagram + 1> buffer_{};  // one more shows what is too long
   Nanos last_receive_ = -kForever;
   bool dropping_ = false;
+  PacketTap* tap_ = nullptr;
 };
 
 }  // namespace handrail

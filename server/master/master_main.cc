@@ -28,6 +28,7 @@
 #include "server/master/haptic_settings.h"
 #include "server/master/master_server.h"
 #include "server/master/wall_runs.h"
+#include "server/packets/packet_tap.h"
 #include "server/record/device_io.h"
 #include "server/record/record_setup.h"
 #include "server/record/scene_records.h"
@@ -200,11 +201,12 @@ Result<std::optional<RemoteOperatorOptions>> remote_operators_of(const pb::Maste
 }
 
 std::unique_ptr<Recorder> make_recorder(const pb::MasterConfig& config,
-                                        const HapticCapabilities& device, MasterTap& tap) {
+                                        const HapticCapabilities& device, MasterTap& tap,
+                                        PacketTap& packets) {
   pb::RecordedStart start = recorded_start("handrail-master", random_session_id(), config);
   put(device, *start.mutable_device());
-  return std::make_unique<Recorder>(recorder_options(config.recording(), log_line), make_feed(tap),
-                                    std::move(start));
+  return std::make_unique<Recorder>(recorder_options(config.recording(), log_line),
+                                    make_feed(tap, {&packets}), std::move(start));
 }
 
 int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
@@ -218,6 +220,7 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
   if (!scene) return fail(scene.message());
   WallRuns wall_runs;
   const auto tap = config.has_recording() ? std::make_unique<MasterTap>() : nullptr;
+  const auto packets = tap ? std::make_unique<PacketTap>() : nullptr;
   std::unique_ptr<Recorder> recorder;  // ends before what it reads
   std::uint32_t scenes_so_far = 0;
   const auto loop_scene = [&](const Scene& s) {
@@ -244,7 +247,7 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
     return end_output("handrail-master", 0);
   }
 
-  if (tap) recorder = make_recorder(config, capabilities, *tap);
+  if (tap) recorder = make_recorder(config, capabilities, *tap, *packets);
   const LoopScene first = loop_scene(*scene);
   DaemonNews news;
   Errand<Result<Scene>> scenes;
@@ -259,9 +262,10 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
   desk_options.recorder = recorder.get();
   if (recorder) desk_options.record_folder = recorder->folder();
   OrderDesk desk(*boxes, *scene, desk_options);
-  const auto server = make_master_server(
-      *boxes, desk,
-      {*link, config.operator_socket(), desk_options.identity.slave_at, *remote, recorder.get()});
+  const auto server =
+      make_master_server(*boxes, desk,
+                         {*link, config.operator_socket(), desk_options.identity.slave_at, *remote,
+                          recorder.get(), packets.get()});
   hold_endings();
   if (const Status opened = server->open(); !opened) return fail(opened.message());
   if (const Status opened = (*device)->open(); !opened) return fail(opened.message());

@@ -24,6 +24,7 @@ class MasterServer final : public IoServer {
   ~MasterServer() override { desk_.set_link({}); }
 
   Status open() override {
+    link_.keep(options_.packets);
     if (Status opened = link_.open(options_.link); !opened) return opened;
     if (Status opened = operators_.start(options_.operator_socket); !opened) return opened;
     return options_.remote_operators ? remote_.open(*options_.remote_operators) : Status::ok();

@@ -10,6 +10,7 @@
 #include "server/master/mailboxes.h"
 #include "server/master/order_desk.h"
 #include "server/master/remote_operator_server.h"
+#include "server/packets/packet_tap.h"
 
 namespace handrail {
 
@@ -19,6 +20,7 @@ struct MasterServerOptions {
   std::string slave_at;                                   // where a slave is looked for
   std::optional<RemoteOperatorOptions> remote_operators;  // none: this computer's only
   const Recorder* recorder = nullptr;  // the slave records when it is asked to; not owned
+  PacketTap* packets = nullptr;        // where the link's datagrams are left; null: nowhere
 };
 
 // Mailboxes and desk must outlive the server.

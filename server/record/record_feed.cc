@@ -1,7 +1,9 @@
 #include "server/record/record_feed.h"
 
 #include <optional>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "server/base/version.h"
 #include "server/model/reason.h"
@@ -53,19 +55,47 @@ class Unchanged {
 // Chosen: longer than what an operator waits through, and it costs 3 MB a minute.
 constexpr Nanos kMasterGone = 10 * kSecond;
 
+// The datagrams of one thread.
+class PacketFeed {
+ public:
+  explicit PacketFeed(PacketTap& tap) : tap_(tap), packet_(std::make_unique<KeptPacket>()) {}
+
+  // Of each what is to be written, in turn.
+  template <typename Tell>
+  void pull(const Tell& tell) {
+    for (std::size_t i = 0; i < PacketTap::kRoom && tap_.take(*packet_); ++i) {
+      const std::span<const std::uint8_t> kept = packet_->kept();
+      out_.Clear();
+      out_.set_at_ns(packet_->at);
+      out_.set_way(static_cast<pb::RecordedPacket::Way>(packet_->way));
+      out_.set_packet(kept.data(), kept.size());
+      if (packet_->size > kept.size()) out_.set_whole_bytes(packet_->size);
+      tell(out_);
+    }
+  }
+  std::uint64_t lost() const { return tap_.lost(); }
+
+ private:
+  PacketTap& tap_;
+  std::unique_ptr<KeptPacket> packet_;
+  pb::RecordedPacket out_;
+};
+
 // What both feeds do.
 template <typename Tap>
 class Feed : public RecordFeed {
  public:
-  explicit Feed(Tap& tap)
+  Feed(Tap& tap, const std::vector<PacketTap*>& packets)
       : tap_(tap),
         entry_(std::make_unique<typename Tap::Kept>()),
-        image_(std::make_unique<typename Tap::Image>()) {}
+        image_(std::make_unique<typename Tap::Image>()) {
+    for (PacketTap* of : packets) packets_.emplace_back(*of);
+  }
 
   void pull(RecordSink& sink) override {
     waits_ = waits_ || tap_.take(*image_);
     for (std::size_t i = 0; i < kMostKept && tap_.take(*entry_); ++i) {
-      tell_lost(entry_->at, sink);
+      tell_lost(tap_.lost(), told_lost_, "the recorder was behind", entry_->at, sink);
       // An image is taken before its tick is.
       while (waits_ || (waits_ = tap_.take(*image_))) {
         if (image_->number > entry_->number) break;
@@ -74,8 +104,22 @@ class Feed : public RecordFeed {
       }
       put_entry(*entry_, sink);
     }
+    std::uint64_t lost_packets = 0;
+    Nanos newest = entry_->at;
+    for (PacketFeed& feed : packets_) {
+      feed.pull([&](const pb::RecordedPacket& packet) {
+        newest = packet.at_ns();
+        tell(RecordChannel::kPacket, newest, packet, sink);
+      });
+      lost_packets += feed.lost();
+    }
+    tell_lost(lost_packets, told_lost_packets_, "the recorder was behind: packets", newest, sink);
   }
-  std::uint64_t lost() const override { return tap_.lost(); }
+  std::uint64_t lost() const override {
+    std::uint64_t all = tap_.lost();
+    for (const PacketFeed& feed : packets_) all += feed.lost();
+    return all;
+  }
 
  protected:
   virtual void put_entry(const typename Tap::Kept& entry, RecordSink& sink) = 0;
@@ -101,15 +145,16 @@ class Feed : public RecordFeed {
     }
     tell(RecordChannel::kImage, at, out, sink);
   }
-  void tell_lost(Nanos at, RecordSink& sink) {
-    const std::uint64_t lost = tap_.lost();
-    const std::uint64_t more = lost - std::exchange(told_lost_, lost);
+  // `told`: of `lost` so many have been told already.
+  void tell_lost(std::uint64_t lost, std::uint64_t& told, const char* why, Nanos at,
+                 RecordSink& sink) {
+    const std::uint64_t more = lost - std::exchange(told, lost);
     if (more == 0) return;
     pb::RecordedEvent out;
     out.set_at_ns(at);
     out.set_kind(pb::RecordedEvent::LOST);
     out.set_count(more);
-    out.set_text("the recorder was behind");
+    out.set_text(why);
     tell(RecordChannel::kEvent, at, out, sink);
   }
 
@@ -117,7 +162,8 @@ class Feed : public RecordFeed {
   std::unique_ptr<typename Tap::Kept> entry_;
   std::unique_ptr<typename Tap::Image> image_;
   bool waits_ = false;  // the image's tick has not come yet
-  std::uint64_t told_lost_ = 0;
+  std::vector<PacketFeed> packets_;
+  std::uint64_t told_lost_ = 0, told_lost_packets_ = 0;
   std::string bytes_;
 };
 
@@ -180,11 +226,16 @@ McapLayout record_layout() {
   add("/tip", *foxglove::PoseInFrame::descriptor());
   add("/tip/desired", *foxglove::PoseInFrame::descriptor());
   add("/log", *foxglove::Log::descriptor());
+  add("/packet", *pb::RecordedPacket::descriptor());
   return out;
 }
 
-std::unique_ptr<RecordFeed> make_feed(MasterTap& tap) { return std::make_unique<MasterFeed>(tap); }
-std::unique_ptr<RecordFeed> make_feed(SlaveTap& tap) { return std::make_unique<SlaveFeed>(tap); }
+std::unique_ptr<RecordFeed> make_feed(MasterTap& tap, std::vector<PacketTap*> packets) {
+  return std::make_unique<MasterFeed>(tap, packets);
+}
+std::unique_ptr<RecordFeed> make_feed(SlaveTap& tap, std::vector<PacketTap*> packets) {
+  return std::make_unique<SlaveFeed>(tap, packets);
+}
 
 std::string record_build() {
   return std::string(program_version()) + " " + __VERSION__ + " " +

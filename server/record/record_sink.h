@@ -22,7 +22,8 @@ enum class RecordChannel : std::uint16_t {
   kJointStates,
   kTip,
   kDesired,
-  kLog
+  kLog,
+  kPacket
 };
 
 // The kinds of messages of both sides' files.

@@ -24,6 +24,7 @@
 #include "server/daemon/errand.h"
 #include "server/link/secure/secure_transport.h"
 #include "server/link/unix_transport.h"
+#include "server/packets/packet_tap.h"
 #include "server/record/device_io.h"
 #include "server/record/record_setup.h"
 #include "server/record/scene_records.h"
@@ -148,9 +149,16 @@ class RobotThread {
   std::thread thread_;  // last: it uses the others
 };
 
+// What the threads leave for who writes it down.
+struct SlaveTaps {
+  SlaveTap cycles;
+  PacketTap robot;   // of the loop's thread: the controller's packets
+  PacketTap server;  // of the server's: the link's and the sensor's
+};
+
 // What is known of the arm besides the scene, for who replays.
 std::shared_ptr<Recorder> make_recorder(const pb::SlaveConfig& config, Nanos period,
-                                        bool has_sensor, SlaveTap& tap) {
+                                        bool has_sensor, SlaveTaps& taps) {
   pb::RecordedStart start = recorded_start("handrail-slave", random_session_id(), config);
   *start.mutable_arm() =
       recorded_arm(period, has_sensor, config.force_sensor().range_n(),
@@ -158,7 +166,8 @@ std::shared_ptr<Recorder> make_recorder(const pb::SlaveConfig& config, Nanos per
   const auto say = [](bool bad, const std::string& line) {
     spdlog::log(bad ? spdlog::level::err : spdlog::level::info, line);
   };
-  return std::make_shared<Recorder>(recorder_options(config.recording(), say), make_feed(tap),
+  return std::make_shared<Recorder>(recorder_options(config.recording(), say),
+                                    make_feed(taps.cycles, {&taps.robot, &taps.server}),
                                     std::move(start));
 }
 
@@ -214,11 +223,13 @@ Result<TransportMaker> link_of(const pb::SlaveConfig& config) {
 }
 
 int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
+  const auto taps = config.has_recording() && !check_only ? std::make_unique<SlaveTaps>() : nullptr;
   MelfaRobot robot(robot_options(config.robot()));
   const std::unique_ptr<NetFtSensor> sensor = make_sensor(config.force_sensor());
   const Nanos period = robot.capabilities().period;
-  const auto tap = config.has_recording() && !check_only ? std::make_unique<SlaveTap>() : nullptr;
-  const auto recorder = tap ? make_recorder(config, period, sensor != nullptr, *tap) : nullptr;
+  const auto recorder = taps ? make_recorder(config, period, sensor != nullptr, *taps) : nullptr;
+  if (taps) robot.keep(&taps->robot);
+  if (taps && sensor) sensor->keep(&taps->server);
   const SettingsOf load = settings_of(config, period, sensor != nullptr, recorder);
   const auto settings = load(config.scene());
   if (!settings) return fail(settings.message());
@@ -245,6 +256,7 @@ int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
         return scenes.poll([shared, scene] { return (*shared)(scene); });
       };
   options.log_lost = [&log] { return log.lost(); };
+  options.packets = taps ? &taps->server : nullptr;
   const auto server = make_slave_server(boxes, sensor.get(), options);
   hold_endings();
   if (const Status opened = server->open(); !opened) return fail(opened.message());
@@ -258,7 +270,8 @@ int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
     }
     spdlog::info("{}", stop_text(stop_options));
   }
-  RobotThread loop(robot, *settings, boxes, tap.get(), stop ? &*stop : nullptr);
+  RobotThread loop(robot, *settings, boxes, taps ? &taps->cycles : nullptr,
+                   stop ? &*stop : nullptr);
   news.serve(
       *server, fmt::format("READY link={}", server->place()),
       {"robot", loop.realtime(), [&] { loop.request_stop(); }, [&] { return loop.finished(); }});

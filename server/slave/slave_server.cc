@@ -26,7 +26,10 @@ class SlaveServer final : public IoServer {
   SlaveServer(SlaveMailboxes& mailboxes, FtSensor* ft_sensor, SlaveServerOptions opts)
       : boxes_(mailboxes), sensor_(ft_sensor), options_(std::move(opts)) {}
 
-  Status open() override { return link_.open(options_.link); }
+  Status open() override {
+    link_.keep(options_.packets);
+    return link_.open(options_.link);
+  }
   std::string place() const override { return link_.place(); }
 
   void run(ServerHooks hooks) override {

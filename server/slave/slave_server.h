@@ -11,6 +11,7 @@
 #include "server/base/status.h"
 #include "server/daemon/io_thread.h"
 #include "server/link/transport.h"
+#include "server/packets/packet_tap.h"
 #include "server/slave/mailboxes.h"
 
 namespace handrail {
@@ -24,6 +25,7 @@ struct SlaveServerOptions {
   // nothing moves, when the master's scene differs from the one in the robot loop. Must not wait:
   // asked again every tick while it gives nothing, as the disk takes its time.
   std::function<std::optional<Result<FollowSettings>>(const std::string& scene)> load_scene;
+  PacketTap* packets = nullptr;  // where the link's datagrams are left; null: nowhere
 };
 
 // Mailboxes and sensor (null: none) must outlive the server.

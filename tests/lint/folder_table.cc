@@ -21,6 +21,7 @@ Table part_rows() {
   return {{"proto", {}},
           {"server/base", {}},
           {"server/model", kBase},
+          {"server/packets", kBase},
           {"server/keys", kBase},
           {"server/keys/pairing", kBase + Folders{"server/keys"}},
           {"server/daemon", kBase},
@@ -40,10 +41,11 @@ Table part_rows() {
                                              "server/kinematics", "server/motion"}},
           {"server/painting", kModel},
           {"server/scene", kModel + Folders{"server/kinematics", "server/painting", "proto"}},
-          {"server/link", kModel + Folders{"proto"}},
+          {"server/link", kModel + Folders{"proto", "server/packets"}},
           {"server/record/mcap", kBase},
-          {"server/record", kModel + Folders{"server/record/mcap", "server/haptic", "server/follow",
-                                             "server/link", "server/scene", "devices", "proto"}},
+          {"server/record",
+           kModel + Folders{"server/record/mcap", "server/haptic", "server/follow", "server/link",
+                            "server/scene", "server/packets", "devices", "proto"}},
           {"server/link/secure", kModel + Folders{"server/daemon", "server/link", "server/keys"}}};
 }
 
@@ -51,8 +53,8 @@ Table part_rows() {
 Table program_rows() {
   const Folders text = kModel + Folders{"proto", "server/scene"};
   const Folders daemons =
-      text + Folders{"server/daemon",  "server/keys",   "server/link", "server/link/secure",
-                     "server/session", "server/record", "devices"};
+      text + Folders{"server/daemon",  "server/keys",   "server/link",    "server/link/secure",
+                     "server/session", "server/record", "server/packets", "devices"};
   const Folders task = text + Folders{"server/task", "client/api"};
   const Folders study = {"devices/hand", "server/lab/study", "server/lab/study/screw"};
   return {{"server/master", daemons + Folders{"server/haptic", "server/stability",
@@ -142,9 +144,9 @@ Table device_rows() {
           {"devices/input", kModel + Folders{"devices"}},
           {"devices/spacemouse", kModel + Folders{"devices", "devices/input"}},
           {"devices/evdev", kBase + Folders{"devices", "devices/input"}},
-          {"devices/udp", kBase},
-          {"devices/melfa", kModel + Folders{"devices", "devices/udp"}},
-          {"devices/net_ft", kBase + Folders{"devices", "devices/udp"}},
+          {"devices/udp", kBase + Folders{"server/packets"}},
+          {"devices/melfa", kModel + Folders{"devices", "devices/udp", "server/packets"}},
+          {"devices/net_ft", kBase + Folders{"devices", "devices/udp", "server/packets"}},
           {"devices/hand", sim},
           {"devices/omni", sim},
           {"devices/joystick", sim},

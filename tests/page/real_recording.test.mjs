@@ -113,6 +113,47 @@ test('ticks are a millisecond apart in the file, and say what the hand did', asy
   assert.ok(count > 1000);
 });
 
+test('datagrams stand there as they went: the joints that were ordered, and the same bytes on both sides of the link', async () => {
+  const sides = {};
+  for (const side of ['master', 'slave']) {
+    const reader = await indexed(files.find((path) => path.includes(`-${side}`)));
+    const known = types(reader);
+    const rows = (sides[side] = []);
+    for await (const { channelId, data } of reader.readMessages()) {
+      const { topic, type } = known.get(channelId);
+      if (topic === '/packet' || topic === '/cycle') rows.push({ topic, ...type.decode(data) });
+    }
+  }
+  const ways = (side) => {
+    const out = {};
+    for (const { topic, way } of sides[side]) if (topic === '/packet') out[way] = (out[way] ?? 0) + 1;
+    return out;
+  };
+  const [linkIn, linkOut, robotIn, robotOut, sensorIn] = [0, 1, 2, 3, 4];
+  assert.deepEqual(Object.keys(ways('master')).map(Number).sort(), [linkIn, linkOut]);
+  const of = ways('slave');
+  for (const [way, least] of [[linkIn, 1000], [linkOut, 1000], [robotIn, 150], [robotOut, 150], [sensorIn, 500]]) {
+    assert.ok(of[way] >= least, `${way}: ${of[way]} of at least ${least}`);
+  }
+  const packets = (side, wanted) => sides[side].filter(({ topic, way }) => topic === '/packet' && way === wanted).map(({ packet }) => Buffer.from(packet).toString('hex'));
+  // The files begin and end at moments of their own: of what one has heard within both, all was sent.
+  const sent = new Set(packets('master', linkOut));
+  const heard = packets('slave', linkIn);
+  assert.ok(heard.filter((packet) => sent.has(packet)).length > 0.8 * Math.min(heard.length, sent.size));
+  const whole = heard.slice(heard.findIndex((packet) => sent.has(packet)), heard.findLastIndex((packet) => sent.has(packet)) + 1);
+  assert.ok(whole.every((packet) => sent.has(packet)));
+  // MXT's command block: six 32-bit numbers from byte 8 on.
+  const order = sides.slave.filter(({ topic, way }) => topic === '/cycle' || way === robotOut).sort((a, b) => Number(a.at_ns) - Number(b.at_ns));
+  let compared = 0;
+  order.forEach(({ topic, send, q_target: target }, i) => {
+    if (topic !== '/cycle' || send !== 1 || order[i + 1]?.topic !== '/packet') return;
+    const bytes = Buffer.from(order[i + 1].packet);
+    for (let j = 0; j < 6; ++j) assert.equal(bytes.readFloatLE(8 + 4 * j), Math.fround(target[j]));
+    ++compared;
+  });
+  assert.ok(compared > 100, `${compared} orders`);
+});
+
 test('a file that was cut is read by the stream reader up to there', async () => {
   const path = files.find((name) => name.includes('-slave'));
   const bytes = await readFile(path);

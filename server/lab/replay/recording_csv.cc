@@ -100,6 +100,18 @@ class TrialGate {
   bool seen_ = false;
 };
 
+const char* way_text(pb::RecordedPacket::Way way) {
+  switch (way) {
+    case pb::RecordedPacket::LINK_IN: return "link in";
+    case pb::RecordedPacket::LINK_OUT: return "link out";
+    case pb::RecordedPacket::ROBOT_IN: return "robot in";
+    case pb::RecordedPacket::ROBOT_OUT: return "robot out";
+    case pb::RecordedPacket::SENSOR_IN: return "sensor in";
+    case pb::RecordedPacket::SENSOR_OUT: return "sensor out";
+  }
+  return "";
+}
+
 }  // namespace
 
 Result<std::uint64_t> write_recording_csv(std::istream& in, std::ostream& out, double hz,
@@ -153,6 +165,32 @@ Result<std::uint64_t> write_recording_csv(std::istream& in, std::ostream& out, d
   }
   return Status::error(reader.damage().empty() ? "it holds neither ticks nor cycles"
                                                : reader.damage());
+}
+
+Result<std::uint64_t> write_packets_csv(std::istream& in, std::ostream& out) {
+  McapReader reader(in);
+  pb::RecordedPacket packet;
+  Nanos begun = 0;
+  std::uint64_t rows = 0;
+  while (const auto message = reader.next()) {
+    const McapSchema* schema = reader.schema_of(message->channel);
+    if (schema == nullptr || schema->name != "handrail.pb.RecordedPacket") continue;
+    if (!packet.ParseFromArray(message->data.data(), static_cast<int>(message->data.size())))
+      return Status::error("a message that is no handrail.pb.RecordedPacket");
+    if (rows == 0) {
+      out << "t_s,way,bytes,packet\n";
+      begun = packet.at_ns();
+    }
+    const std::string& kept = packet.packet();
+    const auto size = packet.has_whole_bytes() ? packet.whole_bytes() : kept.size();
+    ++rows;
+    out << fmt::format("{:.6f},{},{},", to_seconds(packet.at_ns() - begun), way_text(packet.way()),
+                       size);
+    for (const char byte : kept) out << fmt::format("{:02x}", static_cast<unsigned char>(byte));
+    if (!(out << '\n')) return Status::error("the table cannot be written: is the disk full?");
+  }
+  if (rows > 0) return rows;
+  return Status::error(reader.damage().empty() ? "it holds no datagrams" : reader.damage());
 }
 
 }  // namespace handrail

@@ -16,4 +16,9 @@ namespace handrail {
 Result<std::uint64_t> write_recording_csv(std::istream& in, std::ostream& out, double hz,
                                           int trial = 0);
 
+// A row a datagram, in the file's order: when it was taken from its socket or given to it, whence
+// or where to, its length [bytes] and what is kept of it, in hexadecimal digits. Times are from the
+// first of them. Returns and errors as above.
+Result<std::uint64_t> write_packets_csv(std::istream& in, std::ostream& out);
+
 }  // namespace handrail

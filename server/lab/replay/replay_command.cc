@@ -208,7 +208,8 @@ int run_recording_csv_command(const RecordingCsvCommand& command) {
     return Status::error(command.out + ": cannot be written: " + std::strerror(errno));
   };
   if (!out) return cannot(unwritable(), kFailed);
-  const auto rows = write_recording_csv(in, out, command.hz, command.trial);
+  const auto rows = command.packets ? write_packets_csv(in, out)
+                                    : write_recording_csv(in, out, command.hz, command.trial);
   if (!rows) return cannot(Status::error(command.file + ": " + rows.message()), kUsage);
   out.close();
   if (!out || std::rename(part.c_str(), command.out.c_str()) != 0)

@@ -30,8 +30,9 @@ int run_join_command(const JoinCommand& command);
 struct RecordingCsvCommand {
   std::string file;
   std::string out;
-  double hz = 0.0;  // 0: every tick
-  int trial = 0;    // of an experiment, alone; 0: all
+  double hz = 0.0;       // 0: every tick
+  int trial = 0;         // of an experiment, alone; 0: all
+  bool packets = false;  // datagrams instead of ticks
 };
 
 // Exit codes: 0 done, 1 the table cannot be written, 2 no recording.

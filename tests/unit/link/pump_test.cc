@@ -195,5 +195,33 @@ TEST_F(PumpTest, AStateThatIsNoLongerTrueIsNotSentAndDoesNotHurryTheSchedule) {
   EXPECT_EQ(net.sent.size(), 2u);
 }
 
+TEST_F(PumpTest, WhatThePeerSendsAndWhatIsSentIsLeftInATap) {
+  const auto tap = std::make_unique<PacketTap>();
+  pump.keep(tap.get());
+  arrive(1);
+  arrive(2, false);
+  net.waiting.push_back({{1, 2, 3}, true});
+  const std::vector<std::uint8_t> first = net.waiting.front().bytes;
+  EXPECT_TRUE(pump.receive(kPumpStart));
+  pump.send(kPumpStart + 1, SlaveState());
+  KeptPacket packet;
+  const auto kept = [&packet] {
+    return std::vector<std::uint8_t>(packet.kept().begin(), packet.kept().end());
+  };
+  ASSERT_TRUE(tap->take(packet));
+  EXPECT_EQ(packet.way, PacketWay::kLinkIn);
+  EXPECT_EQ(packet.at, kPumpStart);
+  EXPECT_EQ(kept(), first);
+  // Not the stranger's. What the peer sends and is no datagram of the link is.
+  ASSERT_TRUE(tap->take(packet));
+  EXPECT_EQ(kept(), (std::vector<std::uint8_t>{1, 2, 3}));
+  ASSERT_TRUE(tap->take(packet));
+  EXPECT_EQ(packet.way, PacketWay::kLinkOut);
+  EXPECT_EQ(packet.at, kPumpStart + 1);
+  ASSERT_EQ(net.sent.size(), 1u);
+  EXPECT_EQ(packet.size, net.sent.front());
+  EXPECT_FALSE(tap->take(packet));
+}
+
 }  // namespace
 }  // namespace handrail

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <sstream>
 
+#include "server/lab/replay/recording_csv.h"
 #include "server/link/codec_fields.h"
 #include "server/record/mcap/mcap_reader.h"
 #include "server/record/mcap/mcap_writer.h"
@@ -245,6 +247,58 @@ TEST(Replay, ARepairedFileHasAllThatWasSound) {
   EXPECT_NE(repair_recording(again, path).message().find("File exists"), std::string::npos);
   std::istringstream nothing("x");
   EXPECT_FALSE(repair_recording(nothing, folder.path() + "/none.mcap"));
+}
+
+TEST(RecordFeed, WritesDatagramsDownBesideTheTicksAndTellsOfThoseThatWereLost) {
+  test::DrivenMaster master(11, "linear-movement");
+  InMemory out = a_recording(0);
+  const auto packets = std::make_unique<PacketTap>();
+  const auto feed = make_feed(master.tap(), {packets.get()});
+  const std::array<std::uint8_t, 3> bytes{1, 0, 255};
+  for (int i = 0; i < 100; ++i) {
+    master.tick();
+    packets->keep(PacketWay::kLinkOut, 5, bytes);
+    feed->pull(out);
+  }
+  for (std::size_t i = 0; i < PacketTap::kRoom + 2; ++i)
+    packets->keep(PacketWay::kRobotIn, 6, std::vector<std::uint8_t>(kMostPacket + 9));
+  feed->pull(out);
+  EXPECT_EQ(feed->lost(), 2u);
+  int sent = 0, heard = 0;
+  std::vector<std::string> lost;
+  for (const InMemory::Message& m : out.messages) {
+    pb::RecordedPacket packet;
+    pb::RecordedEvent event;
+    if (m.channel == RecordChannel::kPacket) {
+      ASSERT_TRUE(packet.ParseFromString(m.bytes));
+      const bool is_sent = packet.way() == pb::RecordedPacket::LINK_OUT;
+      (is_sent ? sent : heard) += 1;
+      EXPECT_EQ(m.at, is_sent ? 5 : 6);
+      EXPECT_EQ(packet.at_ns(), m.at);
+      EXPECT_EQ(packet.packet(),
+                is_sent ? std::string("\1\0\377", 3) : std::string(kMostPacket, '\0'));
+      EXPECT_EQ(packet.whole_bytes(), is_sent ? 0u : kMostPacket + 9);
+    } else if (m.channel == RecordChannel::kEvent && event.ParseFromString(m.bytes)) {
+      lost.push_back(event.text() + " " + std::to_string(event.count()));
+    }
+  }
+  EXPECT_EQ(sent, 100);
+  EXPECT_EQ(heard, static_cast<int>(PacketTap::kRoom));
+  EXPECT_EQ(lost, std::vector<std::string>{"the recorder was behind: packets 2"});
+  std::istringstream in(out.file());
+  std::ostringstream table;
+  const auto rows = write_packets_csv(in, table);
+  ASSERT_TRUE(rows) << rows.message();
+  EXPECT_EQ(*rows, 100 + PacketTap::kRoom);
+  EXPECT_EQ(table.str().rfind("t_s,way,bytes,packet\n0.000000,link out,3,0100ff\n", 0), 0u);
+  EXPECT_NE(table.str().find("\n0.000000,robot in,587,0000"), std::string::npos);
+  std::istringstream without(a_recording(3).file());
+  EXPECT_EQ(write_packets_csv(without, table).message(), "it holds no datagrams");
+  // A replay does without them.
+  const auto result = replay_of(out);
+  ASSERT_TRUE(result) << result.message();
+  EXPECT_EQ(result->entries, 100u);
+  EXPECT_EQ(result->different, 0u);
 }
 
 }  // namespace

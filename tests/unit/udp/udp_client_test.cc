@@ -3,11 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include <boost/asio.hpp>
+
+#include "server/base/clock.h"
 
 namespace handrail {
 namespace {
@@ -115,6 +118,63 @@ TEST(UdpClient, NamesAnAddressThatIsNone) {
   UdpClient client;
   EXPECT_NE(client.open("here", 1, 4096).message().find("'here'"), std::string::npos);
   EXPECT_NE(client.open("127.0.0.1", 0, 4096).message().find("port 0"), std::string::npos);
+}
+
+struct Left {
+  PacketWay way = PacketWay::kRobotIn;
+  std::uint16_t size = 0;
+  Bytes bytes;
+  bool operator==(const Left&) const = default;
+};
+
+Left left_of(const KeptPacket& packet) {
+  return {packet.way, packet.size, Bytes(packet.kept().begin(), packet.kept().end())};
+}
+
+TEST(UdpClient, LeavesWhatComesAndGoesInATap) {
+  Peer peer;
+  UdpClient client;
+  const auto tap = std::make_unique<PacketTap>();
+  client.keep(tap.get(), PacketWay::kSensorIn, PacketWay::kSensorOut);
+  ASSERT_TRUE(client.open("127.0.0.1", peer.port(), 4096));
+  const Nanos before = monotonic_now();
+  ASSERT_TRUE(client.send(Bytes{1, 2, 3}));
+  peer.receive();
+  Bytes longest(kMostPacket + 1, 7);
+  peer.reply({4, 5});
+  peer.reply(longest);
+  client.wait(20 * kSecond);
+  EXPECT_EQ(take(client), (Bytes{4, 5}));
+  EXPECT_EQ(take(client, 1000), longest);
+  EXPECT_EQ(take(client), std::nullopt);
+  KeptPacket packet;
+  ASSERT_TRUE(tap->take(packet));
+  EXPECT_EQ(left_of(packet), (Left{PacketWay::kSensorOut, 3, {1, 2, 3}}));
+  EXPECT_GE(packet.at, before);
+  EXPECT_LE(packet.at, monotonic_now());
+  ASSERT_TRUE(tap->take(packet));
+  EXPECT_EQ(left_of(packet), (Left{PacketWay::kSensorIn, 2, {4, 5}}));
+  // Of a longer one what fits, and how long it was.
+  ASSERT_TRUE(tap->take(packet));
+  longest.pop_back();
+  EXPECT_EQ(left_of(packet), (Left{PacketWay::kSensorIn, kMostPacket + 1, longest}));
+  EXPECT_FALSE(tap->take(packet));
+  // No more, once it is told so.
+  client.keep(nullptr, PacketWay::kSensorIn, PacketWay::kSensorOut);
+  ASSERT_TRUE(client.send(Bytes{8}));
+  EXPECT_FALSE(tap->take(packet));
+}
+
+TEST(PacketTap, CountsWhatThereIsNoRoomFor) {
+  const auto tap = std::make_unique<PacketTap>();
+  for (std::size_t i = 0; i < PacketTap::kRoom + 3; ++i)
+    tap->keep(PacketWay::kLinkIn, static_cast<Nanos>(i), Bytes{1});
+  EXPECT_EQ(tap->lost(), 3u);
+  KeptPacket packet;
+  ASSERT_TRUE(tap->take(packet));
+  EXPECT_EQ(packet.at, 0);
+  tap->keep(PacketWay::kLinkOut, -1, Bytes{});
+  EXPECT_EQ(tap->lost(), 3u);
 }
 
 }  // namespace
