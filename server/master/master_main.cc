@@ -248,6 +248,7 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
   }
 
   if (tap) recorder = make_recorder(config, capabilities, *tap, *packets);
+  const RecorderEnd recorder_end(recorder.get());
   const LoopScene first = loop_scene(*scene);
   DaemonNews news;
   Errand<Result<Scene>> scenes;

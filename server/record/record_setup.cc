@@ -2,8 +2,11 @@
 
 #include <google/protobuf/text_format.h>
 
+#include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <system_error>
+#include <thread>
 #include <utility>
 
 #include "server/base/version.h"
@@ -34,6 +37,16 @@ RecorderOptions recorder_options(const pb::RecordingConfig& config,
   out.keep_for = config.keep_days() * kDay;
   out.say = std::move(say);
   return out;
+}
+
+RecorderEnd::~RecorderEnd() {
+  constexpr Nanos kDiskPatience = 5 * kSecond;  // chosen: an operator would wait so long
+  // The recorder's thread cannot be ended while the disk holds it, and what it reads would go.
+  if (recorder_ == nullptr || recorder_->end(kDiskPatience)) return;
+  // The log's thread has what was said last: as long as at any other end.
+  constexpr auto kLogPatience = std::chrono::milliseconds(200);
+  std::this_thread::sleep_for(kLogPatience);
+  std::_Exit(EXIT_FAILURE);
 }
 
 }  // namespace handrail

@@ -27,6 +27,8 @@ constexpr Nanos kChunk = 60 * kMillisecond;
 // The scenes that ticks of the last half minute can name: the loop takes at most a few a second.
 constexpr std::size_t kMostScenes = 32;
 constexpr Nanos kPrunePeriod = 10 * kSecond;
+// Of a chunk, of 60 ms or of what has come meanwhile: a tap has room for twice as much.
+constexpr Nanos kSlowDisk = 500 * kMillisecond;
 constexpr std::size_t kMostSceneBytes = std::size_t{1} << 24;  // of a file; as the loaders have it
 
 }  // namespace
@@ -47,12 +49,17 @@ class Recorder::Thread final : public RecordSink {
     thread_ = std::thread([this] { run(); });
   }
   ~Thread() override {
-    {
-      const std::lock_guard lock(mutex_);
-      ends_ = true;
-    }
-    wake_.notify_one();
+    ask_to_end();
     thread_.join();
+  }
+  bool end(Nanos patience) {
+    ask_to_end();
+    std::unique_lock lock(mutex_);
+    const bool ended =
+        ended_now_.wait_for(lock, std::chrono::nanoseconds(patience), [this] { return ended_; });
+    lock.unlock();
+    if (!ended) say(true, "the disk does not answer: the recording's end is not written");
+    return ended;
   }
 
   template <typename F>
@@ -62,7 +69,11 @@ class Recorder::Thread final : public RecordSink {
   }
   RecorderState state() const {
     const std::lock_guard lock(mutex_);
-    return state_;
+    RecorderState out = state_;
+    const Nanos since = writing_since_.load(std::memory_order_relaxed);
+    if (since < 0 || !out.problem.empty()) return out;
+    if (const Nanos takes = monotonic_now() - since; takes > kSlowDisk) out.problem = slow(takes);
+    return out;
   }
 
   const std::string& folder() const noexcept { return options_.folder; }
@@ -80,6 +91,14 @@ class Recorder::Thread final : public RecordSink {
     McapChunk chunk;
     bool beginning = false;  // it begins with an image
   };
+
+  void ask_to_end() {
+    {
+      const std::lock_guard lock(mutex_);
+      ends_ = true;
+    }
+    wake_.notify_one();
+  }
 
   void run() {
     std::unique_lock lock(mutex_);
@@ -100,6 +119,8 @@ class Recorder::Thread final : public RecordSink {
       state_.lost = feed_->lost();
       asked_.store(file_ && !automatic_, std::memory_order_relaxed);
     }
+    ended_ = true;
+    ended_now_.notify_all();
   }
 
   void work(const Word& word, bool last) {
@@ -109,6 +130,7 @@ class Recorder::Thread final : public RecordSink {
     const Nanos now = monotonic_now();
     if (word.start) begin_asked(*word.start, "asked for");
     if (!building_.empty() && (last || now - building_since_ >= kChunk)) close_chunk();
+    if (file_ && file_->removed()) begin_again();
     if (file_ && (word.stop || last || (until_ != kForever && now >= until_))) close_file();
     if (now >= next_prune_ && file_) prune_now(now);
   }
@@ -123,6 +145,13 @@ class Recorder::Thread final : public RecordSink {
       say(true, std::string("the recording has a gap: ") + why.what());
     } catch (const std::exception&) {  // no memory to say so
     }
+  }
+
+  // What was removed is gone. What somebody asked for goes on in another file.
+  void begin_again() {
+    say(true, file_->path() + " was removed while it was written");
+    file_.reset();
+    if (!automatic_) open(label_, "the one before was removed", false);
   }
 
   // A file that was begun for a stop or a fault ends for one that somebody asks for.
@@ -186,7 +215,15 @@ class Recorder::Thread final : public RecordSink {
   }
 
   void write(const McapChunk& chunk) {
+    const Nanos since = monotonic_now();
+    writing_since_.store(since, std::memory_order_relaxed);
     Status done = file_->write(chunk);
+    writing_since_.store(-1, std::memory_order_relaxed);
+    if (const Nanos took = monotonic_now() - since; done && took > kSlowDisk) {
+      if (!std::exchange(is_slow_, true)) say(true, slow(took));
+    } else {
+      is_slow_ = false;
+    }
     if (done && gap_) {
       pb::RecordedEvent event;
       event.set_at_ns(monotonic_now());
@@ -204,6 +241,11 @@ class Recorder::Thread final : public RecordSink {
     problem_ = done.message();
   }
 
+  static std::string slow(Nanos takes) {
+    return "the disk takes " + std::to_string(takes / kMillisecond) +
+           " ms to write what comes in less; what there is no room for is lost";
+  }
+
   // With all that is kept of what came before.
   void open(const std::string& label, const std::string& why, bool automatic) {
     if (!building_.empty()) close_chunk();
@@ -219,6 +261,7 @@ class Recorder::Thread final : public RecordSink {
     }
     file_.emplace(std::move(*made));
     automatic_ = automatic;
+    label_ = label;
     until_ = automatic ? monotonic_now() + options_.after : kForever;
     problem_.clear();
     gap_ = 0;
@@ -292,6 +335,8 @@ class Recorder::Thread final : public RecordSink {
   std::deque<KeptChunk> ring_;
   std::optional<RecordingSink> file_;
   bool automatic_ = false;
+  std::string label_;
+  bool is_slow_ = false;
   bool wanted_ = false;
   Nanos until_ = kForever;
   Nanos next_prune_ = 0;
@@ -299,11 +344,13 @@ class Recorder::Thread final : public RecordSink {
   bool said_refused_ = false;
   std::uint64_t gap_ = 0;  // chunks that the disk did not take
 
+  std::atomic<Nanos> writing_since_{-1};  // -1: the disk is not asked for anything
+
   mutable std::mutex mutex_;
-  std::condition_variable wake_;
+  std::condition_variable wake_, ended_now_;
   Word word_;
   RecorderState state_;
-  bool ends_ = false;
+  bool ends_ = false, ended_ = false;
   std::atomic<bool> asked_{false};
   std::thread thread_;  // last: it uses the others
 };
@@ -336,6 +383,7 @@ void Recorder::mark(const std::string& text, const std::string& who) {
   event.set_who(who);
   thread_->leave([&](Thread::Word& word) { word.marks.push_back(std::move(event)); });
 }
+bool Recorder::end(Nanos patience) { return thread_->end(patience); }
 RecorderState Recorder::state() const { return thread_->state(); }
 const std::string& Recorder::folder() const noexcept { return thread_->folder(); }
 bool Recorder::asked() const noexcept { return thread_->asked(); }

@@ -26,7 +26,7 @@ struct RecorderOptions {
 struct RecorderState {
   std::string file;         // being written; empty: none
   std::uint64_t bytes = 0;  // of it, so far
-  std::string problem;      // with the disk; empty: none
+  std::string problem;      // with the disk, which may also be slow; empty: none
   std::uint64_t lost = 0;   // ticks or cycles that could not be kept, so far
 };
 
@@ -38,7 +38,7 @@ class Recorder {
   // Throws std::system_error where no thread can be had. `start`: what every file begins with,
   // without times and reasons.
   Recorder(RecorderOptions options, std::unique_ptr<RecordFeed> feed, pb::RecordedStart start);
-  // Writes out what came until now.
+  // Writes out what came until now, and waits for the disk; see end().
   ~Recorder();
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
@@ -50,6 +50,10 @@ class Recorder {
   void start(const std::string& label);
   void stop();
   void mark(const std::string& text, const std::string& who);
+
+  // Nothing is taken any more, and what came until now is written out: waits for that, but not
+  // longer than `patience`. False: the disk has not answered, and the destructor would wait for it.
+  bool end(Nanos patience);
 
   RecorderState state() const;
   const std::string& folder() const noexcept;

@@ -1,6 +1,7 @@
 #include "server/record/recording_sink.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -52,6 +53,11 @@ Status RecordingSink::put(std::string_view bytes, std::uint64_t at) {
     return failed;
   }
   return Status::ok();
+}
+
+bool RecordingSink::removed() const noexcept {
+  struct stat now {};
+  return ::fstat(fd_, &now) == 0 && now.st_nlink == 0;
 }
 
 Status RecordingSink::write(const McapChunk& chunk) {

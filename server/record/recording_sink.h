@@ -23,6 +23,8 @@ class RecordingSink {
   // After the last chunk, once.
   Status finish();
 
+  // The file has no name any more: what is written to it nobody will find.
+  bool removed() const noexcept;
   const std::string& path() const { return path_; }
   std::uint64_t size() const { return file_.size(); }
 

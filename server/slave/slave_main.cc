@@ -244,6 +244,7 @@ int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
     return end_output("handrail-slave", 0);
   }
 
+  const RecorderEnd recorder_end(recorder.get());
   if (!sensor_says.empty()) spdlog::info("{}", sensor_says);
   DaemonNews news;
   Errand<Result<FollowSettings>> scenes;

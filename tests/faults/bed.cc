@@ -119,12 +119,19 @@ std::string Bed::name_of(Who who) const {
   return fmt::format("{}{}", storm::name(who), starts_[static_cast<std::size_t>(who)]);
 }
 
+std::string Bed::placed(std::string text) const {
+  constexpr std::string_view kFolder = "FOLDER";
+  for (auto at = text.find(kFolder); at != std::string::npos; at = text.find(kFolder, at))
+    text.replace(at, kFolder.size(), folder());
+  return text;
+}
+
 Status Bed::start(Who who) {
   ++starts_[static_cast<std::size_t>(who)];
   const std::string file = folder_.write(name_of(who) + ".cfg", config(who));
-  const std::string before = who == Who::kMaster  ? options_.master
-                             : who == Who::kSlave ? options_.slave
-                                                  : "";
+  const std::string before = placed(who == Who::kMaster  ? options_.master
+                                    : who == Who::kSlave ? options_.slave
+                                                         : "");
   const std::string link = who == Who::kMaster  ? " --link 10.77.0.2"
                            : who == Who::kSlave ? " --link any"
                                                 : "";

@@ -29,7 +29,9 @@ struct BedOptions {
   int tap_bytes = kTapBytes;  // of each packet
   bool real_time = true;      // the daemons ask for it
   int mtu = 1500;             // of both sides [bytes]
-  std::string master, slave;  // what stands before the program, as "env NAME=VALUE"
+  // What stands before the program, as "env NAME=VALUE"; in these two FOLDER is the bed's own, the
+  // only one beside the system's that both the programs and the row see.
+  std::string master, slave;
   std::string master_config;  // beside the usual
   bool (*interrupted)() = nullptr;
 };
@@ -112,6 +114,7 @@ class Bed {
   bool need(const Result<std::string>& done);
   Status make_keys();
   std::string name_of(Who who) const;
+  std::string placed(std::string text) const;
   std::string side_of(Who who) const { return who == Who::kMaster ? "near" : "far"; }
 
   BedOptions options_;

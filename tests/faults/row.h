@@ -46,6 +46,8 @@ Row n9, n10, n12;
 Row p1, p2, p3, p4;
 // clock_rows.cc
 Row c1, c2;
+// disk_rows.cc
+Row d1, d2;
 // stranger_rows.cc
 Row x3, x4, x5, x10;
 }  // namespace rows

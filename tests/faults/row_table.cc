@@ -25,6 +25,8 @@ constexpr FaultRow kRows[] = {
     {"P4", "no processor to be had, no real time", "P5", rows::p4},
     {"C1", "a calendar that leaps", "", rows::c1},
     {"C2", "monotonic clocks that differ", "C2", rows::c2},
+    {"D1", "a disk that is full, broken, slow or gone while a recording is written", "", rows::d1},
+    {"D2", "the master killed while a recording is written", "", rows::d2},
     {"X3", "clients without the right key", "", rows::x3},
     {"X4", "attempts to take the session over", "X4", rows::x4},
     {"X5", "a flood of junk", "", rows::x5},

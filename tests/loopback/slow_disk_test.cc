@@ -82,5 +82,33 @@ TEST_F(SlowDisk, NorDoProgramsWaitForItWhenTheyEnd) {
   EXPECT_LT(monotonic_now() - start, 5 * kSecond) << "for good, if it waited";
 }
 
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+// One of a recording, which nobody can read from any more either: the rest of it is given up.
+TEST_F(SlowDisk, NorForADeadOneThatHasARecording) {
+  master->send(SIGTERM);
+  ASSERT_EQ(master->finish(), 0);
+  const std::string disk = folder.write("disk", "good");
+  master_extra = "recording {}";
+  master = std::make_unique<Program>(
+      folder, "/usr/bin/env",
+      std::vector<std::string>{"POOR_DISK=" + disk, "LD_PRELOAD=" POOR_DISK,
+                               HANDRAIL_BIN_DIR "/handrail-master", "--config",
+                               folder.write("recording.cfg", master_config())});
+  (void)master->after("READY link=");
+  client.close();
+  order("record { on: true }");
+  ASSERT_TRUE(eventually([](const pb::Status& s) { return s.recording().mb() > 0.01; }));
+  folder.write("disk", "dead");
+  ASSERT_TRUE(eventually([](const pb::Status& s) { return s.recording().has_problem(); }));
+  EXPECT_THAT(status().recording().problem(), HasSubstr("the disk takes"));
+  all_goes_on();
+  const Nanos start = monotonic_now();
+  master->send(SIGTERM);
+  EXPECT_EQ(master->finish(), 1);
+  EXPECT_LT(monotonic_now() - start, 15 * kSecond) << "for good, if it waited";
+  EXPECT_THAT(master->output(), HasSubstr("the recording's end is not written"));
+}
+#endif
+
 }  // namespace
 }  // namespace handrail

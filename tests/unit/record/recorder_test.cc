@@ -7,6 +7,7 @@
 
 #include <atomic>
 #include <csignal>
+#include <filesystem>
 #include <new>
 
 #include "server/record/record_folder.h"
@@ -307,6 +308,27 @@ TEST(Recorder, AFullDiskLeavesWhatWasWrittenAndMarksTheGap) {
       result->happened.begin(), result->happened.end(),
       [](const auto& e) { return e.text.find("cannot be written") != std::string::npos; });
   EXPECT_TRUE(marked);
+}
+
+TEST(Recorder, AFileThatIsRemovedGoesOnInAnother) {
+  Recorded r(3);
+  r.run(300);
+  r.recorder->start("trial");
+  ASSERT_TRUE(wait_until([&] { return !r.files().empty(); }));
+  r.run(300);
+  const std::string first = r.files()[0];
+  std::filesystem::remove_all(r.folder.path());
+  ASSERT_TRUE(wait_until([&] { return !r.files().empty(); }));
+  EXPECT_NE(r.files()[0], first);
+  EXPECT_NE(r.files()[0].find("-master-trial.mcap"), std::string::npos);
+  EXPECT_TRUE(r.recorder->asked());
+  r.run(300);
+  EXPECT_TRUE(r.recorder->end(20 * kSecond));
+  const auto result = replay_file(r.files()[0]);
+  ASSERT_TRUE(result) << result.message();
+  EXPECT_EQ(result->damage, "");
+  EXPECT_GE(result->entries, 300u);
+  EXPECT_EQ(result->different, 0u);
 }
 
 TEST(Recorder, AFolderThatCannotBeMadeIsSaid) {
