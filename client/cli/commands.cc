@@ -362,6 +362,7 @@ std::string group_help(const std::string& word) {
   if (word == "calibrate") return "Find what the slave's file has to say of this arm";
   if (word == "keys") return "Who may reach the programs of this user over the network";
   if (word == "robot") return "What is fixed to the arm";
+  if (word == "record") return "Write down what happens, and what to do with recordings";
   if (word == "hand") return "Move the hand of a simulated device";
   return {};
 }
