@@ -129,7 +129,9 @@ TEST(PlayedStatus, ShowsOfWallsWhereTheHandAndTheProxyAre) {
                   1e-9);
       ASSERT_FALSE(walls.region_name().empty());
       ASSERT_EQ(walls.has_turned_rad(), std::string(name) == "wrench");
-      if (std::string(name) == "wrench") ASSERT_EQ(walls.turned_rad(), tick.turned);
+      if (walls.has_turned_rad()) {
+        ASSERT_EQ(walls.turned_rad(), tick.turned);
+      }
       ASSERT_FALSE(is->has_tip()) << "no arm takes part";
     }
     EXPECT_GT(touched, 10);

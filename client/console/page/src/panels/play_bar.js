@@ -10,6 +10,8 @@ import { box, button, element, setData, setText, show } from './dom.js';
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10];
 const STRIDE_S = 5; // of an arrow key
 const SMALL_S = 0.1; // of comma and period: what a person tells apart in a picture
+const LEAVES_PX = 5; // half of a mark's width
+const AIM_MS = 500; // in which an order is seen in a status, on a busy computer too
 const AT_MARK_S = 0.3; // of a mark that was passed so shortly ago one is at it
 /** @type {Record<string, string>} */
 const KINDS = { MARK: 'mark', STOP: 'stop', FAULT: 'fault', GAP: 'gap' };
@@ -48,6 +50,9 @@ export class PlayBar {
     /** What waits for the answer before. @type {PlayOrder | null} */
     this.waits = null;
     this.asking = false;
+    /** What was asked for and is not seen yet: a second key goes on from there. @type {PlayOrder} */
+    this.aim = {};
+    this.aimUntil = 0;
     this.speed = element('play-speed', HTMLSelectElement);
     this.speed.replaceChildren(...SPEEDS.map((speed) => new Option(`${speed}×`, String(speed))));
     this.speed.addEventListener('change', () => {
@@ -66,11 +71,13 @@ export class PlayBar {
   }
 
   get position() {
-    return this.dragged ?? this.facts.play.position_s ?? 0;
+    return this.dragged ?? this.aim.position_s ?? this.facts.play.position_s ?? 0;
   }
 
   /** One order at a time is under way; of those that come meanwhile the newest of each kind counts. @param {PlayOrder} order */
   async order(order) {
+    this.aim = { ...this.aim, ...order };
+    this.aimUntil = performance.now() + AIM_MS;
     if (this.asking) {
       this.waits = { ...this.waits, ...order };
       return;
@@ -103,7 +110,7 @@ export class PlayBar {
 
   /** @param {1 | -1} way */
   changeSpeed(way) {
-    const now = this.facts.play.speed ?? 1;
+    const now = this.aim.speed ?? this.facts.play.speed ?? 1;
     const next = way > 0 ? SPEEDS.find((speed) => speed > now) : [...SPEEDS].reverse().find((speed) => speed < now);
     if (next !== undefined) void this.order({ speed: next });
   }
@@ -117,17 +124,27 @@ export class PlayBar {
       this.goTo(this.dragged);
       this.update();
     };
+    /** Where it was pressed; on a mark that is met exactly, until the pointer leaves it. @type {{x: number, mark: boolean} | null} */
+    let pressed = null;
     bar.addEventListener('pointerdown', (event) => {
       if (event.button !== 0) return;
       const mark = event.target instanceof HTMLElement ? event.target.dataset.at : undefined;
-      if (mark !== undefined) return this.goTo(Number(mark));
+      pressed = { x: event.clientX, mark: mark !== undefined };
       bar.setPointerCapture(event.pointerId);
-      seek(event);
+      if (mark === undefined) seek(event);
+      else this.goTo(Number(mark));
     });
     bar.addEventListener('pointermove', (event) => {
-      if (this.dragged !== null) seek(event);
+      if (!pressed || (pressed.mark && Math.abs(event.clientX - pressed.x) < LEAVES_PX)) return;
+      pressed.mark = false;
+      seek(event);
     });
-    for (const end of /** @type {const} */ (['pointerup', 'pointercancel'])) bar.addEventListener(end, () => (this.dragged = null));
+    for (const end of /** @type {const} */ (['pointerup', 'pointercancel'])) {
+      bar.addEventListener(end, () => {
+        pressed = null;
+        this.dragged = null;
+      });
+    }
   }
 
   setUpKeys() {
@@ -184,9 +201,19 @@ export class PlayBar {
     if (recording.marks_left_out) this.say(`this recording has more marks than can be shown: ${recording.marks_left_out} are left out`);
   }
 
+  /** Whether the player stands where it was sent; or it takes too long to wait for. */
+  seeAim() {
+    if (this.asking && performance.now() < this.aimUntil) return;
+    const { state, position_s: at = 0, speed = 1 } = this.facts.play;
+    const { playing, position_s: to = at, speed: wanted = speed } = this.aim;
+    const there = Math.abs(at - to) < (playing ?? state === 'PLAYING' ? AIM_MS / 1000 : 1e-3) && Math.abs(speed - wanted) < 1e-6;
+    if (there || performance.now() > this.aimUntil) this.aim = {};
+  }
+
   update() {
     this.draw();
     if (!this.facts.recording) return;
+    this.seeAim();
     const { state = 'PAUSED', speed = 1 } = this.facts.play;
     const at = this.position, part = `${(100 * at) / Math.max(this.length, 1e-9)}%`;
     setText(box('play-word'), state === 'PLAYING' ? 'Pause' : state === 'ENDED' ? 'Again' : 'Play');
