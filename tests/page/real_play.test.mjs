@@ -241,6 +241,48 @@ function playbackRequest({ play: plays, speed = 1, seek, id = 'x' }) {
   return bytes.buffer;
 }
 
+test('OfWallsTheLeverItsPlaceAndTheForceAreShown', async () => {
+  const walls = await new Programs().open({ scene: 'gearshift' });
+  try {
+    await walls.end('master');
+    const config = (await walls.config('master')).replace('device { kind: PAGE }', 'device { kind: SIM_JOYSTICK }');
+    await walls.start('master', `${config} recording { folder: 'rec' }`);
+    const handrail = (...argv) => walls.handrail(...argv, '--socket', walls.socket);
+    const to = async (by) => {
+      handrail('hand', 'to', '--by', by, '--seconds', '0.5');
+      await until(() => !JSON.parse(handrail('status', '--json')).hand_moving, 'the hand rests');
+      await wait(300);
+    };
+    handrail('record', 'start', 'gears');
+    await to('40,0,0');
+    await to('0,50,0');
+    handrail('record', 'mark', 'fifth');
+    await wait(200);
+    await to('20,0,0');
+    handrail('record', 'mark', 'wall');
+    const last = JSON.parse(handrail('status', '--json'));
+    await wait(200);
+    handrail('record', 'stop');
+    const folder = join(walls.folder, 'rec');
+    const whole = (path) => readFileSync(path).subarray(-8).toString('latin1') === '\x89MCAP0\r\n';
+    const gears = await until(() => existsSync(folder) && readdirSync(folder).map((name) => join(folder, name)).find((path) => path.includes('-master-gears') && whole(path)), 'a whole file');
+    const page = await openPage(await play(gears));
+    assert.equal(await page.locator('#frame2d').isVisible(), true);
+    await page.locator('.play-mark[title*="fifth"]').click();
+    await is(page, 'place', '^5$');
+    assert.equal(await text(page, 'place-what'), 'locked');
+    assert.equal(await text(page, 'key-ring'), 'hand');
+    await page.locator('.play-mark[title*="wall"]').click();
+    await seen(page, (force) => Math.abs(Number(document.querySelector('#force-now').textContent) - force) < 0.2, last.device_force.magnitude_n);
+    await seen(page, (mm) => Math.abs(Number(document.querySelector('#error-now').textContent) - mm) < 0.15, last.walls.penetration_mm);
+    assert.ok(last.device_force.magnitude_n > 1);
+    assert.deepEqual(page.faults, []);
+    await page.context().close();
+  } finally {
+    await walls.close();
+  }
+});
+
 test('AViewerPlaysPausesAndSeeksWithFoxglovesMessagesForAllWhoLook', async () => {
   const ready = await play(file);
   const [one, other] = [await new Viewer().open(ready.viewers), await new Viewer().open(ready.viewers)];

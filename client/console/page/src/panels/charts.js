@@ -72,7 +72,7 @@ export class Charts {
     const fresh = facts.connected && !facts.problem && facts.age() < 1000;
     const age = facts.age();
     const since = facts.recording ? 0 : age; // of a recording it is the age that it had
-    const packet = isWalls ? since : status.packet_age_ms === undefined || status.packet_age_ms < 0 ? null : status.packet_age_ms + since;
+    const packet = isWalls ? (facts.recording ? null : age) : status.packet_age_ms === undefined || status.packet_age_ms < 0 ? null : status.packet_age_ms + since;
     return {
       force: fresh ? status.device_force?.magnitude_n ?? null : null,
       error: fresh ? (isWalls ? status.walls?.penetration_mm : status.ledger?.behind_mm) ?? null : null,

@@ -179,6 +179,7 @@ export class PlayBar {
     show(box('play'), !!recording);
     show(box('recording-sign'), !!recording);
     setData(document.documentElement, 'recording', String(!!recording));
+    setText(box('key-ring'), recording ? 'hand' : 'your cursor');
     const file = recording?.file ?? '';
     const name = file.slice(file.lastIndexOf('/') + 1);
     document.title = recording ? `Recording ${name} – Handrail` : 'Handrail';
