@@ -88,9 +88,11 @@ void PlayLink::run() {
     lock.unlock();
     show(state);
     lock.lock();
-    // After a slow disk at most one moment is made up for, so that the rate stays what it is.
-    next = std::max(next + kMomentPeriod, monotonic_now() - kMomentPeriod);
-    wake_.wait_for(lock, std::chrono::nanoseconds(std::max<Nanos>(next - monotonic_now(), 0)),
+    // After a slow disk at most one moment is made up for, so that the rate stays what it is; and
+    // what an order had shown at once is no turn of those that come by themselves.
+    const Nanos now = monotonic_now();
+    next = std::clamp(next + kMomentPeriod, now - kMomentPeriod, now + kMomentPeriod);
+    wake_.wait_for(lock, std::chrono::nanoseconds(std::max<Nanos>(next - now, 0)),
                    [this] { return ending_ || ordered_; });
   }
 }

@@ -162,10 +162,18 @@ void McapIndex::scan(const FileBytes& file) {
     sound = scan_record(file, window, at);
     if (!sound) damage_ = place_text(begun) + sound.message();
   }
-  // Of the last chunk some indexes may be missing.
-  if (!chunks_.empty()) chunks_.back().channels = 0;
   for (McapChunkPlace& chunk : chunks_) {
-    if (chunk.channels == 0) chunk.channels = kAllChannels;
+    if (chunk.channels == 0) chunk.channels = kAllChannels;  // who wrote it made no index
+  }
+  // Of the last chunk some indexes may be missing: it is looked into.
+  if (chunks_.empty()) return;
+  chunks_.back().channels = 0;
+  McapOpenChunk last;
+  if (!open(file, chunks_.back(), last)) return;
+  for (const McapMessage& message : last.messages) {
+    if (message.channel <= kMostChannel) {
+      chunks_.back().channels |= std::uint64_t{1} << message.channel;
+    }
   }
 }
 

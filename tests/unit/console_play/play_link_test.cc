@@ -113,6 +113,23 @@ TEST(PlayLink, PlaysSeeksAndEnds) {
   }
 }
 
+// A bar that is dragged gives an order at every move: the player does not fall behind for it, nor
+// run out of turns.
+TEST(PlayLink, HoweverManyOrdersComeItGoesOn) {
+  Player player(golden_file("master"));
+  ASSERT_TRUE(player.until([](const PlayState&) { return true; }));
+  for (int i = 0; i < 600; ++i) {
+    const int before = player.told;
+    ASSERT_TRUE(player.link->play({{}, (i % 100) * kMillisecond, {}}));
+    for (int k = 0; k < 1000 && player.told == before; ++k) {
+      player.work();
+      std::this_thread::sleep_for(std::chrono::microseconds(200));
+    }
+  }
+  const int before = player.told;
+  ASSERT_TRUE(player.until([&](const PlayState&) { return player.told > before + 30; }));
+}
+
 TEST(PlayLink, AMomentThatIsSpoiltIsSaidAndThePlayerGoesOn) {
   TempFolder folder;
   std::ifstream in(golden_file("master"), std::ios::binary);
@@ -139,6 +156,12 @@ TEST(PlayLink, AMomentThatIsSpoiltIsSaidAndThePlayerGoesOn) {
     return after > spoilt && spoilt > 0;
   })) << said;
   EXPECT_THAT(said, HasSubstr("spoilt.mcap: byte "));
+  // What was shown before it is shown again, and is no error.
+  for (const auto& [to, good] : {std::pair(Nanos{0}, true), {spoilt, false}, {Nanos{0}, true}}) {
+    ASSERT_TRUE(player.link->play({false, to, {}}));
+    ASSERT_TRUE(player.until([to = to](const PlayState& s) { return s.position == to; }));
+    EXPECT_EQ(player.replies.back().is_ok(), good) << to;
+  }
 }
 
 TEST(PlayLink, ItsNewsHasWhatThePageShowsOfTheFile) {

@@ -138,6 +138,40 @@ TEST(PlayedStatus, ShowsOfWallsWhereTheHandAndTheProxyAre) {
   }
 }
 
+// What random driving does not come to.
+TEST(PlayedStatus, WhileTheArmHoldsTheHandIsShownAndACueStandsAmongWhatLimits) {
+  test::DrivenMaster master(21);
+  KeptTick tick;
+  RecordingMoment moment;
+  for (int i = 0; i < 4000 && moment.tick.command().state() != pb::SESSION_ENGAGED; ++i) {
+    master.tick();
+    ASSERT_TRUE(master.tap().take(tick));
+    put(tick, moment.tick);
+  }
+  ASSERT_EQ(moment.tick.command().state(), pb::SESSION_ENGAGED);
+  const auto shows = [&](pb::LinkSessionState state) {
+    moment.tick.mutable_command()->set_state(state);
+    const auto is = played_status(master.start(), true, moment, nullptr);
+    EXPECT_TRUE(is) << is.message();
+    return is && is->has_desired_tip();
+  };
+  EXPECT_TRUE(shows(pb::SESSION_HOLD));
+  EXPECT_FALSE(shows(pb::SESSION_CLUTCHED));
+  EXPECT_FALSE(shows(pb::SESSION_OFF));
+  // Tool, walls, spring, governor, limits, clamp, cue and device: X of each.
+  const double force[] = {1.0, 0.5, 0.25, -0.125, -0.0625, -0.03125, 0.3, 0};
+  double sum = 0.0;
+  for (int i = 0; i < 7; ++i) moment.tick.set_force(3 * i, force[i]), sum += force[i];
+  moment.tick.set_force(21, sum);
+  const auto is = played_status(master.start(), true, moment, nullptr);
+  ASSERT_TRUE(is) << is.message();
+  EXPECT_NEAR(is->tool_force().force_n(0), 1.46875, 1e-12);
+  EXPECT_NEAR(is->spring_force().force_n(0), 0.25, 1e-12);
+  EXPECT_NEAR(is->limited_force().force_n(0), 0.1125, 1e-12);
+  EXPECT_NEAR(is->device_force().force_n(0), sum, 1e-12);
+  EXPECT_NEAR(is->ledger().cue().force_n(0), 0.3, 1e-12);
+}
+
 TEST(PlayedStatus, WithoutItsSceneItShowsWhatNeedsNone) {
   test::DrivenMaster master(3);
   KeptTick tick;
