@@ -31,6 +31,7 @@ struct Options {
   std::optional<std::string> listen, with, code;                           // keys pair
   std::optional<std::string> minutes;                                      // keys link
   std::optional<std::string> subject, folder, figures, trials, rig, rehearse;  // experiment
+  std::optional<std::string> address, port;                                    // play
   bool resume = false;
   bool simulated = false;
   bool report = false;
@@ -62,6 +63,7 @@ struct Takes {
   bool pair = false;        // --listen, or --with and --code
   bool life = false;        // --for
   bool experiment = false;  // --subject and what goes with it
+  bool play = false;        // --address and --port
 };
 
 struct Command {

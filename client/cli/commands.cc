@@ -17,6 +17,7 @@
 #include "client/cli/keys_command.h"
 #include "client/cli/lease_command.h"
 #include "client/cli/pair_command.h"
+#include "client/cli/record/play_command.h"
 #include "client/cli/record/record_files.h"
 #include "client/cli/scene_command.h"
 #include "client/cli/status_command.h"
@@ -117,6 +118,10 @@ ExitCode run_record_repair(const Options& o, const Console& c) {
   if (!text) return complain(c, text.message());
   c.out << *text;
   return kExitDone;
+}
+
+ExitCode run_play(const Options& o, const Console& c) {
+  return complain(c, become_player({*o.word, o.address, o.port, o.json}).message());
 }
 
 ExitCode run_record_stop(const Options& o, const Console& c) {
@@ -305,6 +310,10 @@ constexpr Command kCommands[] = {
      "A whole copy of a recording that was cut, as far as it is sound",
      run_record_repair,
      {.file = "FILE.mcap", .word = "FILE"}},
+    {"play",
+     "Show a recording in a browser, or in Foxglove: with a bar of time, and no orders",
+     run_play,
+     {.json = true, .word = "FILE", .play = true}},
     {"keys new",
      "Make this user's key, for what it is to be trusted to do; or the next one, to change it",
      run_keys_new,

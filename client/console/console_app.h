@@ -13,20 +13,13 @@
 #include "client/console/gateway/site.h"
 #include "client/console/gateway/web.h"
 #include "client/console/link_keeper.h"
-#include "client/console/scene/map_picture.h"
+#include "client/console/scene/read_scene.h"
 #include "client/console/viewer/viewer_desk.h"
 #include "server/base/status.h"
-#include "server/model/scene.h"
 
 namespace handrail {
 
 inline constexpr char kConsoleProtocol[] = "handrail.console.v1";
-
-// A scene read for the pages.
-struct ReadScene {
-  Scene scene;
-  MapPicture picture;  // of walls
-};
 
 class ConsoleApp final : public WebApplication {
  public:

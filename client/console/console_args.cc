@@ -116,6 +116,12 @@ constexpr ConsoleOption kOptions[] = {
        out.rig = text;
        return Status::ok();
      }},
+    {"--recording", "FILE.mcap",
+     "shows a recording in place of a master: no order can be given, and a bar of time plays it",
+     [](const std::string& text, ConsoleArgs& out) {
+       out.recording = text;
+       return Status::ok();
+     }},
     {"--viewer-origin", "ORIGIN",
      "of a viewer that is a page, such as https://app.foxglove.dev; may be given again",
      set_viewer_origin},
@@ -147,8 +153,20 @@ Status set_names(ConsoleArgs& out) {
       "asks for a name or an address that is listed");
 }
 
-Status set_defaults(bool socket_given, ConsoleArgs& out) {
+// Of a recording nothing that is of a master.
+Status check_recording(const std::vector<std::string>& given) {
+  for (const char* other : {"--socket", "--master", "--as", "--rig", "--scenes"}) {
+    if (std::find(given.begin(), given.end(), other) == given.end()) continue;
+    return Status::error(std::string("--recording and ") + other +
+                         ": expected one of them: a recording has no master, and its own scenes");
+  }
+  return Status::ok();
+}
+
+Status set_defaults(const std::vector<std::string>& given, ConsoleArgs& out) {
   if (Status named = set_names(out); !named) return named;
+  if (!out.recording.empty()) return check_recording(given);
+  const bool socket_given = std::find(given.begin(), given.end(), "--socket") != given.end();
   if (out.master.host.empty() && !socket_given) {
     const std::string host = variable("HANDRAIL_MASTER");
     if (!host.empty()) {
@@ -174,7 +192,10 @@ Result<ConsoleArgs> parse_console_args(int argc, const char* const* argv) {
     if (word == "--help" || word == "-h") out.help = true;
     if (word == "--version") out.version = true;
     if (word == "--observe") out.observe = true;
-    if (word == "--help" || word == "-h" || word == "--version" || word == "--observe") continue;
+    if (word == "--json") out.json = true;
+    const bool flag = word == "--help" || word == "-h" || word == "--version" ||
+                      word == "--observe" || word == "--json";
+    if (flag) continue;
     const std::string name = word.substr(0, word.find('='));
     const auto option = std::find_if(std::begin(kOptions), std::end(kOptions),
                                      [&](const ConsoleOption& o) { return name == o.name; });
@@ -193,8 +214,7 @@ Result<ConsoleArgs> parse_console_args(int argc, const char* const* argv) {
     if (Status set = option->set(value, out); !set) return set;
   }
   if (out.help || out.version) return out;
-  const bool socket_given = std::find(seen.begin(), seen.end(), "--socket") != seen.end();
-  if (Status set = set_defaults(socket_given, out); !set) return set;
+  if (Status set = set_defaults(seen, out); !set) return set;
   return out;
 }
 
@@ -212,6 +232,7 @@ std::string console_help() {
   }
   out +=
       "  --observe                 only look: no order passes\n"
+      "  --json                    the addresses as one line of JSON, once it is ready\n"
       "  --help, --version\n";
   return out;
 }

@@ -23,6 +23,8 @@ struct ConsoleArgs {
   std::vector<std::string> scenes;          // folders searched before the shipped ones
   std::string rig;                          // the simulated rig's status socket; empty: none
   std::vector<std::string> viewer_origins;  // of pages that may look as viewers
+  std::string recording;  // a file that is shown in place of a master; empty: none
+  bool json = false;      // what is printed is for a program
   bool help = false, version = false;
 };
 

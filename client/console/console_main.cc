@@ -1,8 +1,9 @@
-// handrail-console: a gateway between browsers and a master.
+// handrail-console: a gateway between browsers and a master, or a recording.
 #include <spdlog/spdlog.h>
 
 #include <chrono>
 #include <cstdio>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -16,23 +17,19 @@
 #include "client/console/console_app.h"
 #include "client/console/console_args.h"
 #include "client/console/console_identity.h"
+#include "client/console/console_source.h"
+#include "client/console/gateway/json_text.h"
 #include "client/console/link_keeper.h"
-#include "client/console/master_link.h"
-#include "client/console/rig_link.h"
 #include "client/console/web_server.h"
 #include "server/base/clock.h"
 #include "server/base/output.h"
-#include "server/base/plain_text.h"
 #include "server/base/signals.h"
 #include "server/base/version.h"
 #include "server/daemon/daemon_log.h"
 #include "server/daemon/descriptors.h"
-#include "server/daemon/errand.h"
 #include "server/daemon/run_daemon.h"
 #include "server/keys/key_folder.h"
 #include "server/keys/secret.h"
-#include "server/scene/scene_io.h"
-#include "server/scene/scene_library.h"
 #include "server/scene/shipped.h"
 
 namespace handrail {
@@ -55,74 +52,31 @@ Site page_of(const ConsoleArgs& args) {
   return Site::without_page(why);
 }
 
-// The master's scene, from its own file where that is on this computer, else by its name.
-Result<ReadScene> read_scene(const std::string& name, const std::string& file,
-                             const SceneLibrary& library) {
-  auto scene = file.empty() ? library.load(name) : load_scene_file(file);
-  if (!scene) return scene.status();
-  ReadScene out{std::move(*scene), {}};
-  if (out.scene.walls) {
-    auto picture = map_picture(*out.scene.walls);
-    if (!picture) return picture.status();
-    out.picture = std::move(*picture);
-  }
+std::string recording_text(const pb::RecordingNews& recording) {
+  std::string out = fmt::format("RECORDING {}: {} {}, {:.3f} s", recording.file(),
+                                recording.program(), recording.version(), recording.length_s());
+  if (recording.mark_size() > 0) out += fmt::format(", {} marks", recording.mark_size());
   return out;
 }
 
-// Keeps what is drawn that of the master's scene.
-class SceneWatch {
- public:
-  SceneWatch(const ConsoleArgs& args, ConsoleApp& app)
-      : library_(std::make_shared<const SceneLibrary>(args.scenes)),
-        local_(args.master.host.empty()),
-        app_(app) {}
-
-  void see(const pb::Status& status) {
-    const std::string key =
-        status.scene() + "\n" + status.scene_file() + "\n" + std::to_string(status.scene_epoch());
-    if (reading_.empty() && key == shown_) return;
-    if (reading_.empty()) {
-      reading_ = key;
-      name_ = status.scene();
-    }
-    const std::string file = local_ ? status.scene_file() : "";
-    const auto read = errand_.poll(
-        [name = name_, file, library = library_] { return read_scene(name, file, *library); });
-    if (!read) return;
-    shown_ = std::exchange(reading_, "");
-    app_.show(name_, *read);
-  }
-
- private:
-  const std::shared_ptr<const SceneLibrary> library_;
-  const bool local_;
-  ConsoleApp& app_;
-  Errand<Result<ReadScene>> errand_;
-  std::string shown_, reading_, name_;
-};
-
-std::vector<std::string> scene_names(const ConsoleArgs& args) {
-  std::vector<std::string> out;
-  for (const SceneLibrary::Entry& scene : SceneLibrary(args.scenes).list()) {
-    // What is no text a frame cannot hold.
-    if (is_plain_text(scene.name)) out.push_back(scene.name);
-  }
-  return out;
-}
-
-// Says in the log when the master comes and goes.
-void say_master(const Result<pb::Reply>& reply, std::string& last) {
-  const std::string now = reply ? "" : reply.message();
-  if (now == last) return;
-  last = now;
-  if (reply) return spdlog::info("the master answers");
-  spdlog::warn("{}", now);
+// As a person reads it, or a program with --json: the address comes last.
+std::string ready_text(const ConsoleArgs& args, const Access& access,
+                       const pb::RecordingNews* recording) {
+  pb::ConsoleReady ready;
+  ready.set_url(access.url());
+  if (!args.encrypted) ready.set_viewers(access.viewer_url());
+  if (recording != nullptr) *ready.mutable_recording() = *recording;
+  if (args.json) return json_text(ready);
+  std::string out;
+  if (recording != nullptr) out += recording_text(*recording) + "\n";
+  if (ready.has_viewers()) out += "VIEWERS " + ready.viewers() + "\n";
+  return out + "READY url=" + ready.url();
 }
 
 // What is to be printed: the addresses; of one that others reach, `handrail keys link` is to know
 // it too. Viewers, whose secret does not end, are served on this computer alone.
 Result<std::string> let_in(const ConsoleArgs& args, ConsoleIdentity& identity, std::uint16_t port,
-                           ConsoleApp& app, LinkKeeper& links) {
+                           const ConsoleSource& source, ConsoleApp& app, LinkKeeper& links) {
   std::string key, cookie, viewer_key;
   if (!args.encrypted) {
     for (std::string* secret : {&key, &cookie, &viewer_key}) {
@@ -138,9 +92,7 @@ Result<std::string> let_in(const ConsoleArgs& args, ConsoleIdentity& identity, s
   for (const std::string& name : args.names) place.names.push_back(web_host(name));
   Access access(std::move(place), key, cookie);
   access.open_to_viewers(viewer_key, args.viewer_origins);
-  const std::string ready = "READY url=" + access.url();
-  const std::string lines =
-      args.encrypted ? ready : "VIEWERS " + access.viewer_url() + "\n" + ready;
+  const std::string lines = ready_text(args, access, source.recording());
   app.let_in(std::move(access), args.encrypted ? &links : nullptr);
   if (!args.encrypted) return lines;
   spdlog::info(
@@ -161,7 +113,7 @@ void keep_looking(boost::asio::steady_timer& timer, ConsoleApp& app, KeyFollower
   });
 }
 
-KeyFollower::Told when_keys_change(WebServer& server, MasterLink& link) {
+KeyFollower::Told when_keys_change(WebServer& server, ConsoleSource& source) {
   return {[&](const ConsoleIdentity& now) {
             server.show(now.tls);
             spdlog::warn(
@@ -169,10 +121,18 @@ KeyFollower::Told when_keys_change(WebServer& server, MasterLink& link) {
                 "whose SHA-256 begins {}, and warn once more; pages that are open stay",
                 fingerprint_start(now.place.certificate));
           },
-          [&] { link.renew(); },
+          [&] { source.renew(); },
           [](const std::string& why) {
             spdlog::warn("the keys have changed and are not followed: {}", why);
           }};
+}
+
+Result<std::unique_ptr<ConsoleSource>> source_of(const ConsoleArgs& args,
+                                                 boost::asio::io_context& io, WebServer& server,
+                                                 ViewerDesk& viewers) {
+  const auto post = [&io](std::function<void()> work) { boost::asio::post(io, std::move(work)); };
+  if (!args.recording.empty()) return recording_source(args, post, server, viewers);
+  return Result<std::unique_ptr<ConsoleSource>>(live_source(args, post, server, viewers));
 }
 
 int serve(const ConsoleArgs& args) {
@@ -182,51 +142,31 @@ int serve(const ConsoleArgs& args) {
   raise_descriptor_limit(WebServer::kMostConnections + kOwnDescriptors);
   boost::asio::io_context io;
   WebServer server(io);
-  // What these two have in hand comes while the context runs: the desk is there by then.
-  std::unique_ptr<PageDesk> desk;
-  std::unique_ptr<SceneWatch> scenes;
-  std::unique_ptr<RigLink> rig;
-  const auto post = [&io](std::function<void()> work) { boost::asio::post(io, std::move(work)); };
   ViewerDesk viewers(server, program_version(), std::to_string(calendar_now()));
-  std::string said = "?";
-  const MasterLink::Told told{[&](const Result<pb::Reply>& reply, Nanos asked) {
-                                say_master(reply, said);
-                                if (reply && reply->has_status()) {
-                                  scenes->see(reply->status());
-                                  if (rig) rig->follow(reply->status().scene());
-                                }
-                                desk->status(reply, asked, monotonic_now());
-                                viewers.status(reply, calendar_now());
-                              },
-                              [&](std::uint64_t ticket, const Result<pb::Reply>& reply) {
-                                desk->answered(ticket, reply, monotonic_now());
-                              },
-                              [&](const Result<pb::Reply>& reply) { desk->pointed(reply); }};
-  MasterLink link({args.master, args.as, args.observe}, post, told);
-  const std::string master = args.master.host.empty() ? args.master.socket : args.master.host;
-  desk = std::make_unique<PageDesk>(
-      server, link,
-      PageDeskOptions{args.observe, program_version(), args.as, master, scene_names(args)});
-  if (!args.rig.empty()) {
-    rig = std::make_unique<RigLink>(args.rig, post,
-                                    [&desk](const pb::RigNews& news) { desk->rig(news); });
-  }
-  ConsoleApp app(page_of(args), *desk, viewers, server);
+  auto source = source_of(args, io, server, viewers);
+  if (!source) return fail_start(kProgram, source.message());
+  ConsoleApp app(page_of(args), (*source)->desk(), viewers, server);
   LinkKeeper links(io, OnceLinks(default_key_folder()));
-  scenes = std::make_unique<SceneWatch>(args, app);
+  (*source)->show_to(app);
   if (const Status opened = server.open(args.address, args.port, app, identity->tls); !opened) {
     return fail_start(kProgram, opened.message());
   }
-  const auto ready_line = let_in(args, *identity, server.port(), app, links);
+  const auto ready_line = let_in(args, *identity, server.port(), **source, app, links);
   if (!ready_line) return fail_start(kProgram, ready_line.message());
-  keys.follow(*identity, when_keys_change(server, link));
+  keys.follow(*identity, when_keys_change(server, **source));
   boost::asio::steady_timer looks(io);
   keep_looking(looks, app, keys);
   boost::asio::signal_set endings(io);
   for (const int signal : ending_signals()) endings.add(signal);
   endings.async_wait([&io](const boost::system::error_code&, int) { io.stop(); });
   Announcement ready;
-  ready.make(*ready_line);
+  if (args.recording.empty()) {
+    ready.make(*ready_line);
+  } else {
+    // What is shown waits for nobody's hand: who cannot be told of it has no use for it.
+    std::printf("%s\n", ready_line->c_str());
+    if (const int code = end_output(kProgram, 0); code != 0) return code;
+  }
   io.run();
   server.close();
   return 0;

@@ -1,11 +1,16 @@
-// Recordings: files of whoever it may be, read, repaired and done again.
+// Recordings: files of whoever it may be, read, done again and played.
+#include <sys/mman.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <sstream>
 
+#include "client/console/play/played_status.h"
 #include "server/lab/replay/replay.h"
 #include "server/record/mcap/mcap_reader.h"
 #include "server/record/mcap/mcap_writer.h"
 #include "server/record/record_feed.h"
+#include "server/record/recording_reader.h"
 #include "tests/fuzz/fuzz_target.h"
 
 namespace handrail {
@@ -32,6 +37,33 @@ std::string file_of(fuzz::Bytes bytes) {
   return out + closed.bytes + file.end();
 }
 
+// As `handrail play` looks into it: first, last, in between and first again.
+void play_file(const std::string& file) {
+  const int fd = ::memfd_create("recording", MFD_CLOEXEC);
+  const bool written =
+      fd >= 0 && ::write(fd, file.data(), file.size()) == static_cast<ssize_t>(file.size());
+  const auto reader = RecordingReader::open("/proc/self/fd/" + std::to_string(fd));
+  if (fd >= 0) ::close(fd);
+  if (!written) return;
+  fuzz::require(reader || !reader.message().empty(), "a refusal says why");
+  if (!reader) return;
+  RecordingReader& in = **reader;
+  fuzz::require(in.begins() <= in.ends(), "a recording does not end before it begins");
+  std::string first;
+  for (const Nanos time :
+       {in.begins(), in.ends(), in.begins() + (in.ends() - in.begins()) / 2, in.begins()}) {
+    const auto moment = in.at(time);
+    if (!moment) continue;
+    const std::string text =
+        (*moment)->tick.SerializeAsString() + (*moment)->cycle.SerializeAsString();
+    if (time == in.begins() && first.empty()) first = text;
+    if (time == in.begins()) fuzz::require(text == first, "a moment is what it was");
+    const auto status = played_status(in.start(), in.of_master(), **moment, nullptr);
+    fuzz::require(status || !status.message().empty(), "a refusal says why");
+    (void)in.scene(scene_number(in.of_master(), **moment));
+  }
+}
+
 }  // namespace
 
 HANDRAIL_FUZZ(recording) {
@@ -53,6 +85,7 @@ HANDRAIL_FUZZ(recording) {
   const auto result = replay(again, options);
   fuzz::require(result || !result.message().empty(), "a refusal says why");
   if (result) fuzz::require(result->entries <= messages, "no more ticks than messages");
+  play_file(file);
 }
 
 }  // namespace handrail

@@ -79,8 +79,11 @@ Table program_rows() {
           {"client/console/gateway", kBase + Folders{"proto"}},
           {"client/console/scene", text + Folders{"server/kinematics", "server/constraint/drawn"}},
           {"client/console/viewer", kConsole + Folders{"server/record/mcap"}},
-          {"client/console", kConsole + Folders{"server/daemon", "server/keys", "server/scene",
-                                                "client/api", "client/console/viewer"}}};
+          {"client/console/play", kConsole + Folders{"server/kinematics", "server/master",
+                                                     "server/record", "server/scene"}},
+          {"client/console",
+           kConsole + Folders{"server/daemon", "server/keys", "server/scene", "client/api",
+                              "client/console/viewer", "client/console/play"}}};
 }
 
 Table lab_rows() {

@@ -199,6 +199,13 @@ TEST_F(FullDisk, UnderTheOperatorsCommands) {
   listed.insert("record list");
   expect_told("handrail", "record list " + folder.path());
   expect_told("handrail", "record list --json " + folder.path());
+  listed.insert("play");
+  for (const char* more : {"", " --json"}) {
+    // The console, which it becomes, speaks for itself.
+    EXPECT_EQ(run("handrail", "play " + golden("master") + more, "/dev/full"), 1) << more;
+    EXPECT_THAT(read(complaint),
+                HasSubstr("handrail-console: the standard output cannot be written"));
+  }
   listed.insert("doctor");
   for (const std::string& words :
        {"doctor" + at, "doctor --json" + at, std::string("--help"), std::string("scene --help"),

@@ -140,6 +140,25 @@ TEST_F(WrongInput, CommandLinesOfTheDaemons) {
   }
 }
 
+TEST_F(WrongInput, CommandLinesOfThePlayer) {
+  const std::string console = "handrail-console";
+  expect_all({
+      {"handrail", {"play"}, 2, {"FILE"}},
+      {"handrail", {"play", "a.mcap", "--port", "http"}, 2, {"--port", "'http'", "65535"}},
+      {"handrail", {"play", "a.mcap", "--port", "65536"}, 2, {"--port", "'65536'"}},
+      {"handrail", {"play", "a.mcap", "--address", "a:1"}, 2, {"--address", "'a:1'", "127.0.0.1"}},
+      {console, {"--recording", "/nowhere/a.mcap"}, 2, {"/nowhere/a.mcap", "No such file"}},
+      {console, {"--recording", folder.path()}, 2, {folder.path(), "is no regular file"}},
+      {console, {"--recording", file("e.mcap", "")}, 2, {"e.mcap", "is empty", "a recording"}},
+      {console, {"--recording", file("t.mcap", "text text")}, 2, {"byte 0", "74 65", "89 4d"}},
+      {console,
+       {"--recording", file("n.mcap", "\x89MCAP1\r\n")},
+       2,
+       {"byte 5", "version '1'", "expected '0'"}},
+      {console, {"--recording", "a", "--socket", "b"}, 2, {"--recording", "--socket"}},
+  });
+}
+
 TEST_F(WrongInput, ConfigurationFiles) {
   int number = 0;
   const auto check = [&](const std::string& daemon, const std::string& text,

@@ -1,4 +1,5 @@
 // A viewer as Foxglove is one: its own client, and messages read by the schema that is advertised.
+import assert from 'node:assert/strict';
 import ws_protocol from '@foxglove/ws-protocol';
 import protobuf from 'protobufjs';
 import 'protobufjs/ext/descriptor.js';
@@ -31,6 +32,9 @@ export class Viewer {
   seen = new Map();
   said = [];
   problems = [];
+  /** of a recording: how its player stands, and the times that are shown */
+  states = [];
+  times = [];
 
   async open(url, { protocols = PROTOCOLS, headers = {} } = {}) {
     this.socket = new WebSocket(url, protocols, { headers });
@@ -40,6 +44,7 @@ export class Viewer {
       this.socket.on('error', reject);
     });
     this.client = new FoxgloveClient({ ws: this.socket });
+    this.socket.on('message', (data, binary) => binary && this.takePlayed(data));
     this.client.on('serverInfo', (info) => (this.info = info));
     this.client.on('advertise', (channels) => (this.channels = channels));
     this.client.on('status', (status) => this.said.push(status));
@@ -59,6 +64,16 @@ export class Viewer {
     this.topics.set(id, { topic, type: typeOf(channel) });
     this.seen.set(topic, []);
     return id;
+  }
+
+  /** What the client of npm does not know: it is in Foxglove's SDK alone. */
+  takePlayed(data) {
+    const bytes = new Uint8Array(data);
+    const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+    if (bytes[0] === 2) this.times.push(view.getBigUint64(1, true));
+    if (bytes[0] !== 5) return;
+    assert.equal(bytes.length, 19 + view.getUint32(15, true));
+    this.states.push({ is: bytes[1], now: view.getBigUint64(2, true), speed: view.getFloat32(10, true), sought: bytes[14] !== 0, id: Buffer.from(bytes.subarray(19)).toString() });
   }
 
   take({ subscriptionId, timestamp, data }) {

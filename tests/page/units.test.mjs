@@ -6,6 +6,7 @@ import { toHand } from '../../client/console/page/src/hand/drag_tip.js';
 import { toolOrder } from '../../client/console/page/src/link/tool_orders.js';
 import { lieOf, toDevice, window2d } from '../../client/console/page/src/map2d/frames.js';
 import { palette, recolour } from '../../client/console/page/src/map2d/recolour.js';
+import { markBeside, timeText } from '../../client/console/page/src/panels/play_bar.js';
 import { inverse, mountedAt, tipOf } from '../../client/console/page/src/scene3d/inverse.js';
 import { rotationVector } from '../../client/console/page/src/scene3d/rotation.js';
 
@@ -81,4 +82,16 @@ test('ToolsAreCalledAsTheyAreChosen', () => {
   assert.deepEqual(toolOrder(facts, 'PLANE', 'goal 0', true).order.tool.normal, [0, 0, 1]);
   near(toolOrder(facts, 'LINE', 'tip', false).order.tool.direction, [0, 0, -1], 0.02);
   assert.match(toolOrder({ status: {}, scene: {} }, 'LINE', 'goal 3', true).refused, /no way to go/);
+});
+
+test('ATimeOfARecordingIsReadToTheMillisecond', () => {
+  for (const [seconds, wanted] of [[0, '0:00.000'], [62.5, '1:02.500'], [59.9996, '1:00.000'], [3599.9999, '1:00:00.000'], [3662.001, '1:01:02.001'], [-1, '0:00.000']]) {
+    assert.equal(timeText(seconds), wanted);
+  }
+});
+
+test('TheMarkBesideATimeIsTheNearestThatIsNotPassedJustNow', () => {
+  const marks = [{ at_s: 1 }, { at_s: 2 }, { at_s: 2 }, { at_s: 5 }, {}].sort((a, b) => (a.at_s ?? 0) - (b.at_s ?? 0));
+  const cases = [[1, 0, 1], [1, 1, 2], [1, 1.9995, 5], [1, 5, undefined], [-1, 5, 2], [-1, 5.2, 2], [-1, 5.4, 5], [-1, 2.1, 1], [-1, 1, 0], [-1, 0.2, undefined]];
+  for (const [way, at, wanted] of cases) assert.equal(markBeside(marks, at, way), wanted, `${way} from ${at}`);
 });

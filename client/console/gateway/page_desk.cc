@@ -1,5 +1,6 @@
 #include "client/console/gateway/page_desk.h"
 
+#include <cmath>
 #include <utility>
 
 #include "client/console/gateway/json_text.h"
@@ -17,6 +18,8 @@ constexpr std::uint16_t kPolicy = 1008;  // RFC 6455: a frame that is not to be
 double milliseconds(Nanos time) { return to_seconds(time) * 1e3; }
 
 constexpr char kConsoleLooks[] = "this console only looks: it was started with --observe";
+constexpr char kRecordingLooks[] =
+    "this is a recording: no order can be given, and nothing is stopped by it";
 constexpr char kPageLooks[] =
     "this page only looks: it was opened by an observer's link (`handrail keys link operator` "
     "makes "
@@ -25,7 +28,13 @@ constexpr char kPageLooks[] =
 }  // namespace
 
 PageDesk::PageDesk(PageSink& pages, MasterOrders& master, PageDeskOptions options)
-    : sink_(pages), master_(master), options_(std::move(options)) {}
+    : sink_(pages), master_(&master), options_(std::move(options)) {}
+
+PageDesk::PageDesk(PageSink& pages, PlayedRecording recording, PageDeskOptions options)
+    : sink_(pages),
+      master_(nullptr),
+      recording_(std::move(recording)),
+      options_(std::move(options)) {}
 
 void PageDesk::opened(PageId page, bool observes, Nanos now) {
   pages_[page].observes = observes;
@@ -48,6 +57,7 @@ void PageDesk::greet(PageId page, Nanos now) {
   hello.set_name(options_.name);
   hello.set_master(options_.master);
   for (const std::string& scene : options_.scenes) hello.add_scene(scene);
+  if (master_ == nullptr) *hello.mutable_recording() = recording_.news;
   pb::ConsoleLimits& limits = *hello.mutable_limits();
   limits.set_status_hz(kStatusRate);
   limits.set_hand_hz_most(kCursorRate);
@@ -88,11 +98,13 @@ void PageDesk::received(PageId page, std::string_view text, Nanos now) {
     case pb::FromPage::kRequest: return request(page, frame->request());
     case pb::FromPage::kHand: return hand(page, frame->hand());
     case pb::FromPage::kLead: return lead(page, frame->lead(), now);
+    case pb::FromPage::kPlay: return play(page, frame->play());
     case pb::FromPage::FRAME_NOT_SET: break;
   }
 }
 
 std::string PageDesk::only_looks(const Page& page) const {
+  if (master_ == nullptr) return kRecordingLooks;
   return options_.observe ? kConsoleLooks : page.observes ? kPageLooks : "";
 }
 
@@ -127,7 +139,7 @@ void PageDesk::order(Ticket ticket, pb::Request request) {
   const std::uint64_t number = next_ticket_++;
   if (!ticket.stops) ++pages_[ticket.page].waiting;
   tickets_.emplace(number, ticket);
-  master_.order(number, request);
+  master_->order(number, request);
 }
 
 void PageDesk::answered(std::uint64_t number, const Result<pb::Reply>& result, Nanos now) {
@@ -196,12 +208,12 @@ void PageDesk::let_go() {
   gone.set_sequence(++cursor_number_);
   gone.set_held(false);
   gone.set_clutch(false);
-  master_.point(gone);
+  master_->point(gone);
 }
 
 void PageDesk::withdraw_all(PageId page) {
   for (const auto& [number, ticket] : tickets_) {
-    if (ticket.page == page && !ticket.stops) master_.withdraw(number);
+    if (ticket.page == page && !ticket.stops) master_->withdraw(number);
   }
 }
 
@@ -224,7 +236,29 @@ void PageDesk::hand(PageId page, pb::CursorOrder cursor) {
   if (from.cursor && cursor.sequence() == from.cursor->sequence()) return;
   from.cursor = cursor;
   cursor.set_sequence(++cursor_number_);
-  master_.point(cursor);
+  master_->point(cursor);
+}
+
+void PageDesk::play(PageId page, const pb::PagePlay& wanted) {
+  if (recording_.orders == nullptr) {
+    return reply(page, wanted.id(), false,
+                 "play: this is no recording: expected request, hand or lead");
+  }
+  if (pages_[page].observes) return reply(page, wanted.id(), false, kPageLooks);
+  PlayOrder order;
+  if (wanted.has_playing()) order.playing = wanted.playing();
+  if (wanted.has_speed()) order.speed = wanted.speed();
+  if (wanted.has_position_s()) {
+    constexpr double kFarthest = 1e9;  // [s], 30 years: what fits Nanos
+    const double at = wanted.position_s();
+    if (!(std::abs(at) <= kFarthest)) {
+      return reply(page, wanted.id(), false,
+                   "position_s: " + std::to_string(at) + ", expected seconds of the recording");
+    }
+    order.position = static_cast<Nanos>(std::llround(at * 1e9));
+  }
+  const auto state = recording_.orders->play(order);
+  reply(page, wanted.id(), state.is_ok(), state.message());
 }
 
 void PageDesk::pointed(const Result<pb::Reply>& result) {
@@ -254,6 +288,13 @@ void PageDesk::status(const Result<pb::Reply>& result, Nanos asked, Nanos now) {
   news.set_number(statuses_);
   news.set_pages(static_cast<std::uint32_t>(pages_.size()));
   if (rig_) *news.mutable_rig() = *rig_;
+  if (master_ == nullptr) {
+    pb::PlayNews& play = *news.mutable_play();
+    play.set_state(static_cast<pb::PlayNews::State>(play_.is));
+    play.set_position_s(to_seconds(play_.position));
+    play.set_speed(play_.speed);
+    play.set_jumps(play_.jumps);
+  }
   const SharedText text = shared_text(json_text(frame));
   for (const auto& [page, state] : pages_) sink_.send(page, text, false, kStatusFrame);
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "client/console/gateway/play_orders.h"
 #include "client/console/gateway/web.h"
 #include "proto/console.pb.h"
 #include "server/base/status.h"
@@ -31,6 +32,12 @@ struct PageDeskOptions {
   std::vector<std::string> scenes = {};
 };
 
+// What is shown in place of a master: a recording.
+struct PlayedRecording {
+  pb::RecordingNews news;
+  PlayOrders* orders = nullptr;  // outlives the desk; null: there is none, and a master is there
+};
+
 // One page leads at a time. Its orders and its cursor pass, and a stop of any page. When it goes,
 // its cursor is let go at once and what it waits for is withdrawn. Sans IO; times are of one clock.
 class PageDesk {
@@ -44,6 +51,9 @@ class PageDesk {
 
   // Both must outlive the desk.
   PageDesk(PageSink& pages, MasterOrders& master, PageDeskOptions options);
+  // Of a recording: no order of any page passes, and none leads. Whoever may do more than look
+  // plays, pauses and seeks, for all alike.
+  PageDesk(PageSink& pages, PlayedRecording recording, PageDeskOptions options);
 
   // `observes`: it may look, and no order of it passes, not even a stop.
   void opened(PageId page, bool observes, Nanos now);
@@ -52,6 +62,8 @@ class PageDesk {
 
   // What the question of `asked` brought.
   void status(const Result<pb::Reply>& reply, Nanos asked, Nanos now);
+  // Where the player stands: the next status is of that moment.
+  void played(const PlayState& state) { play_ = state; }
   // What is told of the simulated rig from the next status on.
   void rig(const pb::RigNews& news) { rig_ = news; }
   void scene(const pb::SceneNews& news);
@@ -83,6 +95,7 @@ class PageDesk {
   std::string refusal(PageId page, const pb::Request& order, const Page& from) const;
   void hand(PageId page, pb::CursorOrder cursor);
   void lead(PageId page, const pb::PageLead& lead, Nanos now);
+  void play(PageId page, const pb::PagePlay& wanted);
   void set_leader(PageId page, Nanos now);
   void order(Ticket ticket, pb::Request request);
   void let_go();
@@ -92,8 +105,10 @@ class PageDesk {
   void tell(PageId page, const pb::ToPage& frame);
 
   PageSink& sink_;
-  MasterOrders& master_;
+  MasterOrders* const master_;  // null: a recording is shown
+  const PlayedRecording recording_;
   const PageDeskOptions options_;
+  PlayState play_;
   std::optional<pb::RigNews> rig_;  // none: no rig is known
   std::map<PageId, Page> pages_;
   std::map<std::uint64_t, Ticket> tickets_;

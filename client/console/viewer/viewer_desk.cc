@@ -55,12 +55,14 @@ FrameWorth worth_of(Channel channel) {
 }  // namespace
 
 ViewerDesk::ViewerDesk(PageSink& viewers, const std::string& version, const std::string& session)
-    : sink_(viewers), info_(server_info_text(version, session)), channels_(channels_text()) {}
+    : sink_(viewers), version_(version), session_(session), channels_(channels_text()) {}
 
 void ViewerDesk::opened(PageId viewer, Nanos now) {
   viewers_[viewer].second = now;
-  sink_.send(viewer, shared_text(info_), false, {});
+  const auto range = recording_ ? std::optional(recording_->range) : std::nullopt;
+  sink_.send(viewer, shared_text(server_info_text(version_, session_, range)), false, {});
   sink_.send(viewer, shared_text(channels_), false, {});
+  if (recording_) greet_with_state(viewer);
 }
 
 void ViewerDesk::say(PageId viewer, ViewerLevel level, const std::string& message) {
@@ -80,11 +82,12 @@ void ViewerDesk::received(PageId viewer, std::string_view frame, bool binary, co
                      "more than " + std::to_string(kMostFrames) + " frames in a second");
   }
   constexpr char kOnlyLooks[] = "a viewer only looks here: expected subscribe or unsubscribe";
+  if (binary && recording_) return ask_to_play(viewer, frame);
   if (binary) return say(viewer, ViewerLevel::kError, kOnlyLooks);
   const auto said = viewer_frame(frame);
   if (!said) return say(viewer, ViewerLevel::kError, said.message());
   if (said->op() == "subscribe") {
-    for (const auto& asked : said->subscriptions()) subscribe(viewer, asked, at.calendar);
+    for (const auto& asked : said->subscriptions()) subscribe(viewer, asked, stamp(at.calendar));
   } else if (said->op() == "unsubscribe") {
     for (const std::uint32_t id : said->subscription_ids()) unsubscribe(viewer, id);
   } else {
@@ -161,6 +164,7 @@ void ViewerDesk::publish_still(Channel channel, Nanos calendar, Whom whom) {
 void ViewerDesk::scene(const pb::SceneNews& news, MapCells cells, Nanos calendar) {
   scene_ = news;
   cells_ = std::move(cells);
+  calendar = stamp(calendar);
   publish(Channel::kMarks, calendar, Whom::kAll, [&] { return nothing_drawn(calendar); });
   for (const Channel still : {Channel::kCell, Channel::kMap}) {
     publish_still(still, calendar, Whom::kAll);
@@ -172,6 +176,7 @@ void ViewerDesk::status(const Result<pb::Reply>& reply, Nanos calendar) {
     facts_.reset();
     return;
   }
+  calendar = stamp(calendar);
   publish_log(reply, calendar);
   publish_events(reply, calendar);
   if (reply && reply->has_status()) publish_status(reply->status(), calendar);

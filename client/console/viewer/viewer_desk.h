@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "client/console/gateway/play_orders.h"
 #include "client/console/gateway/web.h"
 #include "client/console/viewer/viewer_picture.h"
 #include "client/console/viewer/viewer_protocol.h"
@@ -23,7 +24,8 @@ struct Moment {
   Nanos calendar = 0;  // since 1970-01-01 UTC
 };
 
-// A viewer looks and does nothing else: the desk has no way to the master. A message is encoded
+// A viewer looks and does nothing else: the desk has no way to the master. Of a recording it may
+// play, pause and seek, for all who look. A message is encoded
 // where somebody is subscribed to its channel, once for all of them. Of data that waits for a slow
 // viewer the oldest is left out. Sans IO.
 class ViewerDesk {
@@ -48,6 +50,9 @@ class ViewerDesk {
 
   // `viewers` must outlive the desk. `session`: another one each time the gateway starts.
   ViewerDesk(PageSink& viewers, const std::string& version, const std::string& session);
+  // Before the first comes: it is a recording that is shown, and all times are of its calendar.
+  // `orders` must outlive the desk.
+  void show_recording(const ViewerRange& range, PlayOrders& orders);
 
   void opened(PageId viewer, Nanos now);
   void received(PageId viewer, std::string_view frame, bool binary, const Moment& at);
@@ -57,6 +62,9 @@ class ViewerDesk {
 
   // What the newest question to the master brought.
   void status(const Result<pb::Reply>& reply, Nanos calendar);
+  // Of a recording, before the status of that moment. False: it is older than an order, and that
+  // status is not to be shown any more.
+  bool played(const PlayState& state);
   // As the pages have it, and its map where it has walls.
   void scene(const pb::SceneNews& news, MapCells cells, Nanos calendar);
 
@@ -76,6 +84,17 @@ class ViewerDesk {
   };
   enum class Whom : std::uint8_t { kAll, kFresh };
 
+  struct Recording {
+    ViewerRange range;
+    PlayOrders* orders = nullptr;
+    PlayState state;
+    Nanos now() const { return range.begins + state.position; }
+  };
+  void greet_with_state(PageId viewer);
+  void ask_to_play(PageId viewer, std::string_view frame);
+  void tell_played(const PlayState& state, PageId asked_by, const std::string& id);
+  // The time that is to stand at a message.
+  Nanos stamp(Nanos calendar) const { return recording_ ? recording_->now() : calendar; }
   void subscribe(PageId viewer, const pb::FromViewer::Subscription& asked, Nanos calendar);
   void unsubscribe(PageId viewer, std::uint32_t id);
   void say(PageId viewer, ViewerLevel level, const std::string& message);
@@ -88,7 +107,8 @@ class ViewerDesk {
   void publish_events(const Result<pb::Reply>& reply, Nanos calendar);
 
   PageSink& sink_;
-  const std::string info_, channels_;
+  const std::string version_, session_, channels_;
+  std::optional<Recording> recording_;
   std::map<PageId, Viewer> viewers_;
   pb::SceneNews scene_;
   MapCells cells_;

@@ -3,13 +3,22 @@
 #include <google/protobuf/stubs/logging.h>
 #include <google/protobuf/util/json_util.h>
 
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
 #include "server/base/plain_text.h"
+#include "server/record/mcap/mcap_bytes.h"
 #include "server/record/mcap/message_schema.h"
 
 namespace handrail {
 namespace {
 
-constexpr char kMessageData = 1;  // opcode
+// Opcodes.
+constexpr char kMessageData = 1, kTime = 2, kPlaybackState = 5;
+constexpr std::uint8_t kPlaybackRequest = 3;
+constexpr std::size_t kLongestId = 256;  // of a request; SDK's are of 36 bytes
 
 // By protobuf's mapping with lowerCamelCase, and lists that are empty.
 std::string viewer_json(const google::protobuf::Message& message) {
@@ -18,6 +27,13 @@ std::string viewer_json(const google::protobuf::Message& message) {
   std::string out;
   // What is written by a program of ours has a mapping.
   (void)google::protobuf::util::MessageToJsonString(message, &out, options);
+  return out;
+}
+
+pb::ViewerTime viewer_time(Nanos calendar) {
+  pb::ViewerTime out;
+  out.set_sec(static_cast<std::uint32_t>(calendar / kSecond));
+  out.set_nsec(static_cast<std::uint32_t>(calendar % kSecond));
   return out;
 }
 
@@ -30,11 +46,18 @@ void add_number(std::string& out, Number number) {
 
 }  // namespace
 
-std::string server_info_text(const std::string& version, const std::string& session) {
+std::string server_info_text(const std::string& version, const std::string& session,
+                             const std::optional<ViewerRange>& range) {
   pb::ViewerServerInfo info;
   info.set_op("serverInfo");
   info.set_name("handrail-console " + version);
   info.set_session_id(session);
+  if (!range) return viewer_json(info);
+  info.set_name("handrail-console " + version + ", a recording");
+  info.add_capabilities("time");
+  info.add_capabilities("playbackControl");
+  *info.mutable_data_start_time() = viewer_time(range->begins);
+  *info.mutable_data_end_time() = viewer_time(range->ends);
   return viewer_json(info);
 }
 
@@ -67,6 +90,57 @@ std::string data_frame(std::uint32_t subscription, Nanos calendar, std::string_v
   add_number(out, subscription);
   add_number(out, static_cast<std::uint64_t>(calendar));
   out += message;
+  return out;
+}
+
+std::string time_frame(Nanos calendar) {
+  std::string out;
+  out += kTime;
+  add_number(out, static_cast<std::uint64_t>(calendar));
+  return out;
+}
+
+Result<ViewerPlay> viewer_play(std::string_view frame) {
+  McapTake take(frame);
+  const auto opcode = take.number<std::uint8_t>();
+  if (opcode != kPlaybackRequest) {
+    return Status::error("opcode " + std::to_string(opcode) + ", expected 3: play or pause");
+  }
+  ViewerPlay out;
+  const auto command = take.number<std::uint8_t>();
+  out.speed = std::bit_cast<float>(take.number<std::uint32_t>());
+  const bool seeks = take.number<std::uint8_t>() != 0;
+  const auto to = take.number<std::uint64_t>();
+  out.id = std::string(take.piece(take.number<std::uint32_t>()));
+  if (take.failed()) return Status::error("a playback request that is not whole");
+  if (command > 1) {
+    return Status::error("playback command " + std::to_string(command) +
+                         ", expected 0, play, or 1, pause");
+  }
+  if (!std::isfinite(out.speed)) return Status::error("playback speed: expected a number");
+  if (out.id.size() > kLongestId || !is_plain_text(out.id)) {
+    return Status::error("playback request id: expected text of at most " +
+                         std::to_string(kLongestId) + " bytes");
+  }
+  out.playing = command == 0;
+  constexpr auto kLast = static_cast<std::uint64_t>(std::numeric_limits<Nanos>::max());
+  if (seeks) out.seek = static_cast<Nanos>(std::min(to, kLast));
+  return out;
+}
+
+std::string playback_frame(const PlayState& state, Nanos calendar, bool by_seek,
+                           const std::string& id) {
+  constexpr char kPlaying = 0, kPaused = 1, kEnded = 3;
+  std::string out;
+  out += kPlaybackState;
+  out += state.is == PlayState::Is::kPlaying  ? kPlaying
+         : state.is == PlayState::Is::kPaused ? kPaused
+                                              : kEnded;
+  add_number(out, static_cast<std::uint64_t>(calendar));
+  add_number(out, std::bit_cast<std::uint32_t>(static_cast<float>(state.speed)));
+  out += static_cast<char>(by_seek);
+  add_number(out, static_cast<std::uint32_t>(id.size()));
+  out += id;
   return out;
 }
 

@@ -7,9 +7,9 @@
 #include <string>
 
 #include "proto/record.pb.h"
-#include "server/lab/replay/recorded_scenes.h"
 #include "server/lab/replay/replay.h"
 #include "server/record/mcap/mcap.h"
+#include "server/record/recorded_scenes.h"
 
 namespace handrail {
 

@@ -1,8 +1,5 @@
 #include "server/record/mcap/mcap_reader.h"
 
-#include <zlib.h>
-#include <zstd.h>
-
 #include <algorithm>
 
 #include "server/record/mcap/mcap_bytes.h"
@@ -29,13 +26,6 @@ bool read_some(std::istream& in, std::uint64_t size, std::string& out) {
   return true;
 }
 
-// Puts `value` to its number, from 1, with empty ones where some were left out.
-template <typename Value>
-void put_at(std::uint16_t number, Value value, std::vector<Value>& out) {
-  if (out.size() < number) out.resize(number);
-  out[number - 1u] = std::move(value);
-}
-
 }  // namespace
 
 void McapReader::fail(const std::string& what) {
@@ -55,7 +45,7 @@ bool McapReader::begin() {
   return true;
 }
 
-std::optional<McapReader::Record> McapReader::record() {
+std::optional<McapRecord> McapReader::record() {
   at_ = read_;
   std::string head;
   if (!read_some(in_, 9, head)) {
@@ -76,7 +66,7 @@ std::optional<McapReader::Record> McapReader::record() {
     return std::nullopt;
   }
   read_ += head.size() + buffer_.size();
-  return Record{kind, buffer_};
+  return McapRecord{kind, buffer_};
 }
 
 std::optional<McapMessage> McapReader::next() {
@@ -89,29 +79,24 @@ std::optional<McapMessage> McapReader::next() {
       if (auto out = take(*found)) return out;
       continue;
     }
-    McapTake rest(inside_);
-    const auto kind = static_cast<McapKind>(rest.number<std::uint8_t>());
-    const std::string_view content = rest.piece(rest.number<std::uint64_t>());
-    if (rest.failed()) {
-      fail("a record reaches beyond its chunk");
+    McapRecord inside;
+    if (const Status sound = next_in_chunk(inside_, inside); !sound) {
+      fail(sound.message());
       return std::nullopt;
     }
-    inside_ = rest.rest();
-    if (kind == McapKind::kChunk) {
-      fail("a chunk within a chunk");
-      return std::nullopt;
-    }
-    if (auto out = take({kind, content})) return out;
+    if (auto out = take(inside)) return out;
   }
   return std::nullopt;
 }
 
-std::optional<McapMessage> McapReader::take(const Record& record) {
+std::optional<McapMessage> McapReader::take(const McapRecord& record) {
   switch (record.kind) {
-    case McapKind::kSchema: schema(record.content); break;
-    case McapKind::kChannel: channel(record.content); break;
+    case McapKind::kSchema: hold(take_schema(record.content, layout_)); break;
+    case McapKind::kChannel: hold(take_channel(record.content, layout_)); break;
     case McapKind::kMessage: return message(record.content);
-    case McapKind::kChunk: chunk(record.content); break;
+    case McapKind::kChunk:
+      if (hold(unpack_chunk(record.content, unpacked_))) inside_ = unpacked_;
+      break;
     case McapKind::kDataEnd:
       ended_ = complete_ = true;
       sound_ = read_;
@@ -123,80 +108,14 @@ std::optional<McapMessage> McapReader::take(const Record& record) {
 }
 
 std::optional<McapMessage> McapReader::message(std::string_view content) {
-  McapTake take(content);
   McapMessage out;
-  out.channel = take.number<std::uint16_t>();
-  out.sequence = take.number<std::uint32_t>();
-  out.log_time = take.number<std::uint64_t>();
-  out.publish_time = take.number<std::uint64_t>();
-  out.data = take.rest();
-  if (take.failed()) {
-    fail("a message without its beginning");
-    return std::nullopt;
-  }
-  const bool known = out.channel > 0 && out.channel <= layout_.channels.size() &&
-                     !layout_.channels[out.channel - 1u].topic.empty();
-  if (!known) {
-    fail("a message of channel " + std::to_string(out.channel) +
-         ", which the file does not tell of");
-    return std::nullopt;
-  }
+  if (!hold(take_message(content, layout_, out))) return std::nullopt;
   return out;
 }
 
-void McapReader::schema(std::string_view content) {
-  McapTake take(content);
-  const auto number = take.number<std::uint16_t>();
-  McapSchema out{std::string(take.text()), std::string(take.text()), {}};
-  out.data = std::string(take.text());
-  if (take.failed() || number == 0) return fail("a schema that is not whole");
-  put_at(number, std::move(out), layout_.schemas);
-}
-
-void McapReader::channel(std::string_view content) {
-  McapTake take(content);
-  const auto number = take.number<std::uint16_t>();
-  McapChannel out;
-  out.schema = take.number<std::uint16_t>();
-  out.topic = std::string(take.text());
-  out.encoding = std::string(take.text());
-  if (take.failed() || number == 0) return fail("a channel that is not whole");
-  if (out.schema > layout_.schemas.size()) {
-    return fail("channel " + out.topic + " of schema " + std::to_string(out.schema) +
-                ", which the file does not tell of");
-  }
-  put_at(number, std::move(out), layout_.channels);
-}
-
-void McapReader::chunk(std::string_view content) {
-  McapTake take(content);
-  (void)take.number<std::uint64_t>();  // first
-  (void)take.number<std::uint64_t>();  // last
-  const auto plain = take.number<std::uint64_t>();
-  const auto sum = take.number<std::uint32_t>();
-  const std::string_view packing = take.text();
-  const std::string_view packed = take.piece(take.number<std::uint64_t>());
-  if (take.failed()) return fail("a chunk that is not whole");
-  if (plain > kLongest) {
-    return fail("a chunk of " + std::to_string(plain) + " bytes, expected at most " +
-                std::to_string(kLongest));
-  }
-  if (packing == "zstd") {
-    unpacked_.assign(static_cast<std::size_t>(plain), '\0');
-    const std::size_t got =
-        ZSTD_decompress(unpacked_.data(), unpacked_.size(), packed.data(), packed.size());
-    if (ZSTD_isError(got) != 0 || got != plain) return fail("a chunk that cannot be unpacked");
-  } else if (packing.empty()) {
-    unpacked_ = std::string(packed);
-  } else {
-    return fail("a chunk packed as '" + std::string(packing) + "', expected zstd or nothing");
-  }
-  const auto found = static_cast<std::uint32_t>(
-      crc32_z(0, reinterpret_cast<const Bytef*>(unpacked_.data()), unpacked_.size()));
-  // 0: the writer has made none.
-  if (sum != 0 && sum != found)
-    return fail("a chunk that is not as it was written: its checksum differs");
-  inside_ = unpacked_;
+bool McapReader::hold(const Status& sound) {
+  if (!sound) fail(sound.message());
+  return sound.is_ok();
 }
 
 const McapSchema* McapReader::schema_of(std::uint16_t channel) const {

@@ -8,6 +8,7 @@
 
 #include "server/base/status.h"
 #include "server/record/mcap/mcap.h"
+#include "server/record/mcap/mcap_parts.h"
 
 namespace handrail {
 
@@ -17,7 +18,7 @@ namespace handrail {
 // May allocate; a record is at most kLongest, a chunk at most that after it was unpacked.
 class McapReader {
  public:
-  static constexpr std::uint64_t kLongest = std::uint64_t{1} << 26;  // 64 MiB; chosen
+  static constexpr std::uint64_t kLongest = kLongestMcapRecord;
 
   // `in` must outlive the reader and be read by nobody else.
   explicit McapReader(std::istream& in) : in_(in) {}
@@ -40,19 +41,13 @@ class McapReader {
   std::uint64_t sound() const { return sound_; }
 
  private:
-  struct Record {
-    McapKind kind = McapKind::kHeader;
-    std::string_view content;
-  };
-
   bool begin();
   // The next record of the file itself, in `buffer_`.
-  std::optional<Record> record();
-  std::optional<McapMessage> take(const Record& record);
+  std::optional<McapRecord> record();
+  std::optional<McapMessage> take(const McapRecord& record);
   std::optional<McapMessage> message(std::string_view content);
-  void schema(std::string_view content);
-  void channel(std::string_view content);
-  void chunk(std::string_view content);
+  // What is not sound ends the file.
+  bool hold(const Status& sound);
   void fail(const std::string& what);
 
   std::istream& in_;

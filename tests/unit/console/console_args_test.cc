@@ -88,5 +88,22 @@ TEST(ConsoleArgs, SayWhatIsWrong) {
   EXPECT_THAT(parsed({"--master", "y", "--as", "ann"}).message(), HasSubstr("your key says it"));
 }
 
+TEST(ConsoleArgs, ARecordingTakesThePlaceOfAMaster) {
+  const auto shown = parsed({"--recording", "a.mcap", "--json", "--listen", "127.0.0.1:8080"});
+  ASSERT_TRUE(shown) << shown.message();
+  EXPECT_EQ(shown->recording, "a.mcap");
+  EXPECT_TRUE(shown->json);
+  EXPECT_EQ(shown->port, 8080);
+  EXPECT_EQ(shown->as, "");
+  for (const char* other : {"--socket", "--master", "--as", "--rig", "--scenes"}) {
+    EXPECT_THAT(parsed({"--recording", "a.mcap", other, "desk"}).message(),
+                HasSubstr(std::string("--recording and ") + other + ": expected one of them"));
+  }
+  EXPECT_THAT(parsed({"--recording"}).message(), HasSubstr("--recording: expected FILE.mcap"));
+  ::setenv("HANDRAIL_MASTER", "no:such:host", 1);
+  EXPECT_TRUE(parsed({"--recording", "a.mcap"})) << "no master is asked for";
+  ::unsetenv("HANDRAIL_MASTER");
+}
+
 }  // namespace
 }  // namespace handrail

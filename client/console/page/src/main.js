@@ -14,6 +14,7 @@ import { box, button, setData, setText, show } from './panels/dom.js';
 import { LeadPanel } from './panels/lead_panel.js';
 import { notice, Said } from './panels/notice.js';
 import { OrderPanel } from './panels/order_panel.js';
+import { PlayBar } from './panels/play_bar.js';
 import { ScenePanel } from './panels/scene_panel.js';
 import { updateScrew } from './panels/screw_panel.js';
 import { updateBar, whatIsMissing } from './panels/state_bar.js';
@@ -59,7 +60,7 @@ gateway.on('status', () => {
   const half = facts.status.haptic?.workspace_half_mm;
   if (half?.length) cursor.half = half;
   if (facts.problem) deadMan.letAllGo('the master does not answer');
-  pad.feel(facts.status);
+  if (!facts.recording) pad.feel(facts.status);
   engage.look();
 });
 
@@ -97,6 +98,7 @@ const picture = new Picture(facts, hand);
 const panel = new OrderPanel(facts, engage, { stop, say: (text, mood) => said.say(text, mood) });
 const scenes = new ScenePanel(facts, lead);
 const leads = new LeadPanel(facts, orders, (text, mood) => said.say(text, mood));
+const player = new PlayBar(facts, orders, (text, mood) => said.say(text, mood));
 const charts = new Charts();
 setUpWhy(facts, engage);
 setUpTheme(() => {
@@ -113,7 +115,7 @@ panel.setScene();
 
 /** A button beside the notice, where one helps. */
 function wayOn() {
-  if (!facts.connected || facts.hello.role === 'OBSERVER' || !facts.otherLeader) return null;
+  if (facts.recording || !facts.connected || facts.hello.role === 'OBSERVER' || !facts.otherLeader) return null;
   return { text: 'Take over', blocked: '', press: () => button('lead-take').click() };
 }
 
@@ -121,6 +123,7 @@ function wayOn() {
 function noticeText() {
   const missing = whatIsMissing(facts, gateway);
   if (missing) return missing;
+  if (facts.recording) return facts.recording.damage ? `This recording is not whole: ${facts.recording.damage}. It is shown up to there.` : '';
   if (facts.hello.role === 'OBSERVER') return 'You are an observer: you see everything and order nothing.';
   if (facts.otherLeader) return `Another page leads: ${facts.hello.leader_text || `page ${facts.hello.leader}`}. This one looks on; a stop passes all the same.`;
   return '';
@@ -128,6 +131,7 @@ function noticeText() {
 
 function updatePanels() {
   updateBar(facts);
+  player.update();
   updateWhy(facts);
   panel.update();
   scenes.update();

@@ -157,6 +157,7 @@ export class Picture {
       else if (state === 'off') text = 'Engage (E), then drag the ring at the tip.';
       else text = 'Drag the ring at the tip; wheel: nearer, further; Ctrl: turn. Or hold Shift and use the arrows.';
     }
+    if (facts.recording) text = 'K plays and pauses; ← and → go 5 s back and on, [ and ] to the marks.' + (facts.isWalls ? '' : ' The mouse looks around.');
     setText(box('hint'), text);
     show(box('hint'), text !== '');
   }

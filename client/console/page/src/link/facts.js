@@ -25,6 +25,10 @@ export class Facts {
     this.hasStatus = false;
     /** What the simulated rig says; null: nobody told of one, as of a real arm. @type {import('./wire.d.ts').RigNews | null} */
     this.rig = null;
+    /** The recording that is shown; null: it is live. @type {import('./wire.d.ts').RecordingNews | null} */
+    this.recording = null;
+    /** Where its player stands. @type {import('./wire.d.ts').PlayNews} */
+    this.play = {};
     /** When the newest status was true, performance.now() [ms]. */
     this.trueAt = -Infinity;
     /** The same as a time of day. @type {Date | null} */
@@ -40,6 +44,7 @@ export class Facts {
     gateway.on('hello', (hello) => {
       this.hello = hello;
       this.sceneNames = hello.scene ?? [];
+      this.recording = hello.recording ?? null;
     });
     gateway.on('scene', (scene) => this.setScene(scene));
     gateway.on('status', (news) => this.setStatus(news));
@@ -62,8 +67,10 @@ export class Facts {
   setStatus(news) {
     this.problem = news.problem ?? '';
     this.rig = news.rig ?? null;
+    this.play = news.play ?? {};
     if (!news.status) {
       if (!this.problem) this.problem = 'the master gives no status';
+      if (this.recording) this.trueAt = performance.now(); // a moment that cannot be read is no silence
       return;
     }
     this.status = news.status;
@@ -106,6 +113,7 @@ export class Facts {
  * @returns {string}
  */
 export function whyNoOrders(facts) {
+  if (facts.recording) return 'this is a recording: no order can be given';
   if (!facts.connected) return 'not connected to the gateway';
   if (facts.hello.role === 'OBSERVER') return 'you are an observer: you may look, not order';
   if (facts.problem) return 'the master does not answer';
@@ -119,6 +127,7 @@ export function whyNoOrders(facts) {
  * @returns {string}
  */
 export function whyNoStop(facts) {
+  if (facts.recording) return 'this is a recording: nothing is stopped by it';
   if (!facts.connected) return 'not connected: use the controller’s emergency stop';
   if (facts.hello.role === 'OBSERVER') return 'you are an observer: you may look, not stop';
   return '';

@@ -65,6 +65,11 @@ export class Orders {
     return this.give({ stop: true });
   }
 
+  /** Of a recording. @param {import('./wire.d.ts').PlayOrder} order @returns {Promise<Outcome>} */
+  play(order) {
+    return this.ask((id) => ({ play: { id, ...order } }));
+  }
+
   /** @param {LeadAct} act @returns {Promise<Outcome>} */
   lead(act) {
     return this.ask((id) => ({ lead: { id, act } }));

@@ -52,11 +52,19 @@ export interface RigMoment { tip?: PoseMm; force_n?: Vec; torque_n_m?: Vec; scre
 export interface RigNews { scene?: string; moment?: RigMoment; problem?: string }
 export interface StatusNews {
   status?: Status; age_ms?: number; gateway_s?: number; round_trip_ms?: number; problem?: string;
-  number?: string; pages?: number; rig?: RigNews;
+  number?: string; pages?: number; rig?: RigNews; play?: PlayNews;
 }
+export interface RecordingMark { at_s?: number; kind?: 'MARK' | 'STOP' | 'FAULT' | 'GAP'; text?: string; who?: string }
+export interface RecordingNews {
+  file?: string; program?: string; version?: string; begins_s?: number; length_s?: number; damage?: string;
+  mark?: RecordingMark[]; marks_left_out?: number; slowest?: number; fastest?: number;
+}
+export interface PlayNews { state?: 'PLAYING' | 'PAUSED' | 'ENDED'; position_s?: number; speed?: number; jumps?: number }
+export interface PlayOrder { playing?: boolean; position_s?: number; speed?: number }
 export interface Hello {
   version?: string; role?: 'OPERATOR' | 'OBSERVER'; page?: number; leader?: number;
   leader_text?: string; name?: string; master?: string; scene?: string[];
+  recording?: RecordingNews;
   limits?: { hand_hz_most?: number; hand_patience_ms?: number; requests_most?: number };
 }
 export interface PageReply { id?: number; done?: boolean; reason?: string; lease?: LeaseStatus }
@@ -105,5 +113,6 @@ export interface FromPage {
   request?: { id: number; order: Order };
   hand?: CursorOrder;
   lead?: { id: number; act: LeadAct };
+  play?: PlayOrder & { id: number };
 }
 export interface Outcome { done: boolean; reason: string }

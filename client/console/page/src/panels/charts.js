@@ -20,6 +20,8 @@ export class Charts {
       error: { plot: null, node: box('chart-error'), values: [], floor: 2, colour: '--good' },
       packet: { plot: null, node: box('chart-packet'), values: [], floor: 20, colour: '--info' },
     };
+    /** Of a recording: how often it was put to elsewhere. @type {number | undefined} */
+    this.jumps = undefined;
     this.sampledAt = 0;
     this.drawnAt = 0;
     this.build();
@@ -69,7 +71,8 @@ export class Charts {
     const { status, isWalls } = facts;
     const fresh = facts.connected && !facts.problem && facts.age() < 1000;
     const age = facts.age();
-    const packet = isWalls ? age : status.packet_age_ms === undefined || status.packet_age_ms < 0 ? null : status.packet_age_ms + age;
+    const since = facts.recording ? 0 : age; // of a recording it is the age that it had
+    const packet = isWalls ? (facts.recording ? null : age) : status.packet_age_ms === undefined || status.packet_age_ms < 0 ? null : status.packet_age_ms + since;
     return {
       force: fresh ? status.device_force?.magnitude_n ?? null : null,
       error: fresh ? (isWalls ? status.walls?.penetration_mm : status.ledger?.behind_mm) ?? null : null,
@@ -80,21 +83,30 @@ export class Charts {
   /** @param {Facts} facts */
   update(facts) {
     const now = performance.now();
-    if (now - this.sampledAt >= SAMPLE_MS) {
+    const time = facts.recording ? facts.play.position_s ?? 0 : now / 1000;
+    if (this.jumps !== facts.play.jumps) this.clear(facts.play.jumps);
+    if (now - this.sampledAt >= SAMPLE_MS && time !== this.times[this.times.length - 1]) {
       this.sampledAt = now;
       const values = Charts.now(facts);
-      this.times.push(now / 1000);
+      this.times.push(time);
       for (const name of /** @type {('force' | 'error' | 'packet')[]} */ (['force', 'error', 'packet'])) {
         this.strips[name].values.push(values[name]);
       }
-      while ((this.times[0] ?? now) < now / 1000 - SPAN_S - 1) {
+      while ((this.times[0] ?? time) < time - SPAN_S - 1) {
         this.times.shift();
         for (const strip of Object.values(this.strips)) strip.values.shift();
       }
     }
     if (now - this.drawnAt < DRAW_MS) return;
     this.drawnAt = now;
-    this.draw(facts, now / 1000);
+    this.draw(facts, time);
+  }
+
+  /** What was before is no past of what comes. @param {number | undefined} jumps */
+  clear(jumps) {
+    this.jumps = jumps;
+    this.times.length = 0;
+    for (const strip of Object.values(this.strips)) strip.values.length = 0;
   }
 
   /** @param {Facts} facts @param {number} now [s] */

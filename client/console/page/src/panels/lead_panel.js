@@ -23,8 +23,9 @@ export class LeadPanel {
 
   update() {
     const { facts } = this;
+    const recording = facts.recording ? 'this is a recording: there is nothing to lead' : '';
     const observer = facts.hello.role === 'OBSERVER' ? 'you are an observer: you may look, not lead' : '';
-    const off = facts.connected ? observer : 'not connected to the gateway';
+    const off = facts.connected ? recording || observer : 'not connected to the gateway';
     setText(button('lead-take'), facts.otherLeader ? 'Take over' : 'Take');
     block(button('lead-take'), off || (facts.leads ? 'this page leads already' : ''));
     block(button('lead-release'), off || (facts.leads ? '' : 'this page does not lead'));

@@ -54,6 +54,10 @@ export function updateBar(facts) {
  * @param {Facts} facts @param {{retryAt: number, refusal: number}} gateway
  */
 export function whatIsMissing(facts, { retryAt, refusal }) {
+  if (facts.recording) {
+    if (!facts.connected) return 'The gateway does not answer: is handrail play running? One that was started anew has printed a new address: open that.';
+    return facts.problem;
+  }
   const since = `no news since ${clock(facts.trueAtDate)}`;
   if (!facts.connected) {
     const wait = Math.max(0, Math.ceil((retryAt - performance.now()) / 1000));

@@ -109,7 +109,7 @@ export class View3d {
   }
 
   /** @param {Facts} facts */
-  update({ status, scene, rig }) {
+  update({ status, scene, rig, recording }) {
     // Clockwise, as one looks at its head.
     const turned = (-(rig?.moment?.screw?.turned_deg ?? 0) * Math.PI) / 180;
     if (this.screw && Math.abs(this.screw.rotation.z - turned) > 1e-3) {
@@ -124,6 +124,7 @@ export class View3d {
     this.moveGhost(status.state === 'off' ? undefined : status.desired_tip ?? status.command, status.tip);
     if (this.handle.position.distanceTo(this.tip) > 0.05) this.dirty = true;
     this.handle.position.copy(this.tip);
+    this.handle.visible = !recording; // there is nothing to take hold of
     if (this.tools.update(status.position_tool, status.orientation_tool)) this.dirty = true;
     this.tools.atTip?.position.copy(this.tip);
     if (this.forces.update(status, scene.rotation ?? [], this.tip)) this.dirty = true;

@@ -1,4 +1,4 @@
-#include "server/lab/replay/recorded_scenes.h"
+#include "server/record/recorded_scenes.h"
 
 #include <google/protobuf/text_format.h>
 
@@ -31,7 +31,7 @@ bool is_file_stem(const std::string& name) {
   });
 }
 
-constexpr char kPicture[] = "picture.png";
+constexpr char kPictureFile[] = "picture.png";
 
 }  // namespace
 
@@ -66,9 +66,9 @@ Result<Scene> RecordedScenes::load(const pb::RecordedScene& scene) {
     if (!google::protobuf::TextFormat::ParseFromString(text, &raw)) {
       return Status::error("recorded scene " + scene.name() + ": is no scene");
     }
-    raw.mutable_walls()->mutable_image()->set_file(kPicture);
+    raw.mutable_walls()->mutable_image()->set_file(kPictureFile);
     google::protobuf::TextFormat::PrintToString(raw, &text);
-    if (Status done = write_file(folder / kPicture, scene.picture_png()); !done) return done;
+    if (Status done = write_file(folder / kPictureFile, scene.picture_png()); !done) return done;
   }
   const auto file = folder / (scene.name() + std::string(kSceneExtension));
   if (Status done = write_file(file, text); !done) return done;
