@@ -1,5 +1,7 @@
 #include "devices/config/device_config_io.h"
 
+#include <algorithm>
+
 #include "server/base/units.h"
 
 namespace handrail {
@@ -91,8 +93,18 @@ NetFtOptions sensor_options(const pb::FtConfig& config) {
   out.address = config.address();
   out.port = port_of(config.port());
   out.range_n = config.range_n();
-  out.client.counts_per_n = config.counts_per_n();
-  out.client.counts_per_n_m = config.counts_per_n_m();
+  RdtClientOptions& client = out.client;
+  client.counts_per_n = config.counts_per_n();
+  client.counts_per_n_m = config.counts_per_n_m();
+  if (config.dialect() != pb::FtConfig::ONROBOT) return out;
+  client.dialect = RdtDialect::kOnRobot;
+  if (!config.has_counts_per_n()) client.counts_per_n = kOnRobotCountsPerN;
+  if (!config.has_counts_per_n_m()) client.counts_per_n_m = kOnRobotCountsPerNm;
+  if (config.has_rate_hz()) client.period_ms = 1000 / config.rate_hz();
+  if (config.has_sensor_filter_hz()) {
+    const auto found = std::find(kRdtFilters.begin(), kRdtFilters.end(), config.sensor_filter_hz());
+    client.filter = static_cast<std::uint32_t>(found - kRdtFilters.begin());
+  }
   return out;
 }
 

@@ -16,13 +16,15 @@ class NetFtDriver final : public Driver {
 
   std::string what() const override { return "force sensor on the network (RDT)"; }
   std::string daemon() const override { return "handrail-slave"; }
-  // Asks for the stream, and waits for a record for 0.3 s.
+  // Asks for the stream, and waits for a record for 0.3 s. Without one a sensor of ATI is asked for
+  // its page.
   std::vector<Sighting> probe() override;
   StartedTest test(const TestWishes& wishes) override;
+  // Finds the scale of a sensor of ATI on its page; OnRobot's have none.
   StartedTest calibrate() override;
 
  private:
-  std::string block() const;
+  Sighting look_at_page(const std::string& place) const;
 
   NetFtOptions options_;
   bool taken_;

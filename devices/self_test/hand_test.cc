@@ -176,7 +176,8 @@ void HandTest::steer_hand() {
 
 void HandTest::step(const HapticSample& sample, Nanos now) {
   if (!armed_) {
-    if (!settled(sample, now)) return;
+    // A button may be pressed at once.
+    if (steps_[now_at_].kind != Kind::kButton && !settled(sample, now)) return;
     begin_step(sample, now);
   }
   switch (steps_[now_at_].kind) {

@@ -3,9 +3,11 @@
 #include <arpa/inet.h>
 #include <sys/un.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <initializer_list>
+#include <iterator>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -181,6 +183,30 @@ Problem check_gripper(const pb::RobotConfig& robot) {
                           std::to_string(close) + ", and at most 15 from it"};
 }
 
+// What OnRobot's sensors can be told, and others cannot.
+Problem check_dialect(const pb::FtConfig& c) {
+  const bool told = c.has_rate_hz() || c.has_sensor_filter_hz();
+  if (told && c.dialect() != pb::FtConfig::ONROBOT) {
+    return FieldProblem{c.has_rate_hz() ? "force_sensor.rate_hz" : "force_sensor.sensor_filter_hz",
+                        "only used with dialect: ONROBOT; others are told on their own page"};
+  }
+  if (c.has_rate_hz() && 1000 % c.rate_hz() != 0) {
+    return FieldProblem{"force_sensor.rate_hz",
+                        std::to_string(c.rate_hz()) +
+                            " has no period of whole milliseconds, expected 1000, 500, 250, 200, "
+                            "125, 100 and so on"};
+  }
+  // As the sensor has them (devices/net_ft/rdt_packet.h).
+  constexpr double kCutoffs[] = {0.0, 500.0, 150.0, 50.0, 15.0, 5.0, 1.5};
+  if (!c.has_sensor_filter_hz() || std::find(std::begin(kCutoffs), std::end(kCutoffs),
+                                             c.sensor_filter_hz()) != std::end(kCutoffs)) {
+    return std::nullopt;
+  }
+  return FieldProblem{
+      "force_sensor.sensor_filter_hz",
+      number_text(c.sensor_filter_hz()) + " is none of 0, 500, 150, 50, 15, 5 and 1.5"};
+}
+
 Problem check(const pb::SlaveConfig& c) {
   Problem stop;
   if (c.has_stop_switch() && !c.stop_switch().device().starts_with("/")) {
@@ -197,7 +223,8 @@ Problem check(const pb::SlaveConfig& c) {
   Problem sensor;
   if (c.force_sensor().enabled()) {
     sensor = first({check_ipv4("force_sensor.address", c.force_sensor().address()),
-                    check_peer_port("force_sensor.port", c.force_sensor().port())});
+                    check_peer_port("force_sensor.port", c.force_sensor().port()),
+                    check_dialect(c.force_sensor())});
     ends.push_back({"force_sensor.port", c.force_sensor().address(), c.force_sensor().port()});
   }
   Problem address;

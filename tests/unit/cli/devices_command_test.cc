@@ -160,6 +160,16 @@ TEST(DevicesCommand, TheFilesSayWhatIsLookedAt) {
   EXPECT_EQ(settings->hand.spacemouse.enable_button, 2);
   EXPECT_EQ(settings->hand.spacemouse.motion.reach, 0.05);
   EXPECT_TRUE(settings->master_given && settings->slave_given && settings->has_sensor);
+  EXPECT_EQ(settings->sensor.client.dialect, RdtDialect::kAti);
+  words.slave_config = folder.write("o.conf",
+                                    "force_sensor { dialect: ONROBOT rate_hz: 250 "
+                                    "sensor_filter_hz: 15 counts_per_n: 5000 }");
+  const RdtClientOptions hex = device_settings(words)->sensor.client;
+  EXPECT_EQ(hex.dialect, RdtDialect::kOnRobot);
+  EXPECT_EQ(hex.period_ms, 4u);
+  EXPECT_EQ(hex.filter, 4u);
+  EXPECT_EQ(hex.counts_per_n, 5e3);
+  EXPECT_EQ(hex.counts_per_n_m, 1e5);
   words.device = "/dev/input/event9";
   EXPECT_EQ(device_settings(words)->stop_switch.path, "/dev/input/event9");
   EXPECT_EQ(device_settings(words)->stop_switch.key, std::nullopt);
