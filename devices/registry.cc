@@ -81,6 +81,8 @@ constexpr Entry kDevices[] = {
     {HapticDeviceKind::kPage, page},
     {HapticDeviceKind::kSpaceMouse,
      [](const auto& o) { return Made(std::make_unique<SpaceMouseDevice>(o.spacemouse)); }},
+    {HapticDeviceKind::kTouch,
+     [](const auto& o) { return Made(std::make_unique<TouchDevice>(o.touch)); }},
 };
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "devices/hand/hand_model.h"
 #include "devices/haptic_device.h"
 #include "devices/spacemouse/spacemouse_device.h"
+#include "devices/touch/touch_device.h"
 #include "server/base/status.h"
 
 namespace handrail {
@@ -19,6 +20,7 @@ enum class HapticDeviceKind : std::uint8_t {
   kSimJoystick,
   kPage,
   kSpaceMouse,
+  kTouch,
   kCount
 };
 
@@ -30,6 +32,7 @@ struct HapticDeviceOptions {
   std::string recording_path;
   DeviceEffects effects;  // kSimJoystick
   SpaceMouseOptions spacemouse;
+  TouchOptions touch;
 };
 
 // The hand that usually holds such a device: around a handle, a stylus, or led by a cursor.

@@ -8,6 +8,7 @@
 #include "devices/melfa/melfa_driver.h"
 #include "devices/net_ft/net_ft_driver.h"
 #include "devices/spacemouse/spacemouse_driver.h"
+#include "devices/touch/touch_driver.h"
 
 namespace handrail {
 namespace {
@@ -43,6 +44,11 @@ constexpr DriverRow kDrivers[] = {
        return std::make_unique<SpaceMouseDriver>(s.hand.spacemouse, s.usb_folder);
      },
      hand_is<Kind::kSpaceMouse>},
+    {"touch", false,
+     [](const Settings& s) -> Made {
+       return std::make_unique<TouchDriver>(s.hand.touch, s.usb_folder);
+     },
+     hand_is<Kind::kTouch>},
     {"stop-switch", false,
      [](const Settings& s) -> Made {
        return std::make_unique<StopSwitchDriver>(s.stop_switch, s.input_folder);

@@ -51,8 +51,10 @@ HapticDeviceOptions haptic_options(const pb::DeviceConfig& config) {
     case pb::DeviceConfig::SIM_JOYSTICK: out.kind = HapticDeviceKind::kSimJoystick; break;
     case pb::DeviceConfig::PAGE: out.kind = HapticDeviceKind::kPage; break;
     case pb::DeviceConfig::SPACEMOUSE: out.kind = HapticDeviceKind::kSpaceMouse; break;
+    case pb::DeviceConfig::TOUCH: out.kind = HapticDeviceKind::kTouch; break;
   }
   out.spacemouse = spacemouse_options(config.spacemouse());
+  out.touch = {config.touch().name(), config.touch().library()};
   const pb::HandModel& hand = config.hand();
   out.recording_path = config.recording();
   const bool cursor = out.kind == HapticDeviceKind::kPage;

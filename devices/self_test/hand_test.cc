@@ -288,7 +288,9 @@ void HandTest::end_step(Verdict verdict, std::string fact, std::string next) {
 
 std::string HandTest::asks() const {
   // A simulated hand needs no words.
-  return now_at_ >= steps_.size() || device_->hand() != nullptr ? "" : request();
+  if (now_at_ >= steps_.size() || device_->hand() != nullptr) return {};
+  // Who is told what comes next begins at once, and where it began would not be known.
+  return armed_ || steps_[now_at_].kind == Kind::kButton ? request() : "hold it still";
 }
 
 std::string HandTest::request() const {

@@ -103,6 +103,12 @@ Problem check_device(const pb::DeviceConfig& c) {
   if (c.has_spacemouse() && !spacemouse) {
     return FieldProblem{"device.spacemouse", "only used with kind: SPACEMOUSE"};
   }
+  if (c.has_touch() && c.kind() != pb::DeviceConfig::TOUCH) {
+    return FieldProblem{"device.touch", "only used with kind: TOUCH"};
+  }
+  if (c.has_touch() && c.touch().library().empty()) {
+    return FieldProblem{"device.touch.library", "empty, expected a library such as libHD.so"};
+  }
   const pb::SpaceMouseConfig& mouse = c.spacemouse();
   if (mouse.has_socket()) {
     const std::string problem = socket_path_problem(mouse.socket());
@@ -336,6 +342,11 @@ Result<pb::MasterConfig> load_master_config(const std::string& path, const std::
   if (config->device().spacemouse().has_socket()) {
     pb::SpaceMouseConfig& mouse = *config->mutable_device()->mutable_spacemouse();
     mouse.set_socket(from_folder_of(path, mouse.socket()));
+  }
+  // Without a slash it is a name for the loader.
+  if (config->device().touch().library().find('/') != std::string::npos) {
+    pb::TouchConfig& touch = *config->mutable_device()->mutable_touch();
+    touch.set_library(from_folder_of(path, touch.library()));
   }
   if (config->device().has_recording()) {
     config->mutable_device()->set_recording(from_folder_of(path, config->device().recording()));

@@ -246,6 +246,7 @@ std::string name_of(const ::testing::TestParamInfo<HapticDeviceKind>& info) {
     case HapticDeviceKind::kSimJoystick: return "SimJoystick";
     case HapticDeviceKind::kPage: return "Page";
     case HapticDeviceKind::kSpaceMouse: return "SpaceMouse";
+    case HapticDeviceKind::kTouch:
     case HapticDeviceKind::kCount: break;
   }
   return "Unnamed";
@@ -254,7 +255,10 @@ std::string name_of(const ::testing::TestParamInfo<HapticDeviceKind>& info) {
 std::vector<HapticDeviceKind> all_kinds() {
   std::vector<HapticDeviceKind> kinds;
   for (int i = 0; i < static_cast<int>(HapticDeviceKind::kCount); ++i) {
-    kinds.push_back(static_cast<HapticDeviceKind>(i));
+    const auto kind = static_cast<HapticDeviceKind>(i);
+    // There is one at a time, and its readings come when the vendor's thread has them, not by the
+    // clock of these tests: tests/unit/touch has what it promises.
+    if (kind != HapticDeviceKind::kTouch) kinds.push_back(kind);
   }
   return kinds;
 }

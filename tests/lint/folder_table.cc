@@ -13,7 +13,7 @@ const Folders kModel = kBase + Folders{"server/model"};
 const Folders kConsole =
     kModel + Folders{"proto", "client/console/gateway", "client/console/scene"};
 const Folders kHands = {"devices/hand", "devices/omni", "devices/joystick", "devices/page"};
-const Folders kDesk = {"devices/spacemouse", "devices/input"};
+const Folders kDesk = {"devices/spacemouse", "devices/touch", "devices/input"};
 const Folders kDrivers = {"devices/evdev", "devices/melfa", "devices/net_ft"};
 const Folders kRigs = {"devices/rig", "devices/rig/world", "devices/melfa", "devices/net_ft"};
 
@@ -147,6 +147,8 @@ Table device_rows() {
           {"devices/self_test", kModel + Folders{"devices"}},
           {"devices/input", kModel + Folders{"devices"}},
           {"devices/spacemouse", kModel + Folders{"devices", "devices/input", "devices/self_test"}},
+          {"devices/touch",
+           kModel + Folders{"devices", "devices/input", "devices/omni", "devices/self_test"}},
           {"devices/evdev", kBase + Folders{"devices", "devices/input", "devices/self_test"}},
           {"devices/udp", kBase},
           {"devices/melfa", kModel + Folders{"devices", "devices/udp", "devices/self_test"}},

@@ -20,6 +20,7 @@ using ::testing::HasSubstr;
 DeviceSettings nowhere(const TempFolder& folder) {
   DeviceSettings out;
   out.hand.spacemouse.socket = folder.path() + "/spnav.sock";
+  out.hand.touch.library = folder.path() + "/libHD.so";
   out.robot.port = out.sensor.port = 9;  // discard: nothing answers there
   out.input_folder = folder.path() + "/input";
   out.usb_folder = folder.path() + "/usb";
@@ -135,6 +136,9 @@ TEST(Catalogue, WhatTheFilesThatWereGivenWantIsWanted) {
   EXPECT_EQ(wanted(), Names{"sim-omni"});
   settings.hand.kind = HapticDeviceKind::kSpaceMouse;
   EXPECT_EQ(wanted(), Names{"spacemouse"});
+  settings.hand.kind = HapticDeviceKind::kTouch;
+  EXPECT_EQ(wanted(), Names{"touch"});
+  settings.hand.kind = HapticDeviceKind::kSpaceMouse;
   settings.slave_given = true;
   EXPECT_EQ(wanted(), (Names{"spacemouse", "melfa", "net-ft"}));
   settings.has_sensor = false;

@@ -232,6 +232,23 @@ TEST(Config, OnlyASensorOfOnRobotIsToldItsRateAndFilter) {
               HasSubstr("'force_sensor.sensor_filter_hz': only used with dialect: ONROBOT"));
 }
 
+TEST(Config, ATouchHasItsOwnBlockAndItsLibraryAPathOrAName) {
+  using ::testing::HasSubstr;
+  EXPECT_THAT(master_error("device { touch { } }"), HasSubstr("only used with kind: TOUCH"));
+  EXPECT_THAT(master_error("device { kind: TOUCH touch { library: '' } }"),
+              HasSubstr("'device.touch.library': empty, expected a library such as libHD.so"));
+  const TempFolder folder;
+  const auto library = [&folder](const std::string& block) {
+    return load_master_config(folder.write("t.conf", "device { kind: TOUCH " + block + " }"))
+        ->device()
+        .touch()
+        .library();
+  };
+  EXPECT_EQ(library(""), "libHD.so");
+  EXPECT_EQ(library("touch { library: 'libHD.so.3.4' }"), "libHD.so.3.4");
+  EXPECT_EQ(library("touch { library: 'lib/libHD.so' }"), folder.path() + "/lib/libHD.so");
+}
+
 TEST(Config, TakesRelativePathsFromTheFilesFolder) {
   const TempFolder folder;
   const std::string file = folder.write(

@@ -159,6 +159,14 @@ TEST_F(HandTestBench, AnotherAxisIsBadAndAslantIsNotSeen) {
   EXPECT_THAT(item("move.up").fact, HasSubstr("aslant"));
 }
 
+TEST_F(HandTestBench, NobodyIsAskedToGoBeforeItHasComeToRest) {
+  start();
+  ASSERT_FALSE(run([this] { move(Vec3(0.1, 0.0, 0.0)); }, 6.0));
+  EXPECT_EQ(test->asks(), "hold it still");
+  ASSERT_FALSE(run([this] { move(Vec3::Zero()); }, 7.0));
+  EXPECT_EQ(test->asks(), "leave it alone");
+}
+
 TEST_F(HandTestBench, WhatNobodyDoesIsNotSeenAfterFifteenSeconds) {
   start();
   ASSERT_FALSE(run([this] { move(Vec3::Zero()); }, 20.0));
