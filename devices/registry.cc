@@ -83,6 +83,11 @@ constexpr Entry kDevices[] = {
      [](const auto& o) { return Made(std::make_unique<SpaceMouseDevice>(o.spacemouse)); }},
     {HapticDeviceKind::kTouch,
      [](const auto& o) { return Made(std::make_unique<TouchDevice>(o.touch)); }},
+    {HapticDeviceKind::kGamepad,
+     [](const auto& o) {
+       return Made(std::make_unique<GamepadDevice>(o.gamepad,
+                                                   o.evdev != nullptr ? *o.evdev : evdev_kernel()));
+     }},
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "devices/evdev/gamepad_device.h"
 #include "devices/hand/hand_model.h"
 #include "devices/haptic_device.h"
 #include "devices/spacemouse/spacemouse_device.h"
@@ -21,6 +22,7 @@ enum class HapticDeviceKind : std::uint8_t {
   kPage,
   kSpaceMouse,
   kTouch,
+  kGamepad,
   kCount
 };
 
@@ -33,6 +35,8 @@ struct HapticDeviceOptions {
   DeviceEffects effects;  // kSimJoystick
   SpaceMouseOptions spacemouse;
   TouchOptions touch;
+  GamepadOptions gamepad;
+  EvdevKernel* evdev = nullptr;  // in the kernel's place, for tests; null: the kernel itself
 };
 
 // The hand that usually holds such a device: around a handle, a stylus, or led by a cursor.

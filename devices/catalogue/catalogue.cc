@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "devices/catalogue/simulated_driver.h"
+#include "devices/evdev/gamepad_driver.h"
 #include "devices/melfa/melfa_driver.h"
 #include "devices/net_ft/net_ft_driver.h"
 #include "devices/spacemouse/spacemouse_driver.h"
@@ -49,6 +50,13 @@ constexpr DriverRow kDrivers[] = {
        return std::make_unique<TouchDriver>(s.hand.touch, s.usb_folder);
      },
      hand_is<Kind::kTouch>},
+    {"gamepad", false,
+     [](const Settings& s) -> Made {
+       GamepadOptions options = s.hand.gamepad;
+       options.input_folder = s.input_folder;
+       return std::make_unique<GamepadDriver>(options);
+     },
+     hand_is<Kind::kGamepad>},
     {"stop-switch", false,
      [](const Settings& s) -> Made {
        return std::make_unique<StopSwitchDriver>(s.stop_switch, s.input_folder);

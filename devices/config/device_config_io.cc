@@ -52,8 +52,12 @@ HapticDeviceOptions haptic_options(const pb::DeviceConfig& config) {
     case pb::DeviceConfig::PAGE: out.kind = HapticDeviceKind::kPage; break;
     case pb::DeviceConfig::SPACEMOUSE: out.kind = HapticDeviceKind::kSpaceMouse; break;
     case pb::DeviceConfig::TOUCH: out.kind = HapticDeviceKind::kTouch; break;
+    case pb::DeviceConfig::GAMEPAD: out.kind = HapticDeviceKind::kGamepad; break;
   }
   out.spacemouse = spacemouse_options(config.spacemouse());
+  out.gamepad.path = config.gamepad().device();
+  out.gamepad.motion = deflection_of(config.gamepad().motion());
+  out.gamepad.dead_share = config.gamepad().dead_share();
   out.touch = {config.touch().name(), config.touch().library()};
   const pb::HandModel& hand = config.hand();
   out.recording_path = config.recording();

@@ -8,9 +8,6 @@
 
 namespace handrail {
 
-// Where the kernel has its input devices.
-inline constexpr char kInputFolder[] = "/dev/input";
-
 class StopSwitchDriver final : public Driver {
  public:
   // `options.path` may be empty: none is configured.

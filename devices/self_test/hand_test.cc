@@ -78,12 +78,12 @@ double asked_way(const HapticCapabilities& c, int axis) {
 }  // namespace
 
 HandTest::HandTest(std::unique_ptr<HapticDevice> device, const TestWishes& wishes,
-                   std::string block)
+                   std::string block, const std::array<bool, 3>& turns)
     : device_(std::move(device)), block_(std::move(block)) {
-  plan(wishes);
+  plan(wishes, turns);
 }
 
-void HandTest::plan(const TestWishes& wishes) {
+void HandTest::plan(const TestWishes& wishes, const std::array<bool, 3>& turns) {
   const HapticCapabilities& c = device_->capabilities();
   steps_.push_back({Kind::kStill, 0});
   const bool plays = c.simulated && device_->hand() == nullptr;
@@ -93,7 +93,9 @@ void HandTest::plan(const TestWishes& wishes) {
       if (c.workspace_half[i] >= kLeastWay) steps_.push_back({Kind::kMove, i});
     }
     if (c.senses_rotation) {
-      for (int i = 0; i < 3; ++i) steps_.push_back({Kind::kTurn, i});
+      for (int i = 0; i < 3; ++i) {
+        if (turns[at(i)]) steps_.push_back({Kind::kTurn, i});
+      }
     }
     // A page's dead-man is its mouse button, which no simulated hand has.
     const int buttons = std::min(c.buttons, c.led_by_cursor ? 2 : 3);

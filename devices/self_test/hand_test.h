@@ -1,6 +1,7 @@
 // Any haptic device, looked at: readings, directions, buttons and, on request, force.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -20,8 +21,10 @@ namespace handrail {
 // its work space, or is faster than 0.5 m/s. Deterministic for the same readings.
 class HandTest final : public SelfTest {
  public:
-  // `device` is open. `block`: what block() is to say.
-  HandTest(std::unique_ptr<HapticDevice> device, const TestWishes& wishes, std::string block);
+  // `device` is open. `block`: what block() is to say. `turns`: about which axes it can be turned,
+  // if it senses that.
+  HandTest(std::unique_ptr<HapticDevice> device, const TestWishes& wishes, std::string block,
+           const std::array<bool, 3>& turns = {true, true, true});
   ~HandTest() override { device_->close(); }
 
   bool turn(Nanos now) override;
@@ -36,7 +39,7 @@ class HandTest final : public SelfTest {
     int which;  // axis 0 to 2, or the button's number from 0 on
   };
 
-  void plan(const TestWishes& wishes);
+  void plan(const TestWishes& wishes, const std::array<bool, 3>& turns);
   void note(const HapticSample& sample, Nanos now);
   bool settled(const HapticSample& sample, Nanos now);
   void begin_step(const HapticSample& sample, Nanos now);

@@ -102,6 +102,7 @@ void TouchDevice::ask_identity() {
 
 Status TouchDevice::start() {
   servo_ = TouchTick();
+  (void)ticks_.take(tick_);  // of the last session
   tick_ = TouchTick();
   commands_.publish(Command());
   output_ = hot_ = false;

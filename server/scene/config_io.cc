@@ -103,6 +103,14 @@ Problem check_device(const pb::DeviceConfig& c) {
   if (c.has_spacemouse() && !spacemouse) {
     return FieldProblem{"device.spacemouse", "only used with kind: SPACEMOUSE"};
   }
+  if (c.has_gamepad() && c.kind() != pb::DeviceConfig::GAMEPAD) {
+    return FieldProblem{"device.gamepad", "only used with kind: GAMEPAD"};
+  }
+  if (c.gamepad().has_device() && !c.gamepad().device().starts_with("/")) {
+    return FieldProblem{
+        "device.gamepad.device",
+        "'" + shown(c.gamepad().device()) + "', expected the path of an input device, from / on"};
+  }
   if (c.has_touch() && c.kind() != pb::DeviceConfig::TOUCH) {
     return FieldProblem{"device.touch", "only used with kind: TOUCH"};
   }

@@ -13,7 +13,7 @@ const Folders kModel = kBase + Folders{"server/model"};
 const Folders kConsole =
     kModel + Folders{"proto", "client/console/gateway", "client/console/scene"};
 const Folders kHands = {"devices/hand", "devices/omni", "devices/joystick", "devices/page"};
-const Folders kDesk = {"devices/spacemouse", "devices/touch", "devices/input"};
+const Folders kDesk = {"devices/spacemouse", "devices/touch", "devices/input", "devices/evdev"};
 const Folders kDrivers = {"devices/evdev", "devices/melfa", "devices/net_ft"};
 const Folders kRigs = {"devices/rig", "devices/rig/world", "devices/melfa", "devices/net_ft"};
 

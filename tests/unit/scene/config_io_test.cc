@@ -249,6 +249,16 @@ TEST(Config, ATouchHasItsOwnBlockAndItsLibraryAPathOrAName) {
   EXPECT_EQ(library("touch { library: 'lib/libHD.so' }"), folder.path() + "/lib/libHD.so");
 }
 
+TEST(Config, AGamepadHasItsOwnBlockAndAWholePath) {
+  using ::testing::HasSubstr;
+  EXPECT_THAT(master_error("device { gamepad { } }"), HasSubstr("only used with kind: GAMEPAD"));
+  EXPECT_THAT(master_error("device { kind: GAMEPAD gamepad { device: 'event5' } }"),
+              HasSubstr("'device.gamepad.device': 'event5', expected the path of an input device"));
+  EXPECT_THAT(master_error("device { kind: GAMEPAD gamepad { dead_share: 0.6 } }"),
+              HasSubstr("device.gamepad.dead_share"));
+  EXPECT_EQ(master_error("device { kind: GAMEPAD gamepad { device: '/dev/input/event5' } }"), "");
+}
+
 TEST(Config, TakesRelativePathsFromTheFilesFolder) {
   const TempFolder folder;
   const std::string file = folder.write(
