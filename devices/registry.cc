@@ -81,6 +81,13 @@ constexpr Entry kDevices[] = {
     {HapticDeviceKind::kPage, page},
     {HapticDeviceKind::kSpaceMouse,
      [](const auto& o) { return Made(std::make_unique<SpaceMouseDevice>(o.spacemouse)); }},
+    {HapticDeviceKind::kTouch,
+     [](const auto& o) { return Made(std::make_unique<TouchDevice>(o.touch)); }},
+    {HapticDeviceKind::kGamepad,
+     [](const auto& o) {
+       return Made(std::make_unique<GamepadDevice>(o.gamepad,
+                                                   o.evdev != nullptr ? *o.evdev : evdev_kernel()));
+     }},
 };
 
 }  // namespace

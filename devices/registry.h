@@ -5,9 +5,11 @@
 #include <memory>
 #include <string>
 
+#include "devices/evdev/gamepad_device.h"
 #include "devices/hand/hand_model.h"
 #include "devices/haptic_device.h"
 #include "devices/spacemouse/spacemouse_device.h"
+#include "devices/touch/touch_device.h"
 #include "server/base/status.h"
 
 namespace handrail {
@@ -19,6 +21,8 @@ enum class HapticDeviceKind : std::uint8_t {
   kSimJoystick,
   kPage,
   kSpaceMouse,
+  kTouch,
+  kGamepad,
   kCount
 };
 
@@ -30,6 +34,9 @@ struct HapticDeviceOptions {
   std::string recording_path;
   DeviceEffects effects;  // kSimJoystick
   SpaceMouseOptions spacemouse;
+  TouchOptions touch;
+  GamepadOptions gamepad;
+  EvdevKernel* evdev = nullptr;  // in the kernel's place, for tests; null: the kernel itself
 };
 
 // The hand that usually holds such a device: around a handle, a stylus, or led by a cursor.

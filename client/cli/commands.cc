@@ -32,30 +32,6 @@
 namespace handrail {
 namespace {
 
-ExitCode run_disengage(const Options& o, const Console& c) {
-  pb::Request r;
-  r.set_disengage(true);
-  return send_order(o, c, r, "disengaged");
-}
-ExitCode run_clutch(const Options& o, const Console& c) {
-  if (*o.word != "on" && *o.word != "off") {
-    return complain(c, "clutch: '" + *o.word + "': expected on (hand free, arm holds) or off");
-  }
-  pb::Request r;
-  r.set_clutch(*o.word == "on");
-  return send_order(o, c, r, "clutch " + *o.word);
-}
-ExitCode run_stop(const Options& o, const Console& c) {
-  pb::Request r;
-  r.set_stop(true);
-  return send_order(o, c, r, "stopped until reset");
-}
-ExitCode run_reset(const Options& o, const Console& c) {
-  pb::Request r;
-  r.set_reset(true);
-  return send_order(o, c, r, "reset");
-}
-
 ExitCode run_mark(const Options& o, const Console& c) {
   pb::Request r;
   r.set_mark(o.word.value_or("cli"));
@@ -136,14 +112,6 @@ ExitCode run_stage(const Options& o, const Console& c) {
   return send_order(o, c, r, "stage " + *o.word);
 }
 
-template <bool closed>
-ExitCode run_grip(const Options& o, const Console& c) {
-  pb::Request r;
-  r.set_grip(closed);
-  return send_order(o, c, r,
-                    closed ? "the gripper is told to close" : "the gripper is told to open");
-}
-
 // Its range is the master's to judge.
 ExitCode run_screw(const Options& o, const Console& c) {
   constexpr double kAny = std::numeric_limits<double>::max();
@@ -220,7 +188,19 @@ constexpr Command kCommands[] = {
     {"doctor",
      "What is wrong with keys, link and machine, and what to type",
      run_doctor,
-     {.json = true}},
+     {.json = true, .configs = true}},
+    {"devices list",
+     "Which devices are there, and what each still needs",
+     run_devices_list,
+     {.json = true, .devices = true}},
+    {"devices test",
+     "Drive a device through its axes, buttons and rate; with --force its force",
+     run_devices_test,
+     {.json = true, .word = "NAME", .devices = true, .device_test = true}},
+    {"devices calibrate",
+     "Find out what a device's block of configuration has to say",
+     run_devices_calibrate,
+     {.json = true, .word = "NAME", .devices = true}},
     {"engage", "Let the hand drive the arm", run_engage, {.hold = true}},
     {"disengage", "Stop following; the arm holds", run_disengage, {}},
     {"clutch", "on: hand free, arm holds; off: follow again", run_clutch, {.word = "on|off"}},
@@ -287,8 +267,8 @@ constexpr Command kCommands[] = {
     {"scene load", "Load a scene in master and slave", run_scene_load, {.word = "NAME"}},
     {"stage", "Put the walls as they are in a stage of the scene", run_stage, {.word = "NAME"}},
     {"screw", "How the friction of a wrench's screw grows: c of (2.2)", run_screw, {.word = "C"}},
-    {"robot grip", "Close the gripper; the arm must be engaged", run_grip<true>, {}},
-    {"robot release", "Open the gripper; the arm must be engaged", run_grip<false>, {}},
+    {"robot grip", "Close the gripper; the arm must be engaged", run_grip, {}},
+    {"robot release", "Open the gripper; the arm must be engaged", run_release, {}},
     {"mark",
      "Say that something is done now: an experiment's next step",
      run_mark,
@@ -372,6 +352,8 @@ std::string group_help(const std::string& word) {
   if (word == "keys") return "Who may reach the programs of this user over the network";
   if (word == "robot") return "What is fixed to the arm";
   if (word == "record") return "Write down what happens, and what to do with recordings";
+  if (word == "devices")
+    return "Hand, stop switch, arm and force sensor: are they there, do they work";
   if (word == "hand") return "Move the hand of a simulated device";
   return {};
 }

@@ -1,6 +1,8 @@
 #include "client/cli/doctor_command.h"
 
+#include "client/cli/devices/devices_run.h"
 #include "client/cli/interrupt.h"
+#include "client/cli/vector_text.h"
 #include "client/doctor/gather.h"
 #include "client/doctor/judge.h"
 #include "client/doctor/report.h"
@@ -26,7 +28,45 @@ std::optional<RouteFacts> route_of(const MasterFacts& master) {
   return route_facts(master.status->peer().address());
 }
 
+// More than any haptic device on the market gives, Force Dimension's sigma.7 and omega.7 included.
+constexpr double kMostForce = 40.0;  // [N]
+
+DevicesWords devices_words(const Options& o) {
+  DevicesWords out;
+  out.name = o.word.value_or("");
+  out.master_config = o.master_config.value_or("");
+  out.slave_config = o.slave_config.value_or("");
+  out.device = o.device.value_or("");
+  out.out = o.out;
+  out.json = o.json;
+  out.wishes.alone = o.alone;
+  return out;
+}
+
+ExitCode run_device(const Options& o, const Console& c, bool calibrates) {
+  DevicesWords words = devices_words(o);
+  words.calibrates = calibrates;
+  if (o.force) {
+    const auto force = parse_number("--force", *o.force, 0.0, kMostForce, "N");
+    if (!force) return complain(c, force.message());
+    words.wishes.force = *force;
+  }
+  catch_interrupts();
+  return test_device(words, {c.out, c.err, interrupted});
+}
+
 }  // namespace
+
+ExitCode run_devices_list(const Options& o, const Console& c) {
+  catch_interrupts();
+  return list_devices(devices_words(o), {c.out, c.err, interrupted});
+}
+
+ExitCode run_devices_test(const Options& o, const Console& c) { return run_device(o, c, false); }
+
+ExitCode run_devices_calibrate(const Options& o, const Console& c) {
+  return run_device(o, c, true);
+}
 
 ExitCode run_doctor(const Options& options, const Console& console) {
   catch_interrupts();
@@ -41,6 +81,11 @@ ExitCode run_doctor(const Options& options, const Console& console) {
   facts.master = watch_master(options.master, kWatch, interrupted, facts.machine);
   if (interrupted()) return kExitInterrupted;
   facts.route = route_of(facts.master);
+  if (const auto settings = device_settings(devices_words(options))) {
+    facts.devices = wanted_devices(*settings);
+  } else {
+    facts.devices_problem = settings.message();
+  }
   facts.largest_datagram = kMaxDatagram + kRecordHeader + kSealing;
   facts.largest_handshake = kLongestHandshake;
   const Findings findings = judge(facts);

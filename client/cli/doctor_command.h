@@ -1,4 +1,4 @@
-// handrail doctor
+// handrail doctor, handrail devices
 #pragma once
 
 #include "client/cli/command.h"
@@ -8,5 +8,10 @@ namespace handrail {
 // Looks at keys, programs, link, real time and clocks, and says what is wrong and what to type.
 // Reads only. kExitDone: no problem; kExitRefused: some.
 ExitCode run_doctor(const Options& options, const Console& console);
+
+// See list_devices and test_device.
+ExitCode run_devices_list(const Options& options, const Console& console);
+ExitCode run_devices_test(const Options& options, const Console& console);
+ExitCode run_devices_calibrate(const Options& options, const Console& console);
 
 }  // namespace handrail

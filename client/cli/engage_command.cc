@@ -54,4 +54,37 @@ ExitCode run_engage(const Options& options, const Console& console) {
   return disengage(options, console);
 }
 
+ExitCode run_disengage(const Options& o, const Console& c) { return disengage(o, c); }
+
+ExitCode run_clutch(const Options& o, const Console& c) {
+  if (*o.word != "on" && *o.word != "off") {
+    return complain(c, "clutch: '" + *o.word + "': expected on (hand free, arm holds) or off");
+  }
+  pb::Request r;
+  r.set_clutch(*o.word == "on");
+  return send_order(o, c, r, "clutch " + *o.word);
+}
+ExitCode run_stop(const Options& o, const Console& c) {
+  pb::Request r;
+  r.set_stop(true);
+  return send_order(o, c, r, "stopped until reset");
+}
+ExitCode run_reset(const Options& o, const Console& c) {
+  pb::Request r;
+  r.set_reset(true);
+  return send_order(o, c, r, "reset");
+}
+
+ExitCode run_grip(const Options& o, const Console& c) {
+  pb::Request r;
+  r.set_grip(true);
+  return send_order(o, c, r, "the gripper is told to close");
+}
+
+ExitCode run_release(const Options& o, const Console& c) {
+  pb::Request r;
+  r.set_grip(false);
+  return send_order(o, c, r, "the gripper is told to open");
+}
+
 }  // namespace handrail

@@ -94,6 +94,20 @@ void add_experiment_options(CLI::App& app, Options& o) {
       "gearshift, wrench: one trial each of N simulated people in virtual time, without a master");
 }
 
+void add_config_options(CLI::App& app, Options& o) {
+  add_text(app, "--master-config", o.master_config, "FILE", "the file of handrail-master");
+  add_text(app, "--slave-config", o.slave_config, "FILE", "the file of handrail-slave");
+}
+
+void add_device_options(CLI::App& app, bool test, Options& o) {
+  add_config_options(app, o);
+  add_text(app, "--device", o.device, "PATH", "the stop switch, such as /dev/input/event5");
+  if (test) {
+    app.add_flag("--alone", o.alone, "nobody is there: only what can be seen at rest");
+    add_text(app, "--force", o.force, "N", "push the hand with up to this force, 0 to 40");
+  }
+}
+
 void add_options(CLI::App& app, const Takes& takes, Options& o) {
   if (takes.json) app.add_flag("--json", o.json, "print JSON");
   if (takes.watch) app.add_flag("--watch", o.watch, "refresh 5 times a second until Ctrl-C");
@@ -102,6 +116,11 @@ void add_options(CLI::App& app, const Takes& takes, Options& o) {
   if (takes.hold) app.add_flag("--hold", o.hold, "engaged while this runs: Ctrl-C disengages");
   if (takes.hand) add_hand_options(app, o);
   if (takes.experiment) add_experiment_options(app, o);
+  if (takes.configs) add_config_options(app, o);
+  if (takes.devices) add_device_options(app, takes.device_test, o);
+  if (takes.devices && takes.word != nullptr) {
+    add_text(app, "--out", o.out, "FILE", "new file for the block of configuration");
+  }
   if (takes.pair) add_pair_options(app, o);
   if (takes.life) {
     add_text(app, "--for", o.minutes, "MINUTES", "that it is good for, 1 to 1440; 10 without it");

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "client/api/master_place.h"
+#include "devices/driver.h"
 #include "proto/operator.pb.h"
 #include "server/keys/trust_list.h"
 
@@ -75,6 +76,12 @@ struct MasterFacts {
   double watched_s = 0.0;
 };
 
+// A device that the daemons' files name, as its driver sees it.
+struct DeviceFacts {
+  std::string name;  // of the driver
+  std::vector<Sighting> seen;
+};
+
 struct DoctorFacts {
   std::string version;  // of this program
   int wire_version = 0;
@@ -83,6 +90,8 @@ struct DoctorFacts {
   std::vector<LocalProgram> programs;
   MachineFacts machine;
   MasterFacts master;
+  std::vector<DeviceFacts> devices;  // none where no file was given
+  std::string devices_problem;       // why a file cannot be read; empty: it can
   std::optional<RouteFacts> route;   // none: the link stays on this computer, or is not known
   std::size_t largest_datagram = 0;  // of the encrypted link, without UDP and IP [bytes]
   std::size_t largest_handshake = 0;

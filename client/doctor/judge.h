@@ -19,6 +19,8 @@ void judge_link(const DoctorFacts& facts, Findings& out);
 void judge_route(const DoctorFacts& facts, Findings& out);
 // The session, its scene, and what holds the arm.
 void judge_session(const DoctorFacts& facts, Findings& out);
+// The devices of the files that were given, and what master and slave say of theirs.
+void judge_devices(const DoctorFacts& facts, Findings& out);
 // Real time, here and for the daemons.
 void judge_realtime(const DoctorFacts& facts, Findings& out);
 // What takes time from programs, and the clocks.

@@ -167,6 +167,7 @@ Findings judge(const DoctorFacts& facts) {
   judge_link(facts, out);
   judge_route(facts, out);
   judge_session(facts, out);
+  judge_devices(facts, out);
   judge_realtime(facts, out);
   judge_machine(facts, out);
   return out;

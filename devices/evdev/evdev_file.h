@@ -11,6 +11,9 @@
 
 namespace handrail {
 
+// Where the kernel has its input devices.
+inline constexpr char kInputFolder[] = "/dev/input";
+
 // What is asked of the kernel, as open(2) and ioctl(2). A test answers in its place.
 class EvdevKernel {
  public:

@@ -1,5 +1,7 @@
 #include "devices/net_ft/net_ft_sensor.h"
 
+#include <algorithm>
+
 #include "server/base/clock.h"
 
 namespace handrail {
@@ -13,7 +15,8 @@ constexpr int kMaxDrain = 256;
 
 NetFtSensor::NetFtSensor(const NetFtOptions& options)
     : options_(options),
-      capabilities_{"ATI Net F/T", options.range_n, options.range_n_m},
+      capabilities_{options.client.dialect == RdtDialect::kOnRobot ? "OnRobot HEX" : "ATI Net F/T",
+                    options.range_n, options.range_n_m},
       client_(options.client) {}
 
 NetFtSensor::~NetFtSensor() { stop(); }
@@ -24,8 +27,17 @@ Status NetFtSensor::start() {
     return Status::error("force sensor " + s.message());
   }
   started_ = true;
+  send_settings();
   socket_.send(client_.start(monotonic_now()));
   return Status::ok();
+}
+
+void NetFtSensor::send_settings() noexcept {
+  for (int i = 0;; ++i) {
+    const auto request = client_.setting(i);
+    if (request.empty()) return;
+    socket_.send(request);
+  }
 }
 
 bool NetFtSensor::poll(Nanos now, FtSample& sample) noexcept {
@@ -37,7 +49,13 @@ bool NetFtSensor::poll(Nanos now, FtSample& sample) noexcept {
     if (!size) break;
     if (client_.on_datagram({buffer.data(), *size}, now, sample)) fresh = true;
   }
-  if (const auto request = client_.poll(now); !request.empty()) socket_.send(request);
+  if (const auto request = client_.poll(now); !request.empty()) {
+    // The client holds one request at a time.
+    std::array<std::uint8_t, kRdtRequestSize> again;
+    std::copy(request.begin(), request.end(), again.begin());
+    send_settings();
+    socket_.send(again);
+  }
   return fresh;
 }
 

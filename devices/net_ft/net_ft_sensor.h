@@ -1,4 +1,4 @@
-// A force/torque sensor that speaks ATI Net F/T RDT over UDP.
+// A force/torque sensor that speaks RDT over UDP: of ATI, or of OnRobot.
 #pragma once
 
 #include <array>
@@ -14,8 +14,9 @@ namespace handrail {
 struct NetFtOptions {
   std::string address = "127.0.0.1";
   std::uint16_t port = kRdtPort;
-  double range_n = 1000.0;   // |force| per axis the sensor can measure [N]
-  double range_n_m = 100.0;  // |torque| per axis [N m]
+  std::uint16_t page_port = 80;  // of a sensor of ATI; HTTP
+  double range_n = 1000.0;       // |force| per axis the sensor can measure [N]
+  double range_n_m = 100.0;      // |torque| per axis [N m]
   RdtClientOptions client;
 };
 
@@ -38,6 +39,8 @@ class NetFtSensor : public FtSensor {
   const RdtCounters& counters() const noexcept { return client_.counters(); }
 
  private:
+  void send_settings() noexcept;
+
   NetFtOptions options_;
   FtCapabilities capabilities_;
   RdtClient client_;

@@ -7,6 +7,17 @@ constexpr std::int32_t kRestartedBehind = 1000;  // [records], a second of the u
 
 }  // namespace
 
+RdtClient::Bytes RdtClient::setting(int i) noexcept {
+  if (options_.dialect != RdtDialect::kOnRobot) return {};
+  if (options_.period_ms && i-- == 0) return write(RdtCommand::kPeriod, *options_.period_ms);
+  if (options_.filter && i == 0) return write(RdtCommand::kFilter, *options_.filter);
+  return {};
+}
+
+RdtClient::Bytes RdtClient::bias() noexcept {
+  return write(RdtCommand::kBias, options_.dialect == RdtDialect::kOnRobot ? kOnRobotBias : 0);
+}
+
 RdtClient::Bytes RdtClient::start(Nanos now) noexcept {
   streaming_ = true;
   has_newest_ = false;
@@ -50,8 +61,8 @@ RdtClient::Bytes RdtClient::stop() noexcept {
   return write(RdtCommand::kStop);
 }
 
-RdtClient::Bytes RdtClient::write(RdtCommand command) noexcept {
-  buffer_ = encode_rdt(RdtRequest{command, 0});
+RdtClient::Bytes RdtClient::write(RdtCommand command, std::uint32_t value) noexcept {
+  buffer_ = encode_rdt(RdtRequest{command, value});
   return buffer_;
 }
 

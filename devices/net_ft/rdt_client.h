@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "devices/ft_sensor.h"
@@ -11,9 +12,13 @@
 namespace handrail {
 
 struct RdtClientOptions {
-  double counts_per_n = 1e6;            // > 0
-  double counts_per_n_m = 1e6;          // > 0
-  Nanos patience = 100 * kMillisecond;  // silence after which the stream is asked for again
+  RdtDialect dialect = RdtDialect::kAti;
+  // OnRobot's, told as the stream begins; none: as the sensor has it.
+  std::optional<std::uint32_t> period_ms{};  // of the stream, > 0 [ms]
+  std::optional<std::uint32_t> filter{};     // place in kRdtFilters
+  double counts_per_n = 1e6;                 // > 0
+  double counts_per_n_m = 1e6;               // > 0
+  Nanos patience = 100 * kMillisecond;       // silence after which the stream is asked for again
 };
 
 struct RdtCounters {
@@ -30,6 +35,9 @@ class RdtClient {
 
   explicit RdtClient(const RdtClientOptions& options) noexcept : options_(options) {}
 
+  // What has to be sent before the request for a stream, each time: a sensor that was without power
+  // has forgotten it. Request `i`, from 0 on; empty: there are no more.
+  Bytes setting(int i) noexcept;
   // The request for an endless stream.
   Bytes start(Nanos now) noexcept;
   // True: `sample` is filled with a record newer than any given before, by the stream's sequence
@@ -39,14 +47,14 @@ class RdtClient {
   // The request again when nothing new has come for `patience`, else empty.
   Bytes poll(Nanos now) noexcept;
   // The request to take the present reading as zero.
-  Bytes bias() noexcept { return write(RdtCommand::kBias); }
+  Bytes bias() noexcept;
   // The request to end the stream; poll() is quiet until the next start().
   Bytes stop() noexcept;
 
   const RdtCounters& counters() const noexcept { return counters_; }
 
  private:
-  Bytes write(RdtCommand command) noexcept;
+  Bytes write(RdtCommand command, std::uint32_t value = 0) noexcept;
 
   RdtClientOptions options_;
   RdtCounters counters_;

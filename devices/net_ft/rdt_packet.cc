@@ -27,7 +27,7 @@ std::array<std::uint8_t, kRdtRequestSize> encode_rdt(const RdtRequest& request) 
   std::array<std::uint8_t, kRdtRequestSize> bytes;
   put16(bytes.data(), kRdtHeader);
   put16(bytes.data() + 2, static_cast<std::uint16_t>(request.command));
-  put32(bytes.data() + 4, request.samples);
+  put32(bytes.data() + 4, request.value);
   return bytes;
 }
 
@@ -48,7 +48,9 @@ std::optional<RdtRequest> decode_rdt_request(std::span<const std::uint8_t> bytes
   switch (request.command) {
     case RdtCommand::kStop:
     case RdtCommand::kStream:
-    case RdtCommand::kBias: return request;
+    case RdtCommand::kBias:
+    case RdtCommand::kFilter:
+    case RdtCommand::kPeriod: return request;
   }
   return std::nullopt;
 }

@@ -50,7 +50,7 @@ void FtSource::on_datagram(std::span<const std::uint8_t> bytes, PeerId from) noe
   switch (request->command) {
     case RdtCommand::kStream:
       listener_ = from;
-      samples_left_ = request->samples;
+      samples_left_ = request->value;
       rdt_sequence_ = 0;
       break;
     case RdtCommand::kStop: listener_.reset(); break;
@@ -59,6 +59,8 @@ void FtSource::on_datagram(std::span<const std::uint8_t> bytes, PeerId from) noe
         bias_ = {wrench_.force + zero_, wrench_.torque + options_.zero.torque};
       }
       break;
+    case RdtCommand::kFilter:
+    case RdtCommand::kPeriod: break;  // for sensors of another make
   }
 }
 

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "devices/config/device_config_io.h"
 #include "devices/registry.h"
 #include "proto/config.pb.h"
 #include "server/base/clock.h"
@@ -55,66 +56,6 @@ int fail(const std::string& message) { return fail_start("handrail-master", mess
 
 void log_line(bool bad, const std::string& line) {
   spdlog::log(bad ? spdlog::level::err : spdlog::level::info, line);
-}
-
-DeflectionSettings deflection_of(const pb::DeflectionConfig& config) {
-  DeflectionSettings out;
-  out.mode = config.mode() == pb::DeflectionConfig::POSITION ? DeflectionMode::kPosition
-                                                             : DeflectionMode::kVelocity;
-  out.speed = config.speed_mm_s() * kMm;
-  out.turn_rate = config.turn_deg_s() * kDeg;
-  out.reach = config.reach_mm() * kMm;
-  out.tilt = config.tilt_deg() * kDeg;
-  return out;
-}
-
-SpaceMouseOptions spacemouse_options(const pb::SpaceMouseConfig& config) {
-  SpaceMouseOptions out;
-  out.socket = config.socket();
-  out.motion = deflection_of(config.motion());
-  out.full_counts = config.full_counts();
-  out.patience = static_cast<Nanos>(config.patience_ms() * 1e6);
-  out.clutch_button = static_cast<int>(config.clutch_button());
-  out.drop_button = static_cast<int>(config.drop_button());
-  if (config.has_enable_button()) out.enable_button = static_cast<int>(config.enable_button());
-  return out;
-}
-
-HapticDeviceOptions device_options(const pb::DeviceConfig& config) {
-  HapticDeviceOptions out;
-  switch (config.kind()) {
-    case pb::DeviceConfig::SIM_OMNI: out.kind = HapticDeviceKind::kSimOmni; break;
-    case pb::DeviceConfig::SIM_OMNI_TORQUE: out.kind = HapticDeviceKind::kSimOmniTorque; break;
-    case pb::DeviceConfig::RECORDED: out.kind = HapticDeviceKind::kRecorded; break;
-    case pb::DeviceConfig::SIM_JOYSTICK: out.kind = HapticDeviceKind::kSimJoystick; break;
-    case pb::DeviceConfig::PAGE: out.kind = HapticDeviceKind::kPage; break;
-    case pb::DeviceConfig::SPACEMOUSE: out.kind = HapticDeviceKind::kSpaceMouse; break;
-  }
-  out.spacemouse = spacemouse_options(config.spacemouse());
-  const pb::HandModel& hand = config.hand();
-  out.recording_path = config.recording();
-  const bool cursor = out.kind == HapticDeviceKind::kPage;
-  if (cursor || out.kind == HapticDeviceKind::kSimJoystick) {
-    // The defaults of a hand are those of a stylus; around a handle it is another, and one that is
-    // led by a person does not wander by itself.
-    out.hand = usual_hand(out.kind, hand.seed());
-    if (hand.has_mass_kg()) out.hand.mass = hand.mass_kg();
-    if (hand.has_stiffness_n_mm()) out.hand.stiffness = hand.stiffness_n_mm() * kNewtonPerMm;
-    if (hand.has_damping_ratio()) out.hand.damping_ratio = hand.damping_ratio();
-    if (!cursor || hand.has_tremor_rms_mm()) out.hand.tremor_rms = hand.tremor_rms_mm() * kMm;
-    if (!cursor || hand.has_drift_rms_mm()) out.hand.drift_rms = hand.drift_rms_mm() * kMm;
-    if (!cursor || hand.has_reaction_ms()) out.hand.reaction = hand.reaction_ms() * 1e-3;
-    return out;
-  }
-  out.hand.seed = hand.seed();
-  out.hand.mass = hand.mass_kg();
-  out.hand.stiffness = hand.stiffness_n_mm() * kNewtonPerMm;
-  out.hand.damping_ratio = hand.damping_ratio();
-  out.hand.tremor_rms = hand.tremor_rms_mm() * kMm;
-  out.hand.drift_rms = hand.drift_rms_mm() * kMm;
-  out.hand.drift_rotation_rms = hand.drift_rms_deg() * kDeg;
-  out.hand.reaction = hand.reaction_ms() * 1e-3;
-  return out;
 }
 
 // The thread that ticks the loop until it has finished; then the device is closed.
@@ -210,7 +151,7 @@ std::unique_ptr<Recorder> make_recorder(const pb::MasterConfig& config,
 }
 
 int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
-  auto device = make_haptic_device(device_options(config.device()));
+  auto device = make_haptic_device(haptic_options(config.device()));
   if (!device) return fail(device.message());
   const HapticCapabilities capabilities = (*device)->capabilities();
   const std::vector<std::string> folders(config.scene_path().begin(), config.scene_path().end());

@@ -3,9 +3,11 @@
 #include <arpa/inet.h>
 #include <sys/un.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <initializer_list>
+#include <iterator>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -101,6 +103,20 @@ Problem check_device(const pb::DeviceConfig& c) {
   if (c.has_spacemouse() && !spacemouse) {
     return FieldProblem{"device.spacemouse", "only used with kind: SPACEMOUSE"};
   }
+  if (c.has_gamepad() && c.kind() != pb::DeviceConfig::GAMEPAD) {
+    return FieldProblem{"device.gamepad", "only used with kind: GAMEPAD"};
+  }
+  if (c.gamepad().has_device() && !c.gamepad().device().starts_with("/")) {
+    return FieldProblem{
+        "device.gamepad.device",
+        "'" + shown(c.gamepad().device()) + "', expected the path of an input device, from / on"};
+  }
+  if (c.has_touch() && c.kind() != pb::DeviceConfig::TOUCH) {
+    return FieldProblem{"device.touch", "only used with kind: TOUCH"};
+  }
+  if (c.has_touch() && c.touch().library().empty()) {
+    return FieldProblem{"device.touch.library", "empty, expected a library such as libHD.so"};
+  }
   const pb::SpaceMouseConfig& mouse = c.spacemouse();
   if (mouse.has_socket()) {
     const std::string problem = socket_path_problem(mouse.socket());
@@ -181,6 +197,30 @@ Problem check_gripper(const pb::RobotConfig& robot) {
                           std::to_string(close) + ", and at most 15 from it"};
 }
 
+// What OnRobot's sensors can be told, and others cannot.
+Problem check_dialect(const pb::FtConfig& c) {
+  const bool told = c.has_rate_hz() || c.has_sensor_filter_hz();
+  if (told && c.dialect() != pb::FtConfig::ONROBOT) {
+    return FieldProblem{c.has_rate_hz() ? "force_sensor.rate_hz" : "force_sensor.sensor_filter_hz",
+                        "only used with dialect: ONROBOT; others are told on their own page"};
+  }
+  if (c.has_rate_hz() && 1000 % c.rate_hz() != 0) {
+    return FieldProblem{"force_sensor.rate_hz",
+                        std::to_string(c.rate_hz()) +
+                            " has no period of whole milliseconds, expected 1000, 500, 250, 200, "
+                            "125, 100 and so on"};
+  }
+  // As the sensor has them (devices/net_ft/rdt_packet.h).
+  constexpr double kCutoffs[] = {0.0, 500.0, 150.0, 50.0, 15.0, 5.0, 1.5};
+  if (!c.has_sensor_filter_hz() || std::find(std::begin(kCutoffs), std::end(kCutoffs),
+                                             c.sensor_filter_hz()) != std::end(kCutoffs)) {
+    return std::nullopt;
+  }
+  return FieldProblem{
+      "force_sensor.sensor_filter_hz",
+      number_text(c.sensor_filter_hz()) + " is none of 0, 500, 150, 50, 15, 5 and 1.5"};
+}
+
 Problem check(const pb::SlaveConfig& c) {
   Problem stop;
   if (c.has_stop_switch() && !c.stop_switch().device().starts_with("/")) {
@@ -197,7 +237,8 @@ Problem check(const pb::SlaveConfig& c) {
   Problem sensor;
   if (c.force_sensor().enabled()) {
     sensor = first({check_ipv4("force_sensor.address", c.force_sensor().address()),
-                    check_peer_port("force_sensor.port", c.force_sensor().port())});
+                    check_peer_port("force_sensor.port", c.force_sensor().port()),
+                    check_dialect(c.force_sensor())});
     ends.push_back({"force_sensor.port", c.force_sensor().address(), c.force_sensor().port()});
   }
   Problem address;
@@ -309,6 +350,11 @@ Result<pb::MasterConfig> load_master_config(const std::string& path, const std::
   if (config->device().spacemouse().has_socket()) {
     pb::SpaceMouseConfig& mouse = *config->mutable_device()->mutable_spacemouse();
     mouse.set_socket(from_folder_of(path, mouse.socket()));
+  }
+  // Without a slash it is a name for the loader.
+  if (config->device().touch().library().find('/') != std::string::npos) {
+    pb::TouchConfig& touch = *config->mutable_device()->mutable_touch();
+    touch.set_library(from_folder_of(path, touch.library()));
   }
   if (config->device().has_recording()) {
     config->mutable_device()->set_recording(from_folder_of(path, config->device().recording()));

@@ -12,9 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "devices/evdev/stop_switch.h"
-#include "devices/melfa/melfa_robot.h"
-#include "devices/net_ft/net_ft_sensor.h"
+#include "devices/config/device_config_io.h"
 #include "proto/config.pb.h"
 #include "server/base/output.h"
 #include "server/base/pacer.h"
@@ -52,43 +50,6 @@ const char kWhat[] =
 const char kInReach[] = "the controller's emergency stop must be in reach";
 
 int fail(const std::string& message) { return fail_start("handrail-slave", message); }
-
-std::uint16_t in_16_bits(std::uint32_t value) { return static_cast<std::uint16_t>(value); }
-
-MxtGripper gripper_of(const pb::GripperConfig& config) {
-  MxtGripper out;
-  out.close = in_16_bits(config.close_output());
-  if (config.has_open_output()) out.open = in_16_bits(config.open_output());
-  return out;
-}
-
-MelfaOptions robot_options(const pb::RobotConfig& config) {
-  MelfaOptions out;
-  out.address = config.address();
-  out.port = in_16_bits(config.port());
-  out.client.packet_bytes = config.packet_bytes();
-  if (config.has_gripper()) out.client.gripper = gripper_of(config.gripper());
-  return out;
-}
-
-std::unique_ptr<NetFtSensor> make_sensor(const pb::FtConfig& config) {
-  if (!config.enabled()) return nullptr;
-  NetFtOptions options;
-  options.address = config.address();
-  options.port = in_16_bits(config.port());
-  options.range_n = config.range_n();
-  options.client.counts_per_n = config.counts_per_n();
-  options.client.counts_per_n_m = config.counts_per_n_m();
-  return std::make_unique<NetFtSensor>(options);
-}
-
-std::optional<StopSwitchOptions> switch_options(const pb::SlaveConfig& config) {
-  if (!config.has_stop_switch()) return std::nullopt;
-  StopSwitchOptions out;
-  out.path = config.stop_switch().device();
-  if (config.stop_switch().has_key()) out.key = static_cast<int>(config.stop_switch().key());
-  return out;
-}
 
 std::string stop_text(const std::optional<StopSwitchOptions>& options) {
   if (!options) return fmt::format("stop circuit: none (stop_switch); {}", kInReach);
@@ -215,7 +176,7 @@ Result<TransportMaker> link_of(const pb::SlaveConfig& config) {
                            "; leave both out for the plain link with a master on this computer");
     }
     return listening_link(*options, config.has_link_address() ? config.link_address() : "any",
-                          in_16_bits(config.link_port()));
+                          static_cast<std::uint16_t>(config.link_port()));
   }
   return TransportMaker([path = config.link_socket()](boost::asio::io_context& io) {
     return std::make_unique<UnixTransport>(io, UnixTransport::End::kSlave, path);
@@ -225,7 +186,10 @@ Result<TransportMaker> link_of(const pb::SlaveConfig& config) {
 int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
   const auto taps = config.has_recording() && !check_only ? std::make_unique<SlaveTaps>() : nullptr;
   MelfaRobot robot(robot_options(config.robot()));
-  const std::unique_ptr<NetFtSensor> sensor = make_sensor(config.force_sensor());
+  const std::unique_ptr<NetFtSensor> sensor =
+      config.force_sensor().enabled()
+          ? std::make_unique<NetFtSensor>(sensor_options(config.force_sensor()))
+          : nullptr;
   const Nanos period = robot.capabilities().period;
   const auto recorder = taps ? make_recorder(config, period, sensor != nullptr, *taps) : nullptr;
   if (taps) robot.keep(&taps->robot);

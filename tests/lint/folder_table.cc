@@ -13,7 +13,8 @@ const Folders kModel = kBase + Folders{"server/model"};
 const Folders kConsole =
     kModel + Folders{"proto", "client/console/gateway", "client/console/scene"};
 const Folders kHands = {"devices/hand", "devices/omni", "devices/joystick", "devices/page"};
-const Folders kDesk = {"devices/spacemouse", "devices/input"};
+const Folders kDesk = {"devices/spacemouse", "devices/touch", "devices/input", "devices/evdev"};
+const Folders kDrivers = {"devices/evdev", "devices/melfa", "devices/net_ft"};
 const Folders kRigs = {"devices/rig", "devices/rig/world", "devices/melfa", "devices/net_ft"};
 
 // What both sides are made of.
@@ -52,9 +53,9 @@ Table part_rows() {
 // The daemons, and who drives them.
 Table program_rows() {
   const Folders text = kModel + Folders{"proto", "server/scene"};
-  const Folders daemons =
-      text + Folders{"server/daemon",  "server/keys",   "server/link",    "server/link/secure",
-                     "server/session", "server/record", "server/packets", "devices"};
+  const Folders daemons = text + Folders{"server/daemon",      "server/keys",    "server/link",
+                                         "server/link/secure", "server/session", "server/record",
+                                         "server/packets",     "devices",        "devices/config"};
   const Folders task = text + Folders{"server/task", "client/api"};
   const Folders study = {"devices/hand", "server/lab/study", "server/lab/study/screw"};
   return {{"server/master", daemons + Folders{"server/haptic", "server/stability",
@@ -62,7 +63,8 @@ Table program_rows() {
           {"server/slave", daemons + Folders{"server/follow", "server/kinematics", "devices/melfa",
                                              "devices/net_ft", "devices/evdev"}},
           {"client/api", kBase + Folders{"proto", "server/keys", "server/link/secure"}},
-          {"client/doctor", kModel + Folders{"proto", "server/keys", "server/link", "client/api"}},
+          {"client/doctor",
+           kModel + Folders{"proto", "server/keys", "server/link", "client/api", "devices"}},
           {"client/experiment",
            task + study +
                Folders{"client/experiment/recording", "client/experiment/screw", "server/lab/walls",
@@ -72,9 +74,12 @@ Table program_rows() {
           {"client/experiment/rehearsal",
            task + Folders{"client/experiment", "server/lab/walls", "server/master", "server/haptic",
                           "devices", "devices/hand", "devices/page"}},
-          {"client/cli", task + Folders{"server/keys", "server/keys/pairing", "server/link",
-                                        "server/link/secure", "client/doctor", "client/experiment",
-                                        "client/experiment/rehearsal", "client/cli/record"}},
+          {"client/cli",
+           task + Folders{"server/keys", "server/keys/pairing", "server/link", "server/link/secure",
+                          "client/doctor", "client/experiment", "client/experiment/rehearsal",
+                          "client/cli/record", "client/cli/devices"}},
+          {"client/cli/devices", text + Folders{"client/api", "client/doctor", "devices",
+                                                "devices/catalogue", "devices/config"}},
           {"client/cli/record", kBase + Folders{"server/record", "server/record/mcap"}},
           {"client/console/gateway", kBase + Folders{"proto"}},
           {"client/console/scene", text + Folders{"server/kinematics", "server/constraint/drawn"}},
@@ -144,12 +149,20 @@ Table lab_rows() {
 Table device_rows() {
   const Folders sim = kModel + Folders{"devices", "devices/hand"};
   return {{"devices", kModel + kHands + kDesk},
+          {"devices/self_test", kModel + Folders{"devices"}},
           {"devices/input", kModel + Folders{"devices"}},
-          {"devices/spacemouse", kModel + Folders{"devices", "devices/input"}},
-          {"devices/evdev", kBase + Folders{"devices", "devices/input"}},
+          {"devices/spacemouse", kModel + Folders{"devices", "devices/input", "devices/self_test"}},
+          {"devices/touch",
+           kModel + Folders{"devices", "devices/input", "devices/omni", "devices/self_test"}},
+          {"devices/evdev", kBase + Folders{"devices", "devices/input", "devices/self_test"}},
           {"devices/udp", kBase + Folders{"server/packets"}},
-          {"devices/melfa", kModel + Folders{"devices", "devices/udp", "server/packets"}},
-          {"devices/net_ft", kBase + Folders{"devices", "devices/udp", "server/packets"}},
+          {"devices/melfa",
+           kModel + Folders{"devices", "devices/udp", "devices/self_test", "server/packets"}},
+          {"devices/net_ft",
+           kBase + Folders{"devices", "devices/udp", "devices/self_test", "server/packets"}},
+          {"devices/catalogue",
+           kModel + kHands + kDesk + kDrivers + Folders{"devices", "devices/self_test"}},
+          {"devices/config", kModel + kDesk + kDrivers + Folders{"devices", "proto"}},
           {"devices/hand", sim},
           {"devices/omni", sim},
           {"devices/joystick", sim},

@@ -196,6 +196,13 @@ TEST_F(FullDisk, UnderTheOperatorsCommands) {
       EXPECT_THAT(read(complaint), HasSubstr(program + ": the standard output cannot be written"));
     }
   }
+  for (const std::string words : {"devices list", "devices test page --alone"}) {
+    listed.insert(words.substr(0, words.find(' ', 8)));
+    expect_told("handrail", words);
+    expect_told("handrail", words + " --json");
+  }
+  // Everybody who can be calibrated needs a device for it; it ends as the test does.
+  listed.insert("devices calibrate");
   listed.insert("record list");
   expect_told("handrail", "record list " + folder.path());
   expect_told("handrail", "record list --json " + folder.path());

@@ -33,7 +33,9 @@ inline pb::Status sample_status() {
   s.set_state("off");
   s.set_slave_state("off");
   s.set_scene("linear-movement");
+  s.set_device("Phantom Omni");
   s.set_device_simulated(true);
+  s.set_has_contact_force(true);
   s.set_packet_age_ms(0.4);
   s.set_link_quality("EXCELLENT");
   s.set_peer_quality("GOOD");

@@ -39,6 +39,29 @@ TEST_F(RdtClientTest, AsksForTheStreamBiasAndStop) {
   EXPECT_EQ(copy(client_.stop()), kStopBytes);
 }
 
+TEST(RdtClientOfOnRobot, TellsPeriodAndFilterBeforeEachStreamAndTakesAnotherBias) {
+  RdtClient client({.dialect = RdtDialect::kOnRobot, .period_ms = 2, .filter = 3});
+  EXPECT_EQ(copy(client.setting(0)),
+            (std::vector<std::uint8_t>{0x12, 0x34, 0x00, 0x82, 0x00, 0x00, 0x00, 0x02}));
+  EXPECT_EQ(copy(client.setting(1)),
+            (std::vector<std::uint8_t>{0x12, 0x34, 0x00, 0x81, 0x00, 0x00, 0x00, 0x03}));
+  EXPECT_TRUE(client.setting(2).empty());
+  EXPECT_EQ(copy(client.start(0)), kStreamBytes);
+  EXPECT_EQ(copy(client.bias()),
+            (std::vector<std::uint8_t>{0x12, 0x34, 0x00, 0x42, 0x00, 0x00, 0x00, 0xff}));
+  EXPECT_EQ(copy(client.stop()), kStopBytes);
+}
+
+TEST(RdtClientOfOnRobot, TellsNothingThatWasNotSet) {
+  RdtClient none({.dialect = RdtDialect::kOnRobot});
+  EXPECT_TRUE(none.setting(0).empty());
+  RdtClient filter({.dialect = RdtDialect::kOnRobot, .filter = 6});
+  EXPECT_EQ(filter.setting(0)[3], 0x81);
+  EXPECT_TRUE(filter.setting(1).empty());
+  RdtClient ati({.period_ms = 2, .filter = 3});
+  EXPECT_TRUE(ati.setting(0).empty());
+}
+
 TEST_F(RdtClientTest, GivesCountsInSiUnits) {
   client_.start(0);
   ASSERT_TRUE(client_.on_datagram(record(9, 1'500'000, 4), 0, sample_));

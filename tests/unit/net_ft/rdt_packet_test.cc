@@ -33,9 +33,20 @@ TEST(RdtPacket, DecodesRequests) {
   const auto request = decode_rdt_request(kStreamFive);
   ASSERT_TRUE(request);
   EXPECT_EQ(request->command, RdtCommand::kStream);
-  EXPECT_EQ(request->samples, 5u);
+  EXPECT_EQ(request->value, 5u);
   EXPECT_EQ(decode_rdt_request(kBias)->command, RdtCommand::kBias);
   EXPECT_EQ(decode_rdt_request(kStop)->command, RdtCommand::kStop);
+}
+
+// As OptoForce's examples write them: 15 Hz, 10 ms.
+TEST(RdtPacket, EncodesAndDecodesWhatOnRobotTakesBesides) {
+  constexpr Request filter{0x12, 0x34, 0x00, 0x81, 0x00, 0x00, 0x00, 0x04};
+  constexpr Request period{0x12, 0x34, 0x00, 0x82, 0x00, 0x00, 0x00, 0x0a};
+  EXPECT_EQ(encode_rdt(RdtRequest{RdtCommand::kFilter, 4}), filter);
+  EXPECT_EQ(encode_rdt(RdtRequest{RdtCommand::kPeriod, 10}), period);
+  EXPECT_EQ(decode_rdt_request(filter)->value, 4u);
+  EXPECT_EQ(decode_rdt_request(period)->command, RdtCommand::kPeriod);
+  EXPECT_EQ(kRdtFilters[4], 15.0);
 }
 
 TEST(RdtPacket, RefusesRequestsOfAnotherHeaderCommandOrSize) {

@@ -214,6 +214,51 @@ TEST(Config, ASpaceMouseHasItsOwnBlockAndEachButtonOnce) {
   EXPECT_THAT(master_error(mouse + "motion { speed_mm_s: 501 } } }"), HasSubstr("speed_mm_s"));
 }
 
+TEST(Config, OnlyASensorOfOnRobotIsToldItsRateAndFilter) {
+  using ::testing::HasSubstr;
+  const std::string sensor = "force_sensor { dialect: ONROBOT ";
+  for (const char* fine : {"rate_hz: 500", "rate_hz: 4", "sensor_filter_hz: 1.5",
+                           "sensor_filter_hz: 0", "rate_hz: 1000 sensor_filter_hz: 150"}) {
+    EXPECT_EQ(slave_error(sensor + fine + " }"), "") << fine;
+  }
+  EXPECT_THAT(slave_error(sensor + "rate_hz: 300 }"),
+              HasSubstr("300 has no period of whole milliseconds, expected 1000, 500"));
+  EXPECT_THAT(slave_error(sensor + "rate_hz: 3 }"), HasSubstr("force_sensor.rate_hz"));
+  EXPECT_THAT(slave_error(sensor + "sensor_filter_hz: 100 }"),
+              HasSubstr("100 is none of 0, 500, 150, 50, 15, 5 and 1.5"));
+  EXPECT_THAT(slave_error("force_sensor { rate_hz: 500 }"),
+              HasSubstr("'force_sensor.rate_hz': only used with dialect: ONROBOT"));
+  EXPECT_THAT(slave_error("force_sensor { sensor_filter_hz: 50 }"),
+              HasSubstr("'force_sensor.sensor_filter_hz': only used with dialect: ONROBOT"));
+}
+
+TEST(Config, ATouchHasItsOwnBlockAndItsLibraryAPathOrAName) {
+  using ::testing::HasSubstr;
+  EXPECT_THAT(master_error("device { touch { } }"), HasSubstr("only used with kind: TOUCH"));
+  EXPECT_THAT(master_error("device { kind: TOUCH touch { library: '' } }"),
+              HasSubstr("'device.touch.library': empty, expected a library such as libHD.so"));
+  const TempFolder folder;
+  const auto library = [&folder](const std::string& block) {
+    return load_master_config(folder.write("t.conf", "device { kind: TOUCH " + block + " }"))
+        ->device()
+        .touch()
+        .library();
+  };
+  EXPECT_EQ(library(""), "libHD.so");
+  EXPECT_EQ(library("touch { library: 'libHD.so.3.4' }"), "libHD.so.3.4");
+  EXPECT_EQ(library("touch { library: 'lib/libHD.so' }"), folder.path() + "/lib/libHD.so");
+}
+
+TEST(Config, AGamepadHasItsOwnBlockAndAWholePath) {
+  using ::testing::HasSubstr;
+  EXPECT_THAT(master_error("device { gamepad { } }"), HasSubstr("only used with kind: GAMEPAD"));
+  EXPECT_THAT(master_error("device { kind: GAMEPAD gamepad { device: 'event5' } }"),
+              HasSubstr("'device.gamepad.device': 'event5', expected the path of an input device"));
+  EXPECT_THAT(master_error("device { kind: GAMEPAD gamepad { dead_share: 0.6 } }"),
+              HasSubstr("device.gamepad.dead_share"));
+  EXPECT_EQ(master_error("device { kind: GAMEPAD gamepad { device: '/dev/input/event5' } }"), "");
+}
+
 TEST(Config, TakesRelativePathsFromTheFilesFolder) {
   const TempFolder folder;
   const std::string file = folder.write(

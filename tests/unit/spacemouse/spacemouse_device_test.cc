@@ -153,11 +153,31 @@ TEST_F(SpaceMouse, ADeviceThatIsUnpluggedIsNoReadingUntilItIsBack) {
   EXPECT_EQ(after.v_MH.norm(), 0.0) << "and at rest";
 }
 
-TEST_F(SpaceMouse, TwentyTimesTheDaemonEndsAndIsThereAgain) {
+TEST_F(SpaceMouse, AHundredTimesTheCapIsPulledOutAndPluggedIn) {
   SpaceMouseDevice device(options);
   open(device);
   tick(device);
-  for (int i = 0; i < 20; ++i) {
+  for (int i = 0; i < 100; ++i) {
+    server.send(spnav_motion({i % 2 == 0 ? 350 : -350, 0, 0, 0, 0, 0}));
+    server.send(spnav_button(1, true));
+    const HapticSample before = tick(device, 100);
+    ASSERT_GT(std::abs(before.v_MH.x()), 0.04) << i;
+    server.send(spnav_device(false));
+    ASSERT_FALSE(tick(device).valid) << i;
+    ASSERT_EQ(tick(device, 20).buttons, 0u) << i;
+    server.send(spnav_device(true));
+    const HapticSample after = tick(device, 20);
+    ASSERT_TRUE(after.valid) << i;
+    ASSERT_EQ(after.X_MH.p, before.X_MH.p) << i;
+    ASSERT_EQ(after.v_MH.norm(), 0.0) << i;
+  }
+}
+
+TEST_F(SpaceMouse, AHundredTimesTheDaemonEndsAndIsThereAgain) {
+  SpaceMouseDevice device(options);
+  open(device);
+  tick(device);
+  for (int i = 0; i < 100; ++i) {
     server.send(spnav_motion({350, 0, 0, 0, 0, 0}));
     ASSERT_GT(tick(device, 100).v_MH.x(), 0.04) << i;
     const Vec3 place = device.read(now).X_MH.p;

@@ -1,0 +1,130 @@
+#include "devices/catalogue/catalogue.h"
+
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+
+#include "devices/catalogue/simulated_driver.h"
+#include "devices/evdev/gamepad_driver.h"
+#include "devices/melfa/melfa_driver.h"
+#include "devices/net_ft/net_ft_driver.h"
+#include "devices/spacemouse/spacemouse_driver.h"
+#include "devices/touch/touch_driver.h"
+
+namespace handrail {
+namespace {
+
+using Settings = DeviceSettings;
+
+// With the hand of the configuration where that is of this kind, else with the usual one.
+template <HapticDeviceKind kKind>
+HapticDeviceOptions simulated_of(const Settings& s) {
+  if (s.hand.kind == kKind) return s.hand;
+  HapticDeviceOptions out;
+  out.kind = kKind;
+  out.hand = usual_hand(kKind, out.hand.seed);
+  return out;
+}
+
+template <HapticDeviceKind kKind>
+std::unique_ptr<Driver> simulated(const Settings& s, const char* kind, const char* what) {
+  return std::make_unique<SimulatedDriver>(simulated_of<kKind>(s), kind, what);
+}
+
+template <HapticDeviceKind kKind>
+bool hand_is(const Settings& s) {
+  return s.master_given && s.hand.kind == kKind;
+}
+
+using Made = std::unique_ptr<Driver>;
+using Kind = HapticDeviceKind;
+
+constexpr DriverRow kDrivers[] = {
+    {"spacemouse", false,
+     [](const Settings& s) -> Made {
+       return std::make_unique<SpaceMouseDriver>(s.hand.spacemouse, s.usb_folder);
+     },
+     hand_is<Kind::kSpaceMouse>},
+    {"touch", false,
+     [](const Settings& s) -> Made {
+       return std::make_unique<TouchDriver>(s.hand.touch, s.usb_folder);
+     },
+     hand_is<Kind::kTouch>},
+    {"gamepad", false,
+     [](const Settings& s) -> Made {
+       GamepadOptions options = s.hand.gamepad;
+       options.input_folder = s.input_folder;
+       return std::make_unique<GamepadDriver>(options);
+     },
+     hand_is<Kind::kGamepad>},
+    {"stop-switch", false,
+     [](const Settings& s) -> Made {
+       return std::make_unique<StopSwitchDriver>(s.stop_switch, s.input_folder);
+     },
+     [](const Settings& s) { return s.slave_given && !s.stop_switch.path.empty(); }},
+    {"melfa", false,
+     [](const Settings& s) -> Made { return std::make_unique<MelfaDriver>(s.robot, s.slave_runs); },
+     [](const Settings& s) { return s.slave_given; }},
+    {"net-ft", false,
+     [](const Settings& s) -> Made {
+       return std::make_unique<NetFtDriver>(s.sensor, s.slave_runs);
+     },
+     [](const Settings& s) { return s.slave_given && s.has_sensor; }},
+    {"sim-omni", true,
+     [](const Settings& s) {
+       return simulated<Kind::kSimOmni>(s, "SIM_OMNI", "simulated Phantom Omni");
+     },
+     hand_is<Kind::kSimOmni>},
+    {"sim-omni-torque", true,
+     [](const Settings& s) {
+       return simulated<Kind::kSimOmniTorque>(s, "SIM_OMNI_TORQUE",
+                                              "simulated Phantom Omni with torque");
+     },
+     hand_is<Kind::kSimOmniTorque>},
+    {"sim-joystick", true,
+     [](const Settings& s) {
+       return simulated<Kind::kSimJoystick>(s, "SIM_JOYSTICK", "simulated 2-DOF joystick");
+     },
+     hand_is<Kind::kSimJoystick>},
+    {"page", true,
+     [](const Settings& s) {
+       return simulated<Kind::kPage>(s, "PAGE", "cursor of a page of handrail-console, simulated");
+     },
+     hand_is<Kind::kPage>},
+    {"recorded", true,
+     [](const Settings& s) {
+       return simulated<Kind::kRecorded>(s, "RECORDED", "recorded motion from a CSV file");
+     },
+     hand_is<Kind::kRecorded>},
+};
+
+}  // namespace
+
+std::span<const DriverRow> driver_rows() { return kDrivers; }
+
+const DriverRow* find_driver(const std::string& name) {
+  for (const DriverRow& row : kDrivers) {
+    if (name == row.name) return &row;
+  }
+  return nullptr;
+}
+
+std::vector<std::string> driver_names() {
+  std::vector<std::string> out;
+  for (const DriverRow& row : kDrivers) out.emplace_back(row.name);
+  return out;
+}
+
+bool slave_runs_in(const std::string& proc_folder) {
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(proc_folder, error)) {
+    const std::string number = entry.path().filename().string();
+    if (number.empty() || std::isdigit(static_cast<unsigned char>(number[0])) == 0) continue;
+    std::ifstream in(entry.path() / "comm");
+    std::string name;
+    if (std::getline(in, name) && name == "handrail-slave") return true;
+  }
+  return false;
+}
+
+}  // namespace handrail

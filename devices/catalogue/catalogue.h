@@ -1,0 +1,50 @@
+// Every kind of device there is a driver for.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "devices/driver.h"
+#include "devices/evdev/stop_switch_driver.h"
+#include "devices/input/usb_scan.h"
+#include "devices/melfa/melfa_robot.h"
+#include "devices/net_ft/net_ft_sensor.h"
+#include "devices/registry.h"
+
+namespace handrail {
+
+// What drivers are told: the daemons' configurations, and where on this computer to look.
+struct DeviceSettings {
+  HapticDeviceOptions hand;
+  StopSwitchOptions stop_switch;  // without a path: none is configured
+  MelfaOptions robot;
+  NetFtOptions sensor;
+  bool has_sensor = true;                          // the slave's file wants one
+  bool master_given = false, slave_given = false;  // files, and not their defaults
+  bool slave_runs = false;                         // on this computer: robot and sensor are its own
+  std::string input_folder = kInputFolder;
+  std::string usb_folder = kUsbFolder;
+};
+
+// A row of the catalogue: adding a driver adds one.
+struct DriverRow {
+  const char* name;  // as it is typed
+  bool simulated;
+  std::unique_ptr<Driver> (*make)(const DeviceSettings& settings);
+  // Whether the files that were given want it.
+  bool (*wanted)(const DeviceSettings& settings);
+};
+
+std::span<const DriverRow> driver_rows();
+
+// Null: no driver is called so.
+const DriverRow* find_driver(const std::string& name);
+std::vector<std::string> driver_names();
+
+// Whether a program handrail-slave of any user runs, by its name in `proc_folder` (proc(5)).
+bool slave_runs_in(const std::string& proc_folder);
+
+}  // namespace handrail

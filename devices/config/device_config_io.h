@@ -1,0 +1,21 @@
+// What a daemon's file says of devices, as their drivers take it.
+#pragma once
+
+#include <optional>
+
+#include "devices/evdev/stop_switch.h"
+#include "devices/melfa/melfa_robot.h"
+#include "devices/net_ft/net_ft_sensor.h"
+#include "devices/registry.h"
+#include "proto/config.pb.h"
+
+namespace handrail {
+
+// All of a configuration that was loaded, and so checked (server/scene/config_io.h).
+HapticDeviceOptions haptic_options(const pb::DeviceConfig& config);
+MelfaOptions robot_options(const pb::RobotConfig& config);
+NetFtOptions sensor_options(const pb::FtConfig& config);
+// None: no switch is configured.
+std::optional<StopSwitchOptions> switch_options(const pb::SlaveConfig& config);
+
+}  // namespace handrail

@@ -1,0 +1,252 @@
+#include "devices/touch/touch_device.h"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "devices/omni/omni_data.h"
+#include "server/base/clock.h"
+#include "server/base/pacer.h"
+#include "server/base/plain_text.h"
+#include "server/base/units.h"
+
+namespace handrail {
+namespace {
+
+constexpr unsigned long kServoRate = 1000;          // as the vendor's own examples ask for [Hz]
+constexpr Nanos kFirstTick = kSecond;               // the scheduler's thread has begun long before
+constexpr Nanos kTickPatience = 20 * kMillisecond;  // at 414 Hz, the slowest measured, 8 ticks
+constexpr Nanos kLetGo =
+    500 * kMillisecond;  // after an error, and as long to come back; our choice
+// It is asked for calibration and temperature so often; both change over seconds.
+constexpr std::uint64_t kHomingTicks = 50, kHeatTicks = 100;
+// The library's own estimate; at 1 the motor has to rest.
+constexpr double kHot = 1.0, kCooled = 0.9;
+constexpr int kMostErrors = 16;      // on the stack; a tick raises one or two
+constexpr std::size_t kMotors = 16;  // room for more than any model has
+
+bool loses_device(std::uint32_t code) {
+  return code == kHdDeviceFault || code == kHdCommError || code == kHdCommConfigError ||
+         code == kHdTimerError || code == kHdInvalidLicense;
+}
+
+bool takes_force(std::uint32_t code) {
+  return loses_device(code) || (code >= kHdWarmMotors && code <= kHdForceError);
+}
+
+// One style of those the device knows, the least work for a person first.
+HdEnum best_style(HdEnum known) {
+  for (const HdEnum style : {kHdAuto, kHdInkwell, kHdEncoderReset}) {
+    if (known & style) return style;
+  }
+  return kHdAuto;
+}
+
+std::string text_or_empty(const char* text) { return text == nullptr ? "" : shown(text); }
+
+}  // namespace
+
+TouchDevice::TouchDevice(const TouchOptions& options)
+    : options_(options), capabilities_(omni_capabilities(false)) {
+  capabilities_.name = "Touch";
+  capabilities_.simulated = false;
+  capabilities_.dynamics.source = "data sheet of the Phantom Omni; viscous damping not published";
+}
+
+Status TouchDevice::open() {
+  close();
+  if (!api_) {
+    const auto loaded = load_hd(options_.library);
+    if (!loaded) return loaded.status();
+    api_ = *loaded;
+  }
+  if (const Status s = init(); !s) return s;
+  ask_identity();
+  const Status started = start();
+  if (!started) close();
+  return started;
+}
+
+Status TouchDevice::init() {
+  std::vector<const char*> names = {"Default Device", "Default PHANToM", nullptr};
+  if (!options_.name.empty()) names = {options_.name.c_str()};
+  HdError error;
+  for (const char* name : names) {
+    device_ = api_->init_device(name);
+    error = api_->get_error();
+    for (int i = 0; i < kMostErrors && api_->get_error().code != kHdSuccess; ++i) {
+    }
+    if (device_ != kHdNoDevice && error.code == kHdSuccess) return Status::ok();
+    if (device_ != kHdNoDevice) api_->disable_device(device_);
+    device_ = kHdNoDevice;
+  }
+  const std::string hint = hd_hint(error.code);
+  const std::string which =
+      options_.name.empty() ? "the default device" : "'" + shown(options_.name) + "'";
+  return Status::error("Touch: cannot open " + which + ": " + hd_error_text(*api_, error) +
+                       (hint.empty() ? "" : "; " + hint));
+}
+
+void TouchDevice::ask_identity() {
+  api_->make_current(device_);
+  model_ = text_or_empty(api_->get_string(kHdModel));
+  serial_ = text_or_empty(api_->get_string(kHdSerial));
+  driver_version_ = text_or_empty(api_->get_string(kHdDriverVersion));
+  std::int32_t styles = 0;
+  api_->get_integer(kHdCalibrationStyle, &styles);
+  style_ = best_style(static_cast<HdEnum>(styles));
+  double nominal = 0.0;
+  api_->get_double(kHdNominalMaxForce, &nominal);
+  most_force_ = nominal > 0.0 ? std::min(nominal, kOmniPeakForce) : kOmniPeakForce;
+}
+
+Status TouchDevice::start() {
+  servo_ = TouchTick();
+  (void)ticks_.take(tick_);  // of the last session
+  tick_ = TouchTick();
+  commands_.publish(Command());
+  output_ = hot_ = false;
+  failed_at_ = -kForever;
+  scheduled_ = api_->schedule(
+      [](void* self) {
+        static_cast<TouchDevice*>(self)->servo();
+        return kHdContinue;
+      },
+      this, kHdHighestPriority);
+  api_->set_rate(kServoRate);
+  api_->start_scheduler();
+  running_ = true;
+  const HdError error = api_->get_error();
+  if (error.code != kHdSuccess) {
+    const std::string hint = hd_hint(error.code);
+    return Status::error("Touch: its scheduler does not start: " + hd_error_text(*api_, error) +
+                         (hint.empty() ? "" : "; " + hint));
+  }
+  for (const Nanos until = monotonic_now() + kFirstTick; monotonic_now() < until;) {
+    if (ticks_.take(tick_)) return Status::ok();
+    sleep_until(monotonic_now() + kMillisecond);
+  }
+  return Status::error("Touch: its scheduler does not run: no tick in a second; " +
+                       hd_hint(kHdTimerError));
+}
+
+void TouchDevice::servo() noexcept {
+  servo_.at = monotonic_now();
+  ++servo_.ticks;
+  Command newest;
+  if (commands_.take(newest)) command_ = newest;
+  api_->make_current(device_);
+  api_->begin_frame(device_);
+  read_state(servo_);
+  if (servo_.ticks % kHomingTicks == 1) home(servo_);
+  const Vec3 force = force_now(servo_);
+  api_->set_double(kHdCurrentForce, force.data());
+  api_->end_frame(device_);
+  note_error(servo_);
+  servo_.sample.valid = servo_.sample.valid && servo_.homing == TouchHoming::kDone &&
+                        !loses_device(servo_.error.code);
+  ticks_.publish(servo_);
+}
+
+void TouchDevice::read_state(TouchTick& out) noexcept {
+  std::array<double, 16> m{};  // column by column, mm
+  api_->get_double(kHdTransform, m.data());
+  Vec3 velocity = Vec3::Zero();
+  api_->get_double(kHdVelocity, velocity.data());
+  std::int32_t buttons = 0;
+  api_->get_integer(kHdButtons, &buttons);
+  const Pose before = out.sample.X_MH;
+  out.sample.X_MH.p = kMm * Vec3(m[12], m[13], m[14]);
+  Eigen::Matrix3d turn;
+  turn << m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10];
+  out.sample.X_MH.q = Quat(turn).normalized();
+  out.sample.v_MH = kMm * velocity;
+  out.sample.buttons = static_cast<std::uint32_t>(buttons) & 3u;
+  const bool same =
+      before.p == out.sample.X_MH.p && before.q.coeffs() == out.sample.X_MH.q.coeffs();
+  out.frozen = same ? out.frozen + 1 : 0;
+  // What a device without calibration or cable gives is not always a pose.
+  out.sample.valid = is_finite(out.sample.X_MH) && is_finite(out.sample.v_MH);
+  if (!out.sample.valid) {
+    out.sample.X_MH = Pose();
+    out.sample.v_MH.setZero();
+  }
+  if (out.ticks % kHeatTicks != 1) return;
+  std::array<double, kMotors> heat{};
+  api_->get_double(kHdMotorTemperature, heat.data());
+  out.temperature = *std::max_element(heat.begin(), heat.end());
+}
+
+void TouchDevice::home(TouchTick& out) noexcept {
+  const HdEnum state = api_->check_calibration();
+  if (state == kHdCalibrated) {
+    out.homing = TouchHoming::kDone;
+  } else if (state == kHdNeedsUpdate) {
+    api_->update_calibration(style_);
+    out.homing = TouchHoming::kByItself;
+  } else {
+    out.homing = style_ == kHdInkwell ? TouchHoming::kInkwell
+                 : style_ == kHdAuto  ? TouchHoming::kByItself
+                                      : TouchHoming::kByHand;
+  }
+}
+
+Vec3 TouchDevice::force_now(const TouchTick& out) noexcept {
+  const bool was_hot = hot_;
+  hot_ = out.temperature >= kHot || (hot_ && out.temperature >= kCooled);
+  if (hot_ && !was_hot) ++servo_.force_offs;
+  const Nanos since = out.at - failed_at_;
+  if (out.homing != TouchHoming::kDone || hot_ || since < kLetGo) return Vec3::Zero();
+  if (!output_) {
+    api_->enable(kHdForceOutput);
+    output_ = true;
+  }
+  if (out.at - command_.at > kForceStands) return Vec3::Zero();
+  const double share = std::clamp(to_seconds(since - kLetGo) / to_seconds(kLetGo), 0.0, 1.0);
+  const double asked = command_.force.norm();
+  const double most = asked > most_force_ ? most_force_ / asked : 1.0;
+  return share * most * command_.force;
+}
+
+void TouchDevice::note_error(TouchTick& out) noexcept {
+  out.error = HdError();
+  for (int i = 0; i < kMostErrors; ++i) {
+    const HdError error = api_->get_error();
+    if (error.code == kHdSuccess) return;
+    if (out.error.code == kHdSuccess || loses_device(error.code)) out.error = error;
+    if (!takes_force(error.code)) continue;
+    // The library has switched the force off, or is about to.
+    if (output_) ++out.force_offs;
+    output_ = false;
+    failed_at_ = out.at;
+  }
+}
+
+HapticSample TouchDevice::read(Nanos) noexcept {
+  if (!running_) return {};
+  (void)ticks_.take(tick_);
+  HapticSample sample = tick_.sample;
+  sample.valid = sample.valid && monotonic_now() - tick_.at <= kTickPatience;
+  return sample;
+}
+
+void TouchDevice::write(const Wrench& f_H_M) noexcept {
+  const Vec3 force = is_finite(f_H_M.force) ? f_H_M.force : Vec3::Zero().eval();
+  commands_.publish({monotonic_now(), force});
+}
+
+void TouchDevice::close() noexcept {
+  if (running_) {
+    // After this no callback runs.
+    api_->stop_scheduler();
+    api_->unschedule(scheduled_);
+  }
+  running_ = false;
+  if (device_ == kHdNoDevice) return;
+  api_->make_current(device_);
+  api_->disable(kHdForceOutput);
+  api_->disable_device(device_);
+  device_ = kHdNoDevice;
+}
+
+}  // namespace handrail
