@@ -62,10 +62,13 @@ void read_by_index(const std::string& file) {
 }  // namespace
 
 HANDRAIL_FUZZ(mcap) {
-  const std::string file = fuzz::recording_of(bytes);
-  const bool ours = !bytes.empty() && bytes[0] == 'm';
+  // What messages mean is nothing to it: a layout that is quickly written.
+  static const McapLayout layout{
+      "fuzz", {{"a", "", ""}, {"b", "", "c"}}, {{1, "/a", ""}, {2, "/b", ""}}};
+  const std::string file = fuzz::recording_of(bytes, layout);
+  const bool ours = bytes.size() >= 4 && bytes[0] == 'm';
   const std::uint64_t messages = read_in_order(file, ours);
-  require(!ours || bytes.size() < 4 || messages > 0, "its messages are found");
+  require(!ours || messages > 0, "its messages are found");
   read_by_index(file);
 }
 

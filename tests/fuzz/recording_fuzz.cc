@@ -7,6 +7,7 @@
 
 #include "client/console/play/played_status.h"
 #include "server/lab/replay/replay.h"
+#include "server/record/record_sink.h"
 #include "server/record/recording_reader.h"
 #include "tests/fuzz/recording_input.h"
 
@@ -43,7 +44,8 @@ void play_file(const std::string& file) {
 }  // namespace
 
 HANDRAIL_FUZZ(recording) {
-  const std::string file = fuzz::recording_of(bytes);
+  static const McapLayout layout = record_layout();
+  const std::string file = fuzz::recording_of(bytes, layout);
   ReplayOptions options;
   options.images = false;
   std::istringstream again(file);

@@ -5,17 +5,15 @@
 #include <string>
 
 #include "server/record/mcap/mcap_writer.h"
-#include "server/record/record_sink.h"
 #include "tests/fuzz/fuzz_target.h"
 
 namespace handrail::fuzz {
 
-// The input as a file; or, where it begins with 'm', as the messages of one: for each its channel
-// (a byte), its length (two), its content. So the fuzzer need not find checksums.
-inline std::string recording_of(Bytes bytes) {
+// The input as a file; or, where it begins with 'm', as the messages of one of that layout: for
+// each its channel (a byte), its length (two), its content. So the fuzzer need not find checksums.
+inline std::string recording_of(Bytes bytes, const McapLayout& layout) {
   if (bytes.empty() || bytes[0] != 'm') return std::string(text_of(bytes));
   bytes = bytes.subspan(1);
-  static const McapLayout layout = record_layout();
   McapFile file(layout);
   std::string out = file.begin();
   McapChunkBuilder chunk;
