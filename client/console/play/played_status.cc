@@ -169,7 +169,10 @@ Result<pb::Status> status_of(const pb::RecordedStart& start, const pb::RecordedC
   out.clear_limited_force();
   out.clear_device_force();
   out.clear_hash_mismatch();
-  out.mutable_ledger()->clear_way_out();
+  // Of the ways of force and motion only why the arm holds.
+  const std::string sentence = out.ledger().sentence();
+  out.mutable_ledger()->Clear();
+  out.mutable_ledger()->set_sentence(sentence);
   if (scene != nullptr) name_scene(*scene, slave, out);
   return out;
 }

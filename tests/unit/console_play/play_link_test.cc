@@ -101,6 +101,15 @@ TEST(PlayLink, PlaysSeeksAndEnds) {
     ASSERT_TRUE(player.replies.back()) << player.replies.back().message();
     const std::uint64_t half = player.status().ticks();
     EXPECT_GT(half, first);
+    EXPECT_TRUE(player.status().has_tip());
+    EXPECT_EQ(player.status().joints_deg_size(), 6);
+    EXPECT_FALSE(player.status().ledger().sentence().empty());
+    // A slave knows nothing of the hand.
+    const bool of_master = side == std::string("master");
+    EXPECT_EQ(player.status().has_hand(), of_master);
+    EXPECT_EQ(player.status().has_device_force(), of_master);
+    EXPECT_EQ(player.status().has_haptic(), of_master);
+    EXPECT_EQ(player.status().ledger().has_behind_mm(), of_master);
     ASSERT_TRUE(player.link->play({true, {}, 10.0}));
     ASSERT_TRUE(player.until([](const PlayState& s) { return s.is == PlayState::Is::kEnded; }));
     EXPECT_EQ(player.states.back().position, player.length);

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <google/protobuf/util/message_differencer.h>
 
+#include "client/console/gateway/json_text.h"
+#include "server/base/random.h"
 #include "server/kinematics/arm_of.h"
 #include "server/master/status_report.h"
 #include "server/record/came_io.h"
@@ -221,6 +223,38 @@ TEST(PlayedStatus, AMessageThatIsNotWholeSaysWhichField) {
     const auto is = played_status(master.start(), true, moment, nullptr);
     ASSERT_FALSE(is) << c.field;
     EXPECT_THAT(is.message(), HasSubstr(std::string("tick 1: ") + c.field));
+  }
+}
+
+// A file is of whoever it may be: what a message says is shown or refused, and nothing else
+// happens.
+TEST(PlayedStatus, WhateverAMessageSaysItIsShownOrRefused) {
+  Random random(4);
+  for (const char* name : {"linear-movement", "gearshift"}) {
+    test::DrivenMaster master(9, name);
+    RecordedScenes scenes({}, "");
+    ASSERT_TRUE(scenes.add(master.scenes().front()));
+    KeptTick tick;
+    int shown = 0, refused = 0;
+    for (int i = 0; i < 10'000; ++i) {
+      if (i % 5 == 0) {
+        master.tick();
+        ASSERT_TRUE(master.tap().take(tick));
+      }
+      RecordingMoment moment;
+      put(tick, moment.tick);
+      std::string bytes = moment.tick.SerializeAsString();
+      for (std::uint64_t flips = 1 + random.bits() % 4; flips > 0; --flips) {
+        char& byte = bytes[random.bits() % bytes.size()];
+        byte = static_cast<char>(byte ^ (1 << random.bits() % 8));
+      }
+      if (!moment.tick.ParseFromString(bytes)) continue;
+      const auto is = played_status(master.start(), true, moment, scenes.find(1));
+      ++(is ? shown : refused);
+      EXPECT_FALSE(is ? json_text(*is).empty() : is.message().empty());
+    }
+    EXPECT_GT(shown, 500) << name;
+    EXPECT_GT(refused, 500) << name;
   }
 }
 

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "server/base/random.h"
+#include "server/lab/replay/recording_join.h"
 #include "server/record/mcap/mcap_reader.h"
 #include "server/record/mcap/mcap_writer.h"
 #include "server/record/record_feed.h"
@@ -313,6 +314,22 @@ TEST(RecordingReading, OfALongFileLittleIsRead) {
   }
   // Three chunks at most back to the slave's state, of under 600 bytes each.
   EXPECT_LT(reader->bytes_read() - before, 50u * 5 * 600);
+}
+
+TEST(RecordingReading, AFileOfBothSidesIsReadAsItsMasters) {
+  TempFolder folder;
+  const std::string both = folder.path() + "/both.mcap";
+  std::ifstream slave(golden("slave"), std::ios::binary),
+      master(golden("master"), std::ios::binary);
+  ASSERT_TRUE(join_recordings(slave, master, both));
+  const auto joined = opened(both), alone = opened(golden("master"));
+  EXPECT_TRUE(joined->of_master());
+  EXPECT_EQ(joined->begins(), alone->begins());
+  EXPECT_EQ(joined->ends(), alone->ends());
+  EXPECT_EQ(joined->events().size(), alone->events().size()) << "the slave's stop is the same one";
+  for (Nanos t = alone->begins(); t < alone->ends(); t += 17 * kMillisecond) {
+    ASSERT_EQ(at(*joined, t), at(*alone, t)) << t;
+  }
 }
 
 TEST(RecordingReading, MarksStopsAndScenesAreKnownAtOnce) {
