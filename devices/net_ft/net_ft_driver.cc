@@ -17,7 +17,7 @@ namespace {
 
 constexpr Nanos kFirstRecord = 300 * kMillisecond;  // a way of 0.1 s, and some streams begin late
 constexpr char kSensorTaken[] =
-    "a slave on this computer reads it, and a sensor streams to one reader";
+    "another program of this computer reads it, a slave most likely, and it streams to one reader";
 constexpr char kAskTheSlave[] = "handrail doctor; or end the slave first";
 
 constexpr Nanos kPagePatience = kSecond;  // its web server is slow

@@ -56,34 +56,35 @@ Table program_rows() {
                      "server/session", "server/record", "devices",     "devices/config"};
   const Folders task = text + Folders{"server/task", "client/api"};
   const Folders study = {"devices/hand", "server/lab/study", "server/lab/study/screw"};
-  return {{"server/master", daemons + Folders{"server/haptic", "server/stability",
-                                              "server/constraint", "server/kinematics"}},
-          {"server/slave", daemons + Folders{"server/follow", "server/kinematics", "devices/melfa",
-                                             "devices/net_ft", "devices/evdev"}},
-          {"client/api", kBase + Folders{"proto", "server/keys", "server/link/secure"}},
-          {"client/doctor",
-           kModel + Folders{"proto", "server/keys", "server/link", "client/api", "devices"}},
-          {"client/experiment",
-           task + study +
-               Folders{"client/experiment/recording", "client/experiment/screw", "server/lab/walls",
-                       "server/lab/study/linear", "server/lab/figure"}},
-          {"client/experiment/recording", kBase + Folders{"proto", "client/api"}},
-          {"client/experiment/screw", kModel + study + Folders{"proto", "client/api"}},
-          {"client/experiment/rehearsal",
-           task + Folders{"client/experiment", "server/lab/walls", "server/master", "server/haptic",
-                          "devices", "devices/hand", "devices/page"}},
-          {"client/cli",
-           task + Folders{"server/keys", "server/keys/pairing", "server/link", "server/link/secure",
-                          "client/doctor", "client/experiment", "client/experiment/rehearsal",
-                          "client/cli/record", "client/cli/devices"}},
-          {"client/cli/devices", text + Folders{"client/api", "client/doctor", "devices",
-                                                "devices/catalogue", "devices/config"}},
-          {"client/cli/record", kBase + Folders{"server/record", "server/record/mcap"}},
-          {"client/console/gateway", kBase + Folders{"proto"}},
-          {"client/console/scene", text + Folders{"server/kinematics", "server/constraint/drawn"}},
-          {"client/console/viewer", kConsole + Folders{"server/record/mcap"}},
-          {"client/console", kConsole + Folders{"server/daemon", "server/keys", "server/scene",
-                                                "client/api", "client/console/viewer"}}};
+  return {
+      {"server/master", daemons + Folders{"server/haptic", "server/stability", "server/constraint",
+                                          "server/kinematics"}},
+      {"server/slave", daemons + Folders{"server/follow", "server/kinematics", "devices/melfa",
+                                         "devices/net_ft", "devices/evdev"}},
+      {"client/api", kBase + Folders{"proto", "server/keys", "server/link/secure"}},
+      {"client/doctor",
+       kModel + Folders{"proto", "server/keys", "server/link", "client/api", "devices"}},
+      {"client/experiment",
+       task + study +
+           Folders{"client/experiment/recording", "client/experiment/screw", "server/lab/walls",
+                   "server/lab/study/linear", "server/lab/figure"}},
+      {"client/experiment/recording", kBase + Folders{"proto", "client/api"}},
+      {"client/experiment/screw", kModel + study + Folders{"proto", "client/api"}},
+      {"client/experiment/rehearsal",
+       task + Folders{"client/experiment", "server/lab/walls", "server/master", "server/haptic",
+                      "devices", "devices/hand", "devices/page"}},
+      {"client/cli",
+       task + Folders{"server/keys", "server/keys/pairing", "server/link", "server/link/secure",
+                      "client/doctor", "client/experiment", "client/experiment/rehearsal",
+                      "client/cli/record", "client/cli/devices"}},
+      {"client/cli/devices", text + Folders{"client/api", "client/doctor", "devices",
+                                            "devices/catalogue", "devices/config", "devices/udp"}},
+      {"client/cli/record", kBase + Folders{"server/record", "server/record/mcap"}},
+      {"client/console/gateway", kBase + Folders{"proto"}},
+      {"client/console/scene", text + Folders{"server/kinematics", "server/constraint/drawn"}},
+      {"client/console/viewer", kConsole + Folders{"server/record/mcap"}},
+      {"client/console", kConsole + Folders{"server/daemon", "server/keys", "server/scene",
+                                            "client/api", "client/console/viewer"}}};
 }
 
 Table lab_rows() {
