@@ -65,7 +65,7 @@ std::vector<TestItem> items_of(const NetFtPage& page, const RdtClientOptions& co
 
 // Why there is no record.
 Sighting NetFtDriver::look_at_page(const std::string& place) const {
-  const Sighting silent = {
+  Sighting silent = {
       place, Readiness::kAbsent, "no record came in 0.3 s",
       "is it powered and on this network? force_sensor { address } in the slave's file"};
   if (options_.client.dialect != RdtDialect::kAti) return silent;
