@@ -1,9 +1,5 @@
 #include "devices/catalogue/catalogue.h"
 
-#include <cctype>
-#include <filesystem>
-#include <fstream>
-
 #include "devices/catalogue/simulated_driver.h"
 #include "devices/evdev/gamepad_driver.h"
 #include "devices/melfa/melfa_driver.h"
@@ -63,11 +59,13 @@ constexpr DriverRow kDrivers[] = {
      },
      [](const Settings& s) { return s.slave_given && !s.stop_switch.path.empty(); }},
     {"melfa", false,
-     [](const Settings& s) -> Made { return std::make_unique<MelfaDriver>(s.robot, s.slave_runs); },
+     [](const Settings& s) -> Made {
+       return std::make_unique<MelfaDriver>(s.robot, s.robot_taken);
+     },
      [](const Settings& s) { return s.slave_given; }},
     {"net-ft", false,
      [](const Settings& s) -> Made {
-       return std::make_unique<NetFtDriver>(s.sensor, s.slave_runs);
+       return std::make_unique<NetFtDriver>(s.sensor, s.sensor_taken);
      },
      [](const Settings& s) { return s.slave_given && s.has_sensor; }},
     {"sim-omni", true,
@@ -113,18 +111,6 @@ std::vector<std::string> driver_names() {
   std::vector<std::string> out;
   for (const DriverRow& row : kDrivers) out.emplace_back(row.name);
   return out;
-}
-
-bool slave_runs_in(const std::string& proc_folder) {
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(proc_folder, error)) {
-    const std::string number = entry.path().filename().string();
-    if (number.empty() || std::isdigit(static_cast<unsigned char>(number[0])) == 0) continue;
-    std::ifstream in(entry.path() / "comm");
-    std::string name;
-    if (std::getline(in, name) && name == "handrail-slave") return true;
-  }
-  return false;
 }
 
 }  // namespace handrail

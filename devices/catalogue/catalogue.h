@@ -24,7 +24,8 @@ struct DeviceSettings {
   NetFtOptions sensor;
   bool has_sensor = true;                          // the slave's file wants one
   bool master_given = false, slave_given = false;  // files, and not their defaults
-  bool slave_runs = false;                         // on this computer: robot and sensor are its own
+  // A program of this computer speaks with it already: it is left alone.
+  bool robot_taken = false, sensor_taken = false;
   std::string input_folder = kInputFolder;
   std::string usb_folder = kUsbFolder;
 };
@@ -43,8 +44,5 @@ std::span<const DriverRow> driver_rows();
 // Null: no driver is called so.
 const DriverRow* find_driver(const std::string& name);
 std::vector<std::string> driver_names();
-
-// Whether a program handrail-slave of any user runs, by its name in `proc_folder` (proc(5)).
-bool slave_runs_in(const std::string& proc_folder);
 
 }  // namespace handrail

@@ -11,7 +11,7 @@ namespace {
 
 constexpr Nanos kFirstAnswer = 300 * kMillisecond;  // 42 cycles of the controller
 constexpr Nanos kOpeningPatience = 2 * kSecond;
-constexpr char kArmTaken[] = "a slave on this computer leads it";
+constexpr char kArmTaken[] = "another program of this computer speaks with it, a slave most likely";
 constexpr char kAskItsSlave[] = "handrail status; or end the slave first";
 constexpr char kHowToAnswer[] =
     "is it in AUTOMATIC, and does its program run that opens MXT for this computer's address? "

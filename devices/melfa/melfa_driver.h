@@ -11,8 +11,8 @@ namespace handrail {
 
 class MelfaDriver final : public Driver {
  public:
-  // `taken`: a slave on this computer leads the arm. A question of somebody else's could end its
-  // session, so that nothing is sent then.
+  // `taken`: another program of this computer, a slave most likely, speaks with the controller. A
+  // question of somebody else's could end its session, so that nothing is sent then.
   MelfaDriver(const MelfaOptions& options, bool taken) : options_(options), taken_(taken) {}
 
   std::string what() const override { return "Mitsubishi MELFA controller (MXT)"; }

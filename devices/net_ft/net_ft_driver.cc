@@ -17,7 +17,7 @@ namespace {
 
 constexpr Nanos kFirstRecord = 300 * kMillisecond;  // a way of 0.1 s, and some streams begin late
 constexpr char kSensorTaken[] =
-    "a slave on this computer reads it, and a sensor streams to one reader";
+    "another program of this computer reads it, a slave most likely, and it streams to one reader";
 constexpr char kAskTheSlave[] = "handrail doctor; or end the slave first";
 
 constexpr Nanos kPagePatience = kSecond;  // its web server is slow
@@ -65,7 +65,7 @@ std::vector<TestItem> items_of(const NetFtPage& page, const RdtClientOptions& co
 
 // Why there is no record.
 Sighting NetFtDriver::look_at_page(const std::string& place) const {
-  const Sighting silent = {
+  Sighting silent = {
       place, Readiness::kAbsent, "no record came in 0.3 s",
       "is it powered and on this network? force_sensor { address } in the slave's file"};
   if (options_.client.dialect != RdtDialect::kAti) return silent;

@@ -10,8 +10,8 @@ namespace handrail {
 
 class NetFtDriver final : public Driver {
  public:
-  // `taken`: a slave on this computer reads it. Most sensors stream to who asked last, so that it
-  // is left alone then.
+  // `taken`: another program of this computer, a slave most likely, reads it. Most sensors stream
+  // to who asked last, so that it is left alone then.
   NetFtDriver(const NetFtOptions& options, bool taken) : options_(options), taken_(taken) {}
 
   std::string what() const override { return "force sensor on the network (RDT)"; }

@@ -60,9 +60,9 @@ Status TouchDevice::open() {
     if (!loaded) return loaded.status();
     api_ = *loaded;
   }
-  if (const Status s = init(); !s) return s;
+  if (Status s = init(); !s) return s;
   ask_identity();
-  const Status started = start();
+  Status started = start();
   if (!started) close();
   return started;
 }

@@ -4,6 +4,7 @@
 #include <ostream>
 
 #include "devices/config/device_config_io.h"
+#include "devices/udp/udp_table.h"
 #include "proto/devices.pb.h"
 #include "server/base/clock.h"
 #include "server/base/output.h"
@@ -14,8 +15,6 @@
 
 namespace handrail {
 namespace {
-
-constexpr char kProcesses[] = "/proc";
 
 const char* readiness_text(Readiness r) {
   return r == Readiness::kReady ? "ready" : r == Readiness::kUnfinished ? "UNFINISHED" : "absent";
@@ -139,7 +138,8 @@ Result<DeviceSettings> device_settings(const DevicesWords& words) {
   out.has_sensor = slave->force_sensor().enabled();
   out.master_given = !words.master_config.empty();
   out.slave_given = !words.slave_config.empty();
-  out.slave_runs = slave_runs_in(kProcesses);
+  out.robot_taken = udp_speaks_with(kUdpTable, out.robot.address, out.robot.port);
+  out.sensor_taken = udp_speaks_with(kUdpTable, out.sensor.address, out.sensor.port);
   return out;
 }
 

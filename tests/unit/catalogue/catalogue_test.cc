@@ -148,20 +148,14 @@ TEST(Catalogue, WhatTheFilesThatWereGivenWantIsWanted) {
   EXPECT_EQ(wanted(), (Names{"spacemouse", "stop-switch", "melfa"}));
 }
 
-TEST(Catalogue, WhileASlaveRunsItsArmAndSensorAreLeftAlone) {
+TEST(Catalogue, WhatAnotherProgramSpeaksWithIsLeftAlone) {
   const TempFolder folder;
   DeviceSettings settings = nowhere(folder);
-  folder.write("proc/self/comm", "handrail-slave\n");  // no process by number
-  folder.write("proc/17/comm", "handrail-master\n");
-  EXPECT_FALSE(slave_runs_in(folder.path() + "/proc"));
-  folder.write("proc/18/comm", "handrail-slave\n");
-  EXPECT_TRUE(slave_runs_in(folder.path() + "/proc"));
-  EXPECT_FALSE(slave_runs_in(folder.path() + "/nothing"));
-  settings.slave_runs = true;
+  settings.robot_taken = settings.sensor_taken = true;
   for (const char* name : {"melfa", "net-ft"}) {
     const auto driver = find_driver(name)->make(settings);
     EXPECT_EQ(driver->probe().at(0).readiness, Readiness::kReady);
-    EXPECT_THAT(driver->probe().at(0).fact, HasSubstr("a slave on this computer"));
+    EXPECT_THAT(driver->probe().at(0).fact, HasSubstr("another program of this computer"));
     EXPECT_THAT(driver->test({}).message(), HasSubstr("end the slave first")) << name;
     EXPECT_FALSE(driver->calibrate());
   }
