@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "server/base/clock.h"
-#include "server/base/read_file.h"
 #include "server/base/signals.h"
 #include "server/record/record_folder.h"
 #include "server/record/recording_sink.h"
@@ -29,7 +28,6 @@ constexpr std::size_t kMostScenes = 32;
 constexpr Nanos kPrunePeriod = 10 * kSecond;
 // Of a chunk, of 60 ms or of what has come meanwhile: a tap has room for twice as much.
 constexpr Nanos kSlowDisk = 500 * kMillisecond;
-constexpr std::size_t kMostSceneBytes = std::size_t{1} << 24;  // of a file; as the loaders have it
 
 }  // namespace
 
@@ -395,21 +393,6 @@ bool is_record_label(const std::string& label) {
            return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
                   c == '-' || c == '_';
          });
-}
-
-Result<pb::RecordedScene> recorded_scene(const std::string& file, const std::string& picture) {
-  const auto text = read_file(file, kMostSceneBytes);
-  if (!text) return text.status();
-  const std::filesystem::path path(file);
-  pb::RecordedScene out;
-  out.set_name(path.stem().string());
-  out.set_text(*text);
-  if (picture.empty()) return out;
-  const auto png = read_file((path.parent_path() / picture).string(), kMostSceneBytes);
-  if (!png) return png.status();
-  out.set_picture(picture);
-  out.set_picture_png(*png);
-  return out;
 }
 
 }  // namespace handrail

@@ -68,8 +68,4 @@ class Recorder {
 // 1 to 40 letters, digits, '-' and '_'.
 bool is_record_label(const std::string& label);
 
-// A scene as its file has it, with its picture; numbered. Nothing is checked but that it can be
-// read. May block.
-Result<pb::RecordedScene> recorded_scene(const std::string& file, const std::string& picture);
-
 }  // namespace handrail
