@@ -132,7 +132,8 @@ Result<ExperimentRecord> rehearse(const std::string& experiment, const std::stri
   // threads each began at a moment of its own.
   Random phases(subject_seed(subject, "phases"));
   const auto phase = [&phases] {
-    return kGrain * static_cast<Nanos>(phases.uniform() * (kMillisecond / kGrain));
+    return kGrain *
+           static_cast<Nanos>(phases.uniform() * static_cast<double>(kMillisecond / kGrain));
   };
   const Nanos looks = phase();
   const TaskHelp help{[&](const pb::Request& order) { return master->order(order); },

@@ -182,7 +182,7 @@ Status McapIndex::scan_record(const FileBytes& file, Window& window, std::uint64
   if (at == file.size()) {
     return Status::error("the file has no end: it was cut, or is being written");
   }
-  const Status cut = Status::error("the file is cut within a record");
+  Status cut = Status::error("the file is cut within a record");
   if (file.size() - at < kRecordHead) return cut;
   const auto head = window.at(at, kRecordHead);
   if (!head) return head.status();
