@@ -22,7 +22,11 @@ Result<RecordingSink> RecordingSink::make(const std::string& path, const McapLay
   const int fd = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   if (fd < 0) return disk_says(path, "cannot be made");
   RecordingSink out(fd, path, layout);
-  if (Status begun = out.put(out.file_.begin(), 0); !begun) return begun;
+  if (Status begun = out.put(out.file_.begin(), 0); !begun) {
+    // Nobody could read a file without a beginning.
+    ::unlink(path.c_str());
+    return begun;
+  }
   return Result<RecordingSink>(std::move(out));
 }
 

@@ -310,6 +310,19 @@ TEST(Recorder, AFullDiskLeavesWhatWasWrittenAndMarksTheGap) {
   EXPECT_TRUE(marked);
 }
 
+TEST(Recorder, ADiskThatIsFullFromTheBeginningIsLeftWithoutAFile) {
+  Recorded r(8);
+  r.run(100);
+  {
+    const LongestFile full(1000);
+    r.recorder->start("");
+    ASSERT_TRUE(wait_until([&] { return !r.recorder->state().problem.empty(); }));
+    EXPECT_EQ(r.recorder->state().file, "");
+    EXPECT_FALSE(r.recorder->asked());
+  }
+  EXPECT_TRUE(r.files().empty()) << r.files()[0];
+}
+
 TEST(Recorder, AFileThatIsRemovedGoesOnInAnother) {
   Recorded r(3);
   r.run(300);
