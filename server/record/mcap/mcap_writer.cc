@@ -4,6 +4,8 @@
 #include <zstd.h>
 
 #include <algorithm>
+#include <memory>
+#include <new>
 #include <stdexcept>
 #include <utility>
 
@@ -19,14 +21,25 @@ std::uint32_t checksum(std::string_view bytes) {
       crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
+// Both kept from one chunk to the next: memory that is got and given back ten times a second is
+// mapped and unmapped, for which the system keeps all threads of the program waiting.
+struct Compressor {
+  Compressor() : context(ZSTD_createCCtx(), ZSTD_freeCCtx) {
+    if (!context) throw std::bad_alloc();
+  }
+  std::unique_ptr<ZSTD_CCtx, std::size_t (*)(ZSTD_CCtx*)> context;
+  std::string room;
+};
+
 std::string compressed(const std::string& plain) {
-  std::string out(ZSTD_compressBound(plain.size()), '\0');
-  const std::size_t size =
-      ZSTD_compress(out.data(), out.size(), plain.data(), plain.size(), kFastest);
+  thread_local Compressor compressor;
+  std::string& room = compressor.room;
+  room.resize(std::max(room.size(), ZSTD_compressBound(plain.size())));
+  const std::size_t size = ZSTD_compressCCtx(compressor.context.get(), room.data(), room.size(),
+                                             plain.data(), plain.size(), kFastest);
   // Only memory can be missing: the room always suffices.
   if (ZSTD_isError(size) != 0) throw std::runtime_error(ZSTD_getErrorName(size));
-  out.resize(size);
-  return out;
+  return room.substr(0, size);
 }
 
 std::string numbers(const std::map<std::uint16_t, std::uint64_t>& values) {
