@@ -3,6 +3,10 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
 namespace handrail {
 namespace {
 
@@ -30,14 +34,22 @@ TEST(WallRehearsal, AWrenchIsLoosenedAgainWhereItsCIsSet) {
   EXPECT_EQ(twice.end(), "done");
   EXPECT_NEAR(twice.turned_rad(), 6.5, 0.1);  // two of the path's halves and what leads to them
   EXPECT_EQ(twice.screw_c(), 5.0);
-  // The hand is as late behind the ball as at the running programs, 2.54 mm (median of ten people):
-  // a millisecond more or less is 0.04 mm.
-  EXPECT_NEAR(twice.mean_from_ball_mm(), 2.54, 0.1);
   const pb::WallTrial back = made_by("wrench-loosening", "p1");
   EXPECT_EQ(back.end(), "done");
   EXPECT_EQ(back.screw_c(), 15.0);
   // As many turns back: what is left is of the hand that leaves the aisle early or late.
   EXPECT_NEAR(back.turned_rad(), 0.0, 0.2);
+}
+
+// The hand is as late behind the ball as that of the same ten people at the running programs, whose
+// median is 2.54 mm: a millisecond more or less is 0.04 mm.
+TEST(WallRehearsal, AHandIsAsLateAsAtTheRunningPrograms) {
+  std::vector<double> behind;
+  for (int i = 1; i <= 10; ++i)
+    behind.push_back(
+        made_by("wrench", (i < 10 ? "p0" : "p") + std::to_string(i)).mean_from_ball_mm());
+  std::sort(behind.begin(), behind.end());
+  EXPECT_NEAR(0.5 * (behind[4] + behind[5]), 2.54, 0.04);
 }
 
 TEST(WallRehearsal, WhatHasNoWallsIsTold) {
