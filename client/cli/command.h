@@ -28,10 +28,9 @@ struct Options {
   std::optional<std::string> poses, from, record;                          // calibrate, with out
   std::optional<std::string> word;                                         // positional argument
   std::optional<std::string> roles, key, next;                             // keys trust, after it
-  std::optional<std::string> listen, with, code;                           // keys pair
-  std::optional<std::string> minutes;                                      // keys link
+  std::optional<std::string> listen, with, code;  // keys pair; listen: play, too
+  std::optional<std::string> minutes;             // keys link
   std::optional<std::string> subject, folder, figures, trials, rig, rehearse;  // experiment
-  std::optional<std::string> address, port;                                    // play
   std::optional<std::string> master_config, slave_config;                      // devices, doctor
   std::optional<std::string> force, device;                                    // devices, with out
   bool alone = false;                                                          // devices
@@ -69,7 +68,7 @@ struct Takes {
   bool devices = false;      // --master-config, --slave-config and --device; with a word --out
   bool configs = false;      // the first two of these
   bool device_test = false;  // --alone and --force
-  bool play = false;         // --address and --port
+  bool play = false;         // --listen
 };
 
 struct Command {

@@ -97,7 +97,7 @@ ExitCode run_record_repair(const Options& o, const Console& c) {
 }
 
 ExitCode run_play(const Options& o, const Console& c) {
-  return complain(c, become_player({*o.word, o.address, o.port, o.json}).message());
+  return complain(c, become_player({*o.word, o.listen, o.json}).message());
 }
 
 ExitCode run_record_stop(const Options& o, const Console& c) {

@@ -126,8 +126,8 @@ void add_options(CLI::App& app, const Takes& takes, Options& o) {
     add_text(app, "--for", o.minutes, "MINUTES", "that it is good for, 1 to 1440; 10 without it");
   }
   if (takes.play) {
-    add_text(app, "--address", o.address, "ADDRESS", "where a browser finds it; 127.0.0.1");
-    add_text(app, "--port", o.port, "PORT", "0, any that is free, without it");
+    add_text(app, "--listen", o.listen, "ADDRESS[:PORT]",
+             "where a browser finds it; this computer and any free port without it");
   }
   if (takes.calibrate) add_calibrate_options(app, o);
   if (takes.wish) {

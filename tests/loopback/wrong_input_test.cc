@@ -144,9 +144,8 @@ TEST_F(WrongInput, CommandLinesOfThePlayer) {
   const std::string console = "handrail-console";
   expect_all({
       {"handrail", {"play"}, 2, {"FILE"}},
-      {"handrail", {"play", "a.mcap", "--port", "http"}, 2, {"--port", "'http'", "65535"}},
-      {"handrail", {"play", "a.mcap", "--port", "65536"}, 2, {"--port", "'65536'"}},
-      {"handrail", {"play", "a.mcap", "--address", "a:1"}, 2, {"--address", "'a:1'", "127.0.0.1"}},
+      {console, {"--recording", "a.mcap", "--listen", "127.0.0.1:65536"}, 2, {"--listen", "65536"}},
+      {console, {"--recording", "a.mcap", "--listen", "a:1"}, 2, {"--listen a:1", "127.0.0.1"}},
       {console, {"--recording", "/nowhere/a.mcap"}, 2, {"/nowhere/a.mcap", "No such file"}},
       {console, {"--recording", folder.path()}, 2, {folder.path(), "is no regular file"}},
       {console, {"--recording", file("e.mcap", "")}, 2, {"e.mcap", "is empty", "a recording"}},

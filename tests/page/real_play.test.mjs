@@ -362,8 +362,8 @@ test('AFileThatIsCutGoesOrIsNoneSaysWhatWhereAndWhy', async () => {
   await page.context().close();
   const { port } = new URL(whole.url);
   const refused = (path, ...more) => new Promise((resolve) => play(path, ...more).then(() => resolve('it opened'), (error) => resolve(error.message)));
-  assert.match(await refused(file, '--port', port), /ended with 2: handrail-console: .*in use/);
+  assert.match(await refused(file, '--listen', `127.0.0.1:${port}`), /ended with 2: handrail-console: .*in use/);
   assert.match(await refused(join(programs.folder, 'master.cfg')), /ended with 2: handrail-console: .*master\.cfg: byte 0: begins with .*expected 89 4d 43 41 50/);
   assert.match(await refused(join(programs.folder, 'none.mcap')), /none\.mcap: cannot be read: No such file/);
-  assert.match(await refused(file, '--port', 'http'), /--port: 'http', expected 0/);
+  assert.match(await refused(file, '--listen', '127.0.0.1:http'), /--listen .*127.0.0.1:http/);
 });

@@ -13,33 +13,17 @@
 #include <mutex>
 #include <vector>
 
-#include "devices/evdev/evdev_file.h"
+#include "tests/support/fake_evdev.h"
 
 namespace handrail::test {
 
-// Its events come through a pipe. Answers as the kernel does; used by the
-// thread that opens and by the test.
-class FakeGamepad final : public EvdevKernel {
+// Answers as the kernel does.
+class FakeGamepad final : public FakeEvdev {
  public:
   struct Axis {
     int least, most, value, flat;
   };
 
-  ~FakeGamepad() override { unplug(); }
-
-  int open(const char*) noexcept override {
-    const std::lock_guard lock(mutex_);
-    if (refuses_ != 0) {
-      errno = refuses_;
-      return -1;
-    }
-    int ends[2];
-    if (::pipe2(ends, O_NONBLOCK | O_CLOEXEC) != 0) return -1;
-    if (writes_ >= 0) ::close(writes_);
-    writes_ = ends[1];
-    ++opened_;
-    return ends[0];
-  }
   int control(int, unsigned long request, void* argument) noexcept override {
     const std::lock_guard lock(mutex_);
     const auto number = _IOC_NR(request);
@@ -80,30 +64,13 @@ class FakeGamepad final : public EvdevKernel {
     const std::lock_guard lock(mutex_);
     held_ = std::move(keys);
   }
-  void report(std::vector<input_event> events) {
-    const std::lock_guard lock(mutex_);
-    events.push_back(event_of(EV_SYN, SYN_REPORT, 0));
-    for (const input_event& event : events) {
-      ASSERT_EQ(::write(writes_, &event, sizeof event), static_cast<ssize_t>(sizeof event));
-    }
+  void axis(unsigned code, int value) {
+    event(EV_ABS, code, value);
+    event(EV_SYN, SYN_REPORT, 0);
   }
-  void axis(unsigned code, int value) { report({event_of(EV_ABS, code, value)}); }
-  void key(unsigned code, int value) { report({event_of(EV_KEY, code, value)}); }
-  void drop() { report({event_of(EV_SYN, SYN_DROPPED, 0)}); }
-  // Nothing is there to be opened until refuse(0).
-  void unplug() {
-    refuse(ENOENT);
-    const std::lock_guard lock(mutex_);
-    if (writes_ >= 0) ::close(writes_);
-    writes_ = -1;
-  }
-  void refuse(int error) {
-    const std::lock_guard lock(mutex_);
-    refuses_ = error;
-  }
-  int opened() {
-    const std::lock_guard lock(mutex_);
-    return opened_;
+  void drop() {
+    event(EV_SYN, SYN_DROPPED, 0);
+    event(EV_SYN, SYN_REPORT, 0);
   }
 
  private:
@@ -111,18 +78,8 @@ class FakeGamepad final : public EvdevKernel {
     constexpr int kBits = sizeof(unsigned long) * CHAR_BIT;
     static_cast<unsigned long*>(words)[bit / kBits] |= 1ul << bit % kBits;
   }
-  static input_event event_of(unsigned type, unsigned code, int value) {
-    input_event event{};
-    event.type = static_cast<std::uint16_t>(type);
-    event.code = static_cast<std::uint16_t>(code);
-    event.value = value;
-    return event;
-  }
-
-  std::mutex mutex_;
   std::vector<int> keys_, held_;
   std::map<int, Axis> axes_;
-  int writes_ = -1, refuses_ = 0, opened_ = 0;
 };
 
 }  // namespace handrail::test

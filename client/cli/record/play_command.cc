@@ -3,13 +3,9 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <charconv>
-#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <vector>
-
-#include "server/base/plain_text.h"
 
 namespace handrail {
 namespace {
@@ -21,30 +17,12 @@ std::string console_program() {
   return (own.parent_path() / "handrail-console").string();
 }
 
-bool is_port(const std::string& text) {
-  std::uint16_t port = 0;
-  const char* end = text.data() + text.size();
-  const auto [rest, wrong] = std::from_chars(text.data(), end, port);
-  return wrong == std::errc() && rest == end;
-}
-
 }  // namespace
 
 Status become_player(const PlayWords& words) {
-  if (words.address &&
-      (words.address->empty() || words.address->find_first_of(":/ ") != std::string::npos)) {
-    return Status::error("--address: '" + shown(*words.address) +
-                         "', expected an address of this computer, such as "
-                         "127.0.0.1, without a port");
-  }
-  if (words.port && !is_port(*words.port)) {
-    return Status::error("--port: '" + shown(*words.port) +
-                         "', expected 0, any that is free, to 65535");
-  }
   std::string program = console_program();
-  std::vector<std::string> line = {
-      program, "--recording", words.file, "--listen",
-      words.address.value_or("127.0.0.1") + ":" + words.port.value_or("0")};
+  std::vector<std::string> line = {program, "--recording", words.file, "--listen",
+                                   words.listen.value_or("127.0.0.1:0")};
   if (words.json) line.push_back("--json");
   std::vector<char*> argv;
   for (std::string& word : line) argv.push_back(word.data());

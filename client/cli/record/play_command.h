@@ -10,8 +10,8 @@ namespace handrail {
 
 struct PlayWords {
   std::string file;  // of a recording
-  std::optional<std::string> address,
-      port;  // where a browser finds it; 127.0.0.1, any that is free
+  // Where a browser finds it, as handrail-console has it; empty: this computer, any free port.
+  std::optional<std::string> listen;
   bool json = false;
 };
 

@@ -10,29 +10,13 @@
 #include <cstring>
 #include <mutex>
 
-#include "devices/evdev/evdev_file.h"
+#include "tests/support/fake_evdev.h"
 
 namespace handrail::test {
 
-// A foot switch whose events come through a pipe. Answers as the kernel does; used by the thread
-// that opens and by the test.
-class FakeSwitch final : public EvdevKernel {
+// Answers as the kernel does.
+class FakeSwitch final : public FakeEvdev {
  public:
-  ~FakeSwitch() override { unplug(); }
-
-  int open(const char*) noexcept override {
-    const std::lock_guard lock(mutex_);
-    if (refuses_ != 0) {
-      errno = refuses_;
-      return -1;
-    }
-    int ends[2];
-    if (::pipe2(ends, O_NONBLOCK | O_CLOEXEC) != 0) return -1;
-    if (writes_ >= 0) ::close(writes_);
-    writes_ = ends[1];
-    ++opened_;
-    return ends[0];
-  }
   int control(int, unsigned long request, void* argument) noexcept override {
     const std::lock_guard lock(mutex_);
     if (request == EVIOCGRAB) {
@@ -54,29 +38,6 @@ class FakeSwitch final : public EvdevKernel {
     return 0;
   }
 
-  void event(unsigned type, unsigned code, int value) {
-    const std::lock_guard lock(mutex_);
-    input_event event{};
-    event.type = static_cast<std::uint16_t>(type);
-    event.code = static_cast<std::uint16_t>(code);
-    event.value = value;
-    ASSERT_EQ(::write(writes_, &event, sizeof event), static_cast<ssize_t>(sizeof event));
-  }
-  void key(unsigned code, int value) {
-    event(EV_KEY, code, value);
-    event(EV_SYN, SYN_REPORT, 0);
-  }
-  // Nothing is there to be opened until refuse(0).
-  void unplug() {
-    refuse(ENOENT);
-    const std::lock_guard lock(mutex_);
-    if (writes_ >= 0) ::close(writes_);
-    writes_ = -1;
-  }
-  void refuse(int error) {
-    const std::lock_guard lock(mutex_);
-    refuses_ = error;
-  }
   void hold(bool held) {
     const std::lock_guard lock(mutex_);
     held_ = held;
@@ -89,14 +50,9 @@ class FakeSwitch final : public EvdevKernel {
     const std::lock_guard lock(mutex_);
     return grabbed_;
   }
-  int opened() {
-    const std::lock_guard lock(mutex_);
-    return opened_;
-  }
 
  private:
-  std::mutex mutex_;
-  int writes_ = -1, refuses_ = 0, grabbed_ = 0, opened_ = 0;
+  int grabbed_ = 0;
   bool held_ = false, taken_ = false;
 };
 
