@@ -7,7 +7,6 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <span>
 
 #include "server/base/ring.h"
@@ -47,7 +46,7 @@ class PacketTap {
     scratch_.at = at;
     scratch_.way = way;
     scratch_.size = static_cast<std::uint16_t>(std::min<std::size_t>(packet.size(), UINT16_MAX));
-    std::memcpy(scratch_.bytes.data(), packet.data(), scratch_.kept().size());
+    std::copy_n(packet.begin(), scratch_.kept().size(), scratch_.bytes.begin());
     if (!packets_.push(scratch_)) lost_.fetch_add(1, std::memory_order_relaxed);
   }
 

@@ -2,6 +2,7 @@
 
 #include <initializer_list>
 #include <string>
+#include <utility>
 
 #include "server/link/check.h"
 #include "server/link/codec_fields.h"
@@ -65,6 +66,23 @@ std::uint32_t code_of(Enum value) {
 }
 
 constexpr Reason kLastReason = static_cast<Reason>(static_cast<int>(Reason::kCount) - 1);
+
+// Of two times sum and difference are numbers, too.
+constexpr Nanos kLongestTime = 2 * kForever;
+
+using NamedTime = std::pair<const char*, Nanos>;
+Status check_times(const pb::RecordedLink& link, std::initializer_list<NamedTime> more) {
+  const auto of_link = {NamedTime("link.loop_age_ns", link.loop_age_ns()),
+                        {"link.peer_age_ns", link.peer_age_ns()},
+                        {"link.received_at_ns", link.received_at_ns()},
+                        {"link.peer_sent_ns", link.peer_sent_ns()},
+                        {"link.round_trip_ns", link.round_trip_ns()}};
+  for (const auto& times : {more, of_link})
+    for (const auto& [field, time] : times)
+      if (time < -kLongestTime || time > kLongestTime)
+        return missing(field, "is " + std::to_string(time) + " ns, which is no time");
+  return Status::ok();
+}
 
 void put_link(const LinkView& link, const KeptTiming& timing, pb::RecordedLink& out) {
   out.set_loop_age_ns(link.loop_age);
@@ -242,6 +260,11 @@ void put(const KeptTick& tick, pb::RecordedTick& out) {
 
 Status take(const pb::RecordedTick& in, KeptTick& out) {
   if (in.hand_size() != kHandNumbers) return wrong_count("hand", in.hand_size(), kHandNumbers);
+  Status times = check_times(in.link(), {{"at_ns", in.at_ns()},
+                                         {"slave_age_ns", in.slave_age_ns()},
+                                         {"unseen_ns", in.unseen_ns()},
+                                         {"hold_heard_ns", in.hold_heard_ns()}});
+  if (!times) return times;
   out.number = in.number();
   out.at = in.at_ns();
   out.scene = in.scene();
@@ -323,6 +346,10 @@ Status take(const pb::RecordedCycle& in, KeptCycle& out) {
                               counted("sensor", in.sensor_size(), kSensorNumbers)}) {
     if (!count) return count;
   }
+  Status times = check_times(in.link(), {{"at_ns", in.at_ns()},
+                                         {"master_age_ns", in.master_age_ns()},
+                                         {"unseen_ns", in.unseen_ns()}});
+  if (!times) return times;
   FollowInput& to = out.given;
   out.number = in.number();
   out.at = in.at_ns();

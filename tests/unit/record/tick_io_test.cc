@@ -27,7 +27,7 @@ State settled(State state) {
 
 LinkView any_link(Random& random) {
   LinkView out;
-  out.loop_age = static_cast<Nanos>(random.bits() >> 1);
+  out.loop_age = static_cast<Nanos>(random.bits() >> 2);
   out.peer_age = kForever;
   out.received_of_100 = static_cast<int>(random.bits() % 101);
   out.peer_received_of_100 = static_cast<int>(random.bits() % 101);
@@ -97,7 +97,7 @@ TEST(TickIo, ATickComesBackToTheBit) {
   for (int trial = 0; trial < 300; ++trial) {
     KeptTick was;
     was.number = random.bits();
-    was.at = static_cast<Nanos>(random.bits() >> 1);
+    was.at = static_cast<Nanos>(random.bits() >> 2);
     was.scene = 3;
     was.given.dt = random.uniform() + 1e-9;
     was.given.let_go = coin(random);
@@ -232,6 +232,15 @@ TEST(TickIo, WhatIsMissingIsNamed) {
   tick.mutable_order()->set_kind(99);
   EXPECT_EQ(take(tick, out).message(), "order.kind is 99, which is none");
   tick.clear_order();
+  tick.set_unseen_ns(std::numeric_limits<std::int64_t>::max());
+  EXPECT_EQ(take(tick, out).message(), "unseen_ns is 9223372036854775807 ns, which is no time");
+  tick.set_unseen_ns(2 * kForever);
+  EXPECT_TRUE(take(tick, out));
+  tick.mutable_link()->set_peer_age_ns(-2 * kForever - 1);
+  EXPECT_EQ(take(tick, out).message(),
+            "link.peer_age_ns is -4611686018427387903 ns, which is no time");
+  tick.mutable_link()->set_peer_age_ns(-2 * kForever);
+  EXPECT_TRUE(take(tick, out));
   tick.mutable_hand()->RemoveLast();
   EXPECT_EQ(take(tick, out).message(), "hand has 9 numbers, expected 10");
   pb::RecordedCycle cycle;
@@ -244,6 +253,10 @@ TEST(TickIo, WhatIsMissingIsNamed) {
   cycle.set_cycles(0);
   EXPECT_EQ(take(cycle, kept).message(), "cycles is 0, expected 1 to 100000");
   cycle.set_cycles(1);
+  cycle.set_master_age_ns(std::numeric_limits<std::int64_t>::min());
+  EXPECT_EQ(take(cycle, kept).message(),
+            "master_age_ns is -9223372036854775808 ns, which is no time");
+  cycle.set_master_age_ns(0);
   cycle.mutable_q_measured()->Clear();
   EXPECT_EQ(take(cycle, kept).message(), "q_measured has 0 numbers, expected 6");
 }
