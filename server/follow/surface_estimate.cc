@@ -39,28 +39,30 @@ void SurfaceEstimate::begin(const BumperSettings& settings, const Vec3& n,
   begun_ = true;
 }
 
-// Only where the force changes does the way tell of the compliance: a slide along a normal that is
-// a little off goes far at the same force.
-void SurfaceEstimate::compare(const BumperSettings& settings, double place, double force,
+// Only where the force changes does the way tell of the compliance, and only where it goes along
+// the normal: a slide goes far, and a normal that is a little off takes a part of it for depth.
+void SurfaceEstimate::compare(const BumperSettings& settings, const Vec3& p_ST, double force,
                               double dt) noexcept {
   const double change = force - force_;
   since_ += dt;
-  const bool told = since_ < kSteps && std::abs(change) > std::max(kStep, 6.0 * settings.noise);
-  if (told) {
+  const bool changed = std::abs(change) > std::max(kStep, 6.0 * settings.noise);
+  if (!changed && since_ < kSteps) return;
+  const Vec3 way = p_ST - p_from_;
+  const double along = way.dot(surface_->n_S), beside = (way - along * surface_->n_S).norm();
+  if (since_ < kSteps && beside <= std::abs(along) + kTold) {
     ff_ = kKeep * ff_ + change * change;
-    sf_ = kKeep * sf_ + change * (place - place_);
+    sf_ = kKeep * sf_ + change * along;
     surface_->stiffness = within(settings, ff_ / std::max(0.0, -sf_));
   }
-  if (told || since_ >= kSteps) {
-    place_ = place;
-    force_ = force;
-    since_ = 0.0;
-  }
+  p_from_ = p_ST;
+  force_ = force;
+  since_ = 0.0;
 }
 
-void SurfaceEstimate::feel(const BumperSettings& settings, double place, double force,
+void SurfaceEstimate::feel(const BumperSettings& settings, const Vec3& p_ST, double force,
                            double dt) noexcept {
-  compare(settings, place, force, dt);
+  compare(settings, p_ST, force, dt);
+  const double place = surface_->n_S.dot(p_ST);
   near_weight_ = (1.0 - dt / kNearby) * near_weight_ + 1.0;
   near_place_ += (place - near_place_) / near_weight_;
   near_force_ += (force - near_force_) / near_weight_;
@@ -99,7 +101,7 @@ void SurfaceEstimate::step(const BumperSettings& settings, const BumperInput& in
     begin(settings, n, surface_->stiffness);
   }
   p_felt_ = p_ST;
-  feel(settings, place, force, in.dt);
+  feel(settings, p_ST, force, in.dt);
 }
 
 }  // namespace handrail

@@ -105,6 +105,20 @@ TEST(SurfaceEstimate, FrictionDoesNotTiltItFurtherThanItsCone) {
   EXPECT_NEAR(it.surface().out_of(it.p), -2e-3, 1e-3);
 }
 
+TEST(SurfaceEstimate, ASlideWhoseForceChangesDoesNotTellOfTheStiffness) {
+  for (const double change : {-5.0, 5.0}) {
+    Pressing it;
+    it.friction = 0.3;
+    it.press(40.0);
+    const double k = it.surface().stiffness;
+    ASSERT_GT(std::acos(it.surface().n_S.z()), 0.2);  // a part of what follows looks like depth
+    for (int i = 0; i < 56; ++i) {
+      it.cycle({20e-3 * i / 56, 0, -(40.0 + change * i / 56) / it.stiffness});
+    }
+    EXPECT_EQ(it.surface().stiffness, k) << change;
+  }
+}
+
 TEST(SurfaceEstimate, ItIsKeptInFreeSpaceNearbyAndForgottenFurther) {
   Pressing it;
   it.press(30.0);
