@@ -78,11 +78,20 @@ void SurfaceEstimate::miss(const BumperSettings& settings, const Vec3& p_ST,
   if (missed_ >= kMissed || (p_ST - p_felt_).norm() > kKept) forget();
 }
 
+// The stiffness by what force and place have changed since little was felt: of the bumper's
+// contact, which begins with a force, a soft surface would seem stiff. Not known, it is told as the
+// stiffest.
+double SurfaceEstimate::since_light(const Vec3& n, double place, double force) const noexcept {
+  if (!light_) return kStiffestSurface;
+  return (force - n.dot(light_->f_E_S)) / (std::max(0.0, n.dot(light_->p_ST) - place) + kTold);
+}
+
 void SurfaceEstimate::step(const BumperSettings& settings, const BumperInput& in,
                            const BumperState& bumper) noexcept {
   if (!in.fresh || !is_finite(in.f_E_S) || !is_finite(in.p_ST)) return;
   const Vec3& p_ST = bumper.tip_before(settings.sensor_lag, in.dt);
   const double size = in.f_E_S.norm();
+  if (size <= 0.5 * settings.contact) light_ = Light{p_ST, in.f_E_S};
   if (!bumper.touching() || size <= settings.contact) {
     begun_ = begun_ && bumper.touching();
     if (surface_) miss(settings, p_ST, size);
@@ -91,12 +100,12 @@ void SurfaceEstimate::step(const BumperSettings& settings, const BumperInput& in
   missed_ = 0;
   const Vec3 n = told_normal(bumper.n_S);
   const double place = n.dot(p_ST), force = in.f_E_S.dot(n);
-  const double since_touch = force / (std::max(0.0, n.dot(bumper.p_touch) - place) + kTold);
+  const double first = since_light(n, place, force);
   if (!surface_ || n.dot(surface_->n_S) < std::cos(kOtherTurn)) {
-    begin(settings, n, since_touch);
+    begin(settings, n, first);
   } else if (!begun_) {
     const double off = surface_->out_of(p_ST) + force / surface_->stiffness;
-    begin(settings, n, std::abs(off) > kOtherPlace ? since_touch : surface_->stiffness);
+    begin(settings, n, std::abs(off) > kOtherPlace ? first : surface_->stiffness);
   } else if (n.dot(surface_->n_S) < std::cos(kSameTurn)) {
     begin(settings, n, surface_->stiffness);
   }

@@ -28,12 +28,17 @@ class SurfaceEstimate {
   // Real-time safe.
   void step(const BumperSettings& settings, const BumperInput& in,
             const BumperState& bumper) noexcept;
-  void forget() noexcept { *this = SurfaceEstimate(); }
+  void forget() noexcept { surface_.reset(), begun_ = false, missed_ = 0; }
 
   // Its normal is one that the wire tells as it is.
   const std::optional<Surface>& surface() const noexcept { return surface_; }
 
  private:
+  // Less than half of what makes a contact: what a payload leaves that is not quite known.
+  struct Light {
+    Vec3 p_ST, f_E_S;  // [m], [N]
+  };
+  double since_light(const Vec3& n, double place, double force) const noexcept;
   void begin(const BumperSettings& settings, const Vec3& n, double stiffness) noexcept;
   void compare(const BumperSettings& settings, const Vec3& p_ST, double force, double dt) noexcept;
   void feel(const BumperSettings& settings, const Vec3& p_ST, double force, double dt) noexcept;
@@ -42,6 +47,7 @@ class SurfaceEstimate {
   std::optional<Surface> surface_;
   bool begun_ = false;          // the sums are of this contact
   Vec3 p_felt_ = Vec3::Zero();  // where it was felt last [m]
+  std::optional<Light> light_;  // newest
   int missed_ = 0;              // readings in a row
   Vec3 p_from_ = Vec3::Zero();  // what the newest is compared with: where it was [m],
   double force_ = 0.0;          // its force along the normal [N]

@@ -105,6 +105,30 @@ TEST(SurfaceEstimate, FrictionDoesNotTiltItFurtherThanItsCone) {
   EXPECT_NEAR(it.surface().out_of(it.p), -2e-3, 1e-3);
 }
 
+// Held just above what makes a contact: no change of the force tells more.
+TEST(SurfaceEstimate, WhatIsPressedLittleMoreThanAContactNeedsIsKnownAtOnce) {
+  for (const double k : {500.0, 1e3, 5e3}) {
+    for (const double left : {0.0, 3.0}) {  // of a payload, along the normal [N]
+      Pressing it;
+      it.stiffness = k;
+      it.height = left / k;
+      for (int i = 0; i < 3; ++i) it.cycle({0, 0, 0});
+      it.press(it.settings.contact + 1.5, Vec3::Zero(), 1.0 / k);
+      ASSERT_TRUE(it.estimate.surface()) << k;
+      EXPECT_NEAR(it.surface().stiffness, k, 0.1 * k) << left;
+      EXPECT_NEAR(it.surface().d, it.height, 0.1 * 12.0 / k) << k;
+    }
+  }
+}
+
+TEST(SurfaceEstimate, AfterItIsForgottenInAContactItIsToldAsItWas) {
+  Pressing it;
+  it.press(40.0);
+  it.estimate.forget();
+  it.cycle(it.p);
+  EXPECT_NEAR(it.surface().d, 0.0, 2e-4);
+}
+
 TEST(SurfaceEstimate, ASlideWhoseForceChangesDoesNotTellOfTheStiffness) {
   for (const double change : {-5.0, 5.0}) {
     Pressing it;
