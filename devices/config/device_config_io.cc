@@ -89,6 +89,8 @@ MelfaOptions robot_options(const pb::RobotConfig& config) {
   MelfaOptions out;
   out.address = config.address();
   out.port = port_of(config.port());
+  out.command_port = port_of(config.command_port());
+  out.program = config.program();
   out.client.packet_bytes = config.packet_bytes();
   if (config.has_gripper()) out.client.gripper = gripper_of(config.gripper());
   return out;
