@@ -63,7 +63,8 @@ char small(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + '
 R3Reader::Said R3Reader::take(std::string_view piece) {
   text_.append(piece.substr(0, kMostR3Answer + 1 - text_.size()));
   if (text_.size() > kMostR3Answer) return Said::kTooLong;
-  return text_.find_first_of("\r\n") == std::string::npos ? Said::kMore : Said::kWhole;
+  ended_ = ended_ || piece.find_first_of("\r\n") != std::string_view::npos;
+  return ended_ ? Said::kWhole : Said::kMore;
 }
 
 Result<R3Answer> parse_r3_answer(std::string_view text) {

@@ -35,6 +35,7 @@ class R3Reader {
 
  private:
   std::string text_;
+  bool ended_ = false;
 };
 
 struct R3Answer {

@@ -260,7 +260,9 @@ SwitchesReport look_at_switches(R3Line& line, const SwitchWishes& wishes) {
 SwitchesReport switch_on(R3Line& line, const SwitchWishes& wishes) {
   SwitchesReport out;
   if (!begin(line, out)) return out;
-  out.problem = lasting_obstacle(*out.before, wishes, out.alarm_text);
+  R3State wished = *out.before;  // what is to be set is in nobody's way
+  wished.override_percent = wishes.override_percent.value_or(wished.override_percent);
+  out.problem = lasting_obstacle(wished, wishes, out.alarm_text);
   if (!out.problem.none()) return out;
   SwitchingOn(line, wishes, out).run();
   end(line, out);

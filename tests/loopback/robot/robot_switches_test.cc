@@ -14,8 +14,8 @@ using ::testing::HasSubstr;
 class RobotSwitches : public WholeCell {
  protected:
   void SetUp() override {}
-  void start(const std::string& switches, bool all = false) {
-    rig_extra = "switches { " + switches + " }";
+  void start(const std::string& switches, bool all = false, const std::string& more = "") {
+    rig_extra = "switches { " + switches + " } " + more;
     start_rig();
     command_port = rig->number_after(" command_port=");
     robot_extra = "program: '1' command_port: " + std::to_string(command_port);
@@ -114,7 +114,7 @@ TEST_F(RobotSwitches, AnotherProgramAndNoneAreNamed) {
 }
 
 TEST_F(RobotSwitches, AnAlarmIsNamedResetAndTheProgramStartedAgain) {
-  start("} mxttout_cycles: 50 switches { ", true);
+  start("", true, "mxttout_cycles: 50");
   ASSERT_TRUE(within(kPatience, [this] { return ask("engage: true").done(); }));
   ASSERT_TRUE(slave_reaches("engaged"));
   // Without a packet the controller waits in vain: its own alarm.

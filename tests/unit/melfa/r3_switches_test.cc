@@ -125,6 +125,10 @@ TEST(R3Switches, AnOverrideThatIsWishedForIsSetAndLeft) {
   EXPECT_TRUE(report.done) << report.problem.fact;
   EXPECT_THAT(report.steps,
               ElementsAre("speed override set to 25 %", "servos on", "program '1' started"));
+  // From another share than 100 as well.
+  Scripted slow = obedient();
+  slow.answers["STATE"] = {"QoK1;10;60;0;00060;1;1", "QoK1;20;25;0;60000;2;1"};
+  EXPECT_TRUE(switch_on(slow, {"1", 25}).done);
   Scripted other = obedient();
   other.answers["OVRD=25"] = {"QoK30"};
   const SwitchesReport not_taken = switch_on(other, {"1", 25});
