@@ -58,6 +58,7 @@ HapticDeviceOptions haptic_options(const pb::DeviceConfig& config) {
   out.gamepad.path = config.gamepad().device();
   out.gamepad.motion = deflection_of(config.gamepad().motion());
   out.gamepad.dead_share = config.gamepad().dead_share();
+  out.gamepad.rumble_share = config.gamepad().rumble_share();
   out.touch = {config.touch().name(), config.touch().library()};
   const pb::HandModel& hand = config.hand();
   out.recording_path = config.recording();
