@@ -9,6 +9,7 @@
 #include "server/base/time.h"
 #include "server/model/device_dynamics.h"
 #include "server/model/effect_list.h"
+#include "server/model/haptic_cue.h"
 
 namespace handrail {
 
@@ -89,6 +90,10 @@ class HapticDevice {
   // calls. A driver does so in the device, or in a thread of its own. The caller has limited f_H_M
   // to the capabilities already.
   virtual void write(const Wrench& f_H_M) noexcept = 0;
+  // After write(): what is to be felt beside force from now until the next call, but no longer than
+  // kForceStands. For devices that make no force; those that do have the same in write(). A device
+  // may ignore it. Real-time safe.
+  virtual void feel(const HapticCue&) noexcept {}
   // Force off, device released. Safe to call twice.
   virtual void close() noexcept = 0;
   // A simulated device shows these of its own effects from now on, and its hand begins at `home_M`

@@ -33,6 +33,7 @@ struct Options {
   std::optional<std::string> subject, folder, figures, trials, rig, rehearse;  // experiment
   std::optional<std::string> master_config, slave_config;                      // devices, doctor
   std::optional<std::string> force, device;                                    // devices, with out
+  std::optional<std::string> override_percent;                                 // robot
   bool alone = false;                                                          // devices
   bool resume = false;
   bool simulated = false;
@@ -61,12 +62,14 @@ struct Takes {
   bool calibrate = false;      // --poses, --from, --record and an optional --out
   const char* word = nullptr;  // name of the positional argument
   bool word_optional = false;
-  bool entry = false;        // ROLES, KEY and an optional NEXT after the word
-  bool pair = false;         // --listen, or --with and --code
-  bool life = false;         // --for
-  bool experiment = false;   // --subject and what goes with it
-  bool devices = false;      // --master-config, --slave-config and --device; with a word --out
-  bool configs = false;      // the first two of these
+  bool entry = false;       // ROLES, KEY and an optional NEXT after the word
+  bool pair = false;        // --listen, or --with and --code
+  bool life = false;        // --for
+  bool experiment = false;  // --subject and what goes with it
+  bool devices = false;     // --master-config, --slave-config and --device; with a word --out
+  bool configs = false;     // the first two of these
+  bool switches = false;    // the second of these
+  bool override_percent = false;
   bool device_test = false;  // --alone and --force
   bool play = false;         // --listen
 };

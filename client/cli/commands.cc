@@ -269,6 +269,22 @@ constexpr Command kCommands[] = {
     {"screw", "How the friction of a wrench's screw grows: c of (2.2)", run_screw, {.word = "C"}},
     {"robot grip", "Close the gripper; the arm must be engaged", run_grip, {}},
     {"robot release", "Open the gripper; the arm must be engaged", run_release, {}},
+    {"robot status",
+     "What the controller's own switches say: mode, servos, program, override, alarm",
+     run_robot_status,
+     {.json = true, .switches = true}},
+    {"robot on",
+     "Servos on and the program for real-time control started; nothing moves by itself",
+     run_robot_on,
+     {.json = true, .switches = true, .override_percent = true}},
+    {"robot off",
+     "Stop the controller's program and switch its servos off",
+     run_robot_off,
+     {.json = true, .switches = true}},
+    {"robot reset",
+     "Reset the controller's alarm; `handrail reset` is for the slave's own stop",
+     run_robot_reset,
+     {.json = true, .switches = true}},
     {"mark",
      "Say that something is done now: an experiment's next step",
      run_mark,
@@ -350,7 +366,7 @@ std::string group_help(const std::string& word) {
   if (word == "lease") return "Who drives: one operator at a time, by name (--as)";
   if (word == "calibrate") return "Find what the slave's file has to say of this arm";
   if (word == "keys") return "Who may reach the programs of this user over the network";
-  if (word == "robot") return "What is fixed to the arm";
+  if (word == "robot") return "The arm's gripper, and its controller's own switches";
   if (word == "record") return "Write down what happens, and what to do with recordings";
   if (word == "devices")
     return "Hand, stop switch, arm and force sensor: are they there, do they work";

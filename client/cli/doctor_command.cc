@@ -2,6 +2,7 @@
 
 #include "client/cli/devices/devices_run.h"
 #include "client/cli/interrupt.h"
+#include "client/cli/robot/robot_run.h"
 #include "client/cli/vector_text.h"
 #include "client/doctor/gather.h"
 #include "client/doctor/judge.h"
@@ -55,7 +56,26 @@ ExitCode run_device(const Options& o, const Console& c, bool calibrates) {
   return test_device(words, {c.out, c.err, interrupted});
 }
 
+ExitCode run_robot(const Options& o, const Console& c, RobotOrder order) {
+  catch_interrupts();
+  return run_robot_order({order, o.slave_config.value_or(""), o.override_percent, o.json},
+                         {o.master, o.as, c.out, c.err, interrupted});
+}
+
 }  // namespace
+
+ExitCode run_robot_status(const Options& o, const Console& c) {
+  return run_robot(o, c, RobotOrder::kStatus);
+}
+ExitCode run_robot_on(const Options& o, const Console& c) {
+  return run_robot(o, c, RobotOrder::kOn);
+}
+ExitCode run_robot_off(const Options& o, const Console& c) {
+  return run_robot(o, c, RobotOrder::kOff);
+}
+ExitCode run_robot_reset(const Options& o, const Console& c) {
+  return run_robot(o, c, RobotOrder::kReset);
+}
 
 ExitCode run_devices_list(const Options& o, const Console& c) {
   catch_interrupts();

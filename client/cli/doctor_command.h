@@ -1,4 +1,4 @@
-// handrail doctor, handrail devices
+// handrail doctor, handrail devices, and the controller's switches of handrail robot
 #pragma once
 
 #include "client/cli/command.h"
@@ -13,5 +13,11 @@ ExitCode run_doctor(const Options& options, const Console& console);
 ExitCode run_devices_list(const Options& options, const Console& console);
 ExitCode run_devices_test(const Options& options, const Console& console);
 ExitCode run_devices_calibrate(const Options& options, const Console& console);
+
+// See run_robot_order.
+ExitCode run_robot_status(const Options& options, const Console& console);
+ExitCode run_robot_on(const Options& options, const Console& console);
+ExitCode run_robot_off(const Options& options, const Console& console);
+ExitCode run_robot_reset(const Options& options, const Console& console);
 
 }  // namespace handrail

@@ -117,6 +117,13 @@ void add_options(CLI::App& app, const Takes& takes, Options& o) {
   if (takes.hand) add_hand_options(app, o);
   if (takes.experiment) add_experiment_options(app, o);
   if (takes.configs) add_config_options(app, o);
+  if (takes.switches) {
+    add_text(app, "--slave-config", o.slave_config, "FILE", "the file of handrail-slave");
+  }
+  if (takes.override_percent) {
+    add_text(app, "--override", o.override_percent, "PERCENT",
+             "the speed override that is wanted, 1 to 100; without it 100 is expected");
+  }
   if (takes.devices) add_device_options(app, takes.device_test, o);
   if (takes.devices && takes.word != nullptr) {
     add_text(app, "--out", o.out, "FILE", "new file for the block of configuration");

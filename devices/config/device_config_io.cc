@@ -58,6 +58,7 @@ HapticDeviceOptions haptic_options(const pb::DeviceConfig& config) {
   out.gamepad.path = config.gamepad().device();
   out.gamepad.motion = deflection_of(config.gamepad().motion());
   out.gamepad.dead_share = config.gamepad().dead_share();
+  out.gamepad.rumble_share = config.gamepad().rumble_share();
   out.touch = {config.touch().name(), config.touch().library()};
   const pb::HandModel& hand = config.hand();
   out.recording_path = config.recording();
@@ -89,6 +90,8 @@ MelfaOptions robot_options(const pb::RobotConfig& config) {
   MelfaOptions out;
   out.address = config.address();
   out.port = port_of(config.port());
+  out.command_port = port_of(config.command_port());
+  out.program = config.program();
   out.client.packet_bytes = config.packet_bytes();
   if (config.has_gripper()) out.client.gripper = gripper_of(config.gripper());
   return out;

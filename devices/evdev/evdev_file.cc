@@ -82,6 +82,14 @@ int EvdevKernel::control(int fd, unsigned long request, void* argument) noexcept
   return ::ioctl(fd, request, argument);
 }
 
+int EvdevKernel::open_to_write(const char* path) noexcept {
+  return ::open(path, O_RDWR | O_NONBLOCK | O_CLOEXEC);
+}
+
+bool EvdevKernel::write(int fd, const input_event& event) noexcept {
+  return ::write(fd, &event, sizeof event) == static_cast<ssize_t>(sizeof event);
+}
+
 EvdevKernel& evdev_kernel() noexcept {
   static EvdevKernel kernel;
   return kernel;
@@ -100,6 +108,7 @@ Result<EvdevOpened> open_evdev(EvdevKernel& kernel, const std::string& path, Evd
   // Some have none.
   (void)kernel.control(out.fd, EVIOCGNAME(name.size() - 1), name.data());
   out.name = fixed_text<decltype(out.name)>(shown(name.data()));
+  out.path = fixed_text<decltype(out.path)>(path);
   return out;
 }
 

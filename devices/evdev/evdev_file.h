@@ -21,6 +21,9 @@ class EvdevKernel {
   // For reading, without waiting. -1: errno says why.
   virtual int open(const char* path) noexcept;
   virtual int control(int fd, unsigned long request, void* argument) noexcept;
+  // For writing too, without waiting: force feedback is begun by an event that is written.
+  virtual int open_to_write(const char* path) noexcept;
+  virtual bool write(int fd, const input_event& event) noexcept;
 };
 
 // The kernel itself.
@@ -34,6 +37,7 @@ struct EvdevRange {
 struct EvdevOpened {
   int fd = -1;  // never blocks
   FixedText<80> name{};
+  FixedText<256> path{};
   std::bitset<KEY_CNT> has_key;
   std::bitset<ABS_CNT> has_axis;
   std::array<EvdevRange, ABS_CNT> ranges{};

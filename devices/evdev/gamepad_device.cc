@@ -75,6 +75,7 @@ GamepadDevice::GamepadDevice(const GamepadOptions& options, EvdevKernel& kernel)
       kernel_(kernel),
       capabilities_(deflection_capabilities(options.motion)),
       reopener_([this] { return open_device(); }),
+      rumble_(kernel, options.rumble_share),
       hand_(options.motion) {
   capabilities_.name = "gamepad";
   capabilities_.buttons = 3;
@@ -95,6 +96,7 @@ Status GamepadDevice::open() {
   const Result<EvdevOpened> first = open_device();
   if (!first) return first.status();
   reopener_.start(&*first);
+  rumble_.start();
   hand_.reset();
   sample_ = HapticSample();
   started_ = false;
@@ -130,12 +132,14 @@ void GamepadDevice::receive() noexcept {
     if (!reopener_.take(opened_)) return;
     stream_.begin(opened_.state);
     centred_ = {};
+    rumble_.use(opened_.path);
   }
   std::array<std::uint8_t, kMostPadEvents * sizeof(input_event)> bytes;
   const ssize_t n = ::read(opened_.fd, bytes.data(), bytes.size());
   if (n < 0 && (errno == EAGAIN || errno == EINTR)) return;
   if (n > 0 && stream_.take({bytes.data(), static_cast<std::size_t>(n)})) return;
   reopener_.lost(std::exchange(opened_.fd, -1));
+  rumble_.use({});
 }
 
 // How far an axis is pushed, -1 to 1.
@@ -173,6 +177,7 @@ std::uint32_t GamepadDevice::buttons() const noexcept {
 }
 
 void GamepadDevice::close() noexcept {
+  rumble_.stop();
   reopener_.stop();
   if (opened_.fd >= 0) ::close(opened_.fd);
   opened_.fd = -1;

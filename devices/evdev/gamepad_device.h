@@ -7,6 +7,7 @@
 
 #include "devices/evdev/evdev_file.h"
 #include "devices/evdev/evdev_stream.h"
+#include "devices/evdev/rumble.h"
 #include "devices/haptic_device.h"
 #include "devices/input/deflection_hand.h"
 #include "devices/input/reopener.h"
@@ -21,6 +22,8 @@ struct GamepadOptions {
   // 0.5. Our choice: sticks rest within some hundredths; the device's own
   // `flat` counts where it is more.
   double dead_share = 0.12;
+  // Of what its motors do at most, with which cues and contact are told; 0: they are not.
+  double rumble_share = 0.5;
   std::string input_folder = kInputFolder;
 };
 
@@ -45,7 +48,8 @@ std::vector<std::string> gamepad_paths(const std::string& input_folder);
 // Gamepad: left stick right and away, right stick up and turning about the
 // vertical; left shoulder clutch, right shoulder enable (the dead-man), south
 // button drops tools. Joystick: stick right and away, hat up and down, twist;
-// trigger enable, second button clutch, third drop. Makes no force. An axis
+// trigger enable, second button clutch, third drop. Makes no force; one that
+// has motors trembles for cues and contact. An axis
 // counts only once it has been in its middle: some read as fully pushed until
 // they are first moved. Unplugged, readings are invalid; plugged in again the
 // hand goes on where it was.
@@ -61,6 +65,7 @@ class GamepadDevice final : public HapticDevice {
   // for the next.
   HapticSample read(Nanos now) noexcept override;
   void write(const Wrench&) noexcept override {}
+  void feel(const HapticCue& cue) noexcept override { rumble_.feel(cue); }
   void close() noexcept override;
 
  private:
@@ -76,6 +81,7 @@ class GamepadDevice final : public HapticDevice {
   EvdevKernel& kernel_;
   HapticCapabilities capabilities_;
   Reopener<EvdevOpened> reopener_;
+  Rumble rumble_;
   EvdevOpened opened_;
   EvdevStream stream_;
   std::array<bool, kAxes> centred_{};  // has been in its middle since it was opened

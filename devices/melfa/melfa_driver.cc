@@ -2,9 +2,11 @@
 
 #include <utility>
 
+#include "devices/melfa/r3_socket.h"
 #include "devices/self_test/finished_test.h"
 #include "devices/self_test/robot_test.h"
 #include "server/base/clock.h"
+#include "server/base/plain_text.h"
 
 namespace handrail {
 namespace {
@@ -20,6 +22,14 @@ constexpr char kHowToAnswer[] =
 std::string robot_block(const MelfaOptions& options) {
   return "robot { address: \"" + options.address + "\" port: " + std::to_string(options.port) +
          " packet_bytes: " + std::to_string(options.client.packet_bytes) + " }";
+}
+
+// What the controller's own switches say is in the way; none: nothing, or they cannot be reached.
+Obstacle obstacle_at(const MelfaOptions& options) {
+  const auto line = R3Socket::connect(options.address, options.command_port);
+  if (!line) return {};
+  const SwitchesReport seen = look_at_switches(**line, {options.program, std::nullopt});
+  return seen.done ? seen.problem : Obstacle{};
 }
 
 }  // namespace
@@ -58,7 +68,28 @@ std::vector<Sighting> MelfaDriver::probe() {
     return {{place(), Readiness::kUnfinished, fact + ", configured are " + std::to_string(wanted),
              "robot { packet_bytes: " + std::to_string(*came) + " } in the slave's file"}};
   }
+  if (const Obstacle o = obstacle_at(options_); !o.none()) {
+    return {{place(), Readiness::kUnfinished, "no answer to real-time control: " + o.fact, o.next}};
+  }
   return {{place(), Readiness::kAbsent, "no answer to real-time control", kHowToAnswer}};
+}
+
+std::vector<TestItem> MelfaDriver::switches() const {
+  const auto line = R3Socket::connect(options_.address, options_.command_port);
+  if (!line)
+    return {{"switches", Verdict::kNotSeen, obstacle_in(line.message()).fact,
+             obstacle_in(line.message()).next}};
+  const SwitchesReport seen = look_at_switches(**line, {options_.program, std::nullopt});
+  if (!seen.done) {
+    return {{"switches", Verdict::kNotSeen, seen.problem.fact, seen.problem.next}};
+  }
+  if (!seen.problem.none()) {
+    return {{"switches", Verdict::kBad, seen.problem.fact, seen.problem.next}};
+  }
+  return {{"switches", Verdict::kOk,
+           "automatic, servos on, program '" + shown(seen.before->program) + "' runs, override " +
+               std::to_string(seen.before->override_percent) + " %",
+           ""}};
 }
 
 StartedTest MelfaDriver::test(const TestWishes&) {
@@ -66,8 +97,14 @@ StartedTest MelfaDriver::test(const TestWishes&) {
     return Status::error("robot controller: " + std::string(kArmTaken) + "; " + kAskItsSlave);
   auto robot = std::make_unique<MelfaRobot>(options_);
   RobotReply first;
-  if (const Status s = robot->connect(kOpeningPatience, first); !s) return s;
-  return StartedTest(std::make_unique<RobotTest>(std::move(robot), first, robot_block(options_)));
+  if (const Status s = robot->connect(kOpeningPatience, first); !s) {
+    const Obstacle o = obstacle_at(options_);
+    if (o.none()) return s;
+    return Status::error("robot controller " + place() +
+                         ": no answer to real-time control: " + o.fact + "; " + o.next);
+  }
+  return StartedTest(
+      std::make_unique<RobotTest>(std::move(robot), first, robot_block(options_), switches()));
 }
 
 StartedTest MelfaDriver::calibrate() {

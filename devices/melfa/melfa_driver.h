@@ -18,7 +18,8 @@ class MelfaDriver final : public Driver {
   std::string what() const override { return "Mitsubishi MELFA controller (MXT)"; }
   std::string daemon() const override { return "handrail-slave"; }
   // One packet that moves nothing, of each of the two sizes until one is answered, 0.3 s each. It
-  // ends no program of the controller's.
+  // ends no program of the controller's. Without an answer the controller's own switches are asked
+  // why, a second at most.
   std::vector<Sighting> probe() override;
   // Opens a session as the slave does, and ends it: the controller's program then goes on.
   StartedTest test(const TestWishes& wishes) override;
@@ -28,6 +29,7 @@ class MelfaDriver final : public Driver {
  private:
   std::string place() const;
   std::optional<std::size_t> answers(std::size_t size) const;
+  std::vector<TestItem> switches() const;
 
   MelfaOptions options_;
   bool taken_;

@@ -14,6 +14,8 @@ namespace handrail {
 struct MelfaOptions {
   std::string address = "127.0.0.1";
   std::uint16_t port = kMxtPort;
+  std::uint16_t command_port = kMxtPort + 1;  // TCP: the controller's own switches
+  std::string program;  // that opens MXT, as the controller calls it; may be empty
   MxtClientOptions client;
 };
 

@@ -47,6 +47,11 @@ void Controller::on_datagram(std::span<const std::uint8_t> bytes, PeerId from) n
   }
 }
 
+void Controller::serve(bool on) noexcept {
+  serves_ = on;
+  if (!on) session_.reset();
+}
+
 void Controller::missed(std::span<const std::uint8_t> bytes) noexcept {
   counters_.lost_moves += is_mxt_move(bytes) ? 1 : 0;
 }
@@ -104,7 +109,7 @@ void Controller::serve_all(std::size_t count) noexcept {
 // True when the packet deserves an answer.
 bool Controller::serve(const Incoming& in) noexcept {
   const bool opens = in.packet.command == MxtCommand::kNull && in.parse == MxtParse::kOk;
-  if (alarm_.kind != AlarmKind::kNone || (!opens && in.from != session_)) {
+  if (!serves_ || alarm_.kind != AlarmKind::kNone || (!opens && in.from != session_)) {
     ++counters_.ignored;
     return false;
   }

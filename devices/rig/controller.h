@@ -93,6 +93,10 @@ class Controller {
   // What the cycle sent; holds until the next one.
   std::span<const Outgoing> replies() const noexcept { return {outgoing_.data(), outgoing_count_}; }
 
+  // Whether the program that opens MXT runs, with the servos on. While it does not, the session is
+  // over, nobody is answered and the arm holds.
+  void serve(bool on) noexcept;
+
   const Alarm& alarm() const noexcept { return alarm_; }
   // What the operator's reset button does: the arm holds, a NULL may open a session again.
   void reset_alarm() noexcept { alarm_ = Alarm{}; }
@@ -135,6 +139,7 @@ class Controller {
   std::optional<PeerId> session_;
   std::optional<JointVector> next_target_;
   bool accepted_ = false;
+  bool serves_ = true;
   std::uint16_t t_count_ = 0;
   std::optional<Nanos> arm_at_;  // until when the arm has moved
   std::array<Incoming, kMaxQueued> incoming_{};

@@ -7,6 +7,7 @@
 
 #include "devices/rig/controller.h"
 #include "devices/rig/ft_source.h"
+#include "devices/rig/switches.h"
 #include "devices/rig/world/world.h"
 #include "server/model/scene.h"
 
@@ -15,6 +16,7 @@ namespace handrail {
 struct RigOptions {
   ControllerOptions controller;
   FtSourceOptions sensor;
+  SwitchesOptions switches;
   std::optional<Simulate> world;  // what there is to touch; none: nothing
 };
 

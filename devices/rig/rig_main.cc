@@ -28,6 +28,21 @@ const char kWhat[] =
 
 int fail(const std::string& message) { return handrail::fail_start("handrail-rig", message); }
 
+// The controller's own switches where the file says; else, if they can be had, after its port.
+handrail::Status open_switches(handrail::RigServer& server, const handrail::pb::RigConfig& config) {
+  using handrail::Status;
+  if (config.has_command_port()) {
+    return server.open_switches(config.address(),
+                                static_cast<std::uint16_t>(config.command_port()));
+  }
+  const std::uint32_t robot = config.robot_port();
+  const auto next = static_cast<std::uint16_t>(robot == 0 ? 0 : robot % 65535 + 1);
+  if (const Status s = server.open_switches(config.address(), next); !s) {
+    spdlog::warn("{}; goes on without the controller's own switches", s.message());
+  }
+  return Status::ok();
+}
+
 int run(int argc, char** argv) {
   using namespace handrail;
   const auto args = parse_daemon_args(argc, argv);
@@ -50,6 +65,9 @@ int run(int argc, char** argv) {
   const Status opened =
       server.open(config->address(), port(config->robot_port()), port(config->sensor_port()));
   if (!opened) return fail(opened.message());
+  if (const Status opened_too = open_switches(server, *config); !opened_too) {
+    return fail(opened_too.message());
+  }
   if (config->has_tap()) {
     if (const Status tap = server.open_tap(config->tap()); !tap) return fail(tap.message());
   }
@@ -65,8 +83,8 @@ int run(int argc, char** argv) {
     place = " status=" + config->status_socket();
   }
   server.handle_signals();
-  ready.make(fmt::format("READY robot_port={} sensor_port={}{}", server.robot_port(),
-                         server.sensor_port(), place));
+  ready.make(fmt::format("READY robot_port={} sensor_port={} command_port={}{}",
+                         server.robot_port(), server.sensor_port(), server.command_port(), place));
   // A controller keeps its cycle whatever else runs.
   const RealtimeGrant realtime = enter_realtime(kPriority);
   spdlog::info("control thread: {}", realtime.report);

@@ -65,6 +65,11 @@ Result<RigOptions> rig_options(const pb::RigConfig& config) {
   sensor.noise_n_m = kLever * config.sensor_noise_n();
   sensor.drop_share = config.drop_share();
 
+  const pb::RigSwitchesConfig& switches = config.switches();
+  options.switches = {
+      !switches.off(),    switches.teach(),        static_cast<int>(switches.override_percent()),
+      switches.program(), switches.rights_taken(), switches.emergency_stop()};
+
   if (config.has_scene()) {
     const SceneLibrary library({config.scene_path().begin(), config.scene_path().end()});
     const Result<Scene> scene = library.load(config.scene());

@@ -19,6 +19,7 @@
 #include <boost/asio.hpp>
 
 #include "devices/melfa/mxt_packet.h"
+#include "devices/rig/switches_server.h"
 #include "devices/rig/tap.h"
 #include "server/base/clock.h"
 #include "server/base/signals.h"
@@ -173,6 +174,7 @@ struct RigServer::Impl {
       if (now - rig->next() > Rig::kPatience) away_until = now;
       deliver_until(std::max(rig->next(), away_until));
       if (feed != nullptr) feed->serve(*rig);
+      switches.update(now, rig->controller());
       const RigEvent event = rig->step(now);
       if (event == RigEvent::kNone) break;
       if (event == RigEvent::kControl) {
@@ -228,7 +230,14 @@ struct RigServer::Impl {
     });
   }
 
+  // An order at the controller's switches; one at a cable that is out nobody hears.
+  std::string order(std::string_view text, PeerId peer) {
+    if (cable_out || !rig) return {};
+    return switches.answer(text, peer, monotonic_now(), rig->controller());
+  }
+
   RigOptions options;
+  Switches switches{options.switches};
   asio::io_context io{1};
   Port robot{udp::socket(io)};
   Port sensor{udp::socket(io)};
@@ -242,6 +251,9 @@ struct RigServer::Impl {
   Nanos robot_came = 0;                                  // the newest command to move
   Tap tap;
   RigFeed* feed = nullptr;
+  SwitchesServer commands{io,
+                          {[this](std::string_view text, PeerId peer) { return order(text, peer); },
+                           [this](PeerId peer) { switches.left(peer); }}};
 };
 
 RigServer::RigServer(const RigOptions& options) : impl_(std::make_unique<Impl>(options)) {}
@@ -257,6 +269,12 @@ Status RigServer::open(const std::string& address, std::uint16_t robot_port,
   if (Status s = impl_->bind(impl_->robot, "robot", {ip, robot_port}); !s) return s;
   return impl_->bind(impl_->sensor, "sensor", {ip, sensor_port});
 }
+
+Status RigServer::open_switches(const std::string& address, std::uint16_t port) {
+  return impl_->commands.open(address, port);
+}
+
+std::uint16_t RigServer::command_port() const { return impl_->commands.port(); }
 
 void RigServer::tell(RigFeed& feed) { impl_->feed = &feed; }
 

@@ -15,8 +15,10 @@ namespace handrail {
 // nothing. The session ends with the test, and the controller's program goes on.
 class RobotTest final : public SelfTest {
  public:
-  // `robot` is connected, and `first` what it said. `block`: what block() is to say.
-  RobotTest(std::unique_ptr<Robot> robot, const RobotReply& first, std::string block);
+  // `robot` is connected, and `first` what it said. `block`: what block() is to say. `known`: what
+  // was found out before.
+  RobotTest(std::unique_ptr<Robot> robot, const RobotReply& first, std::string block,
+            std::vector<TestItem> known = {});
   ~RobotTest() override { robot_->end(); }
 
   Nanos period() const override { return 0; }  // a turn is a cycle of the controller
@@ -28,6 +30,7 @@ class RobotTest final : public SelfTest {
  private:
   std::unique_ptr<Robot> robot_;
   std::string block_;
+  std::vector<TestItem> known_;
   RobotReply reply_;
   bool started_ = false, lost_ = false;
   Nanos began_ = 0, last_ = 0;

@@ -90,6 +90,10 @@ double CuePlayer::step(Cue news, Cue lasting, double dt) noexcept {
   return cue_force(cue_, age_);
 }
 
+Cue CuePlayer::plays() const noexcept { return age_ < pattern_of(cue_).length ? cue_ : Cue::kNone; }
+
+bool CuePlayer::trembles() const noexcept { return within_tremble(pattern_of(cue_), age_) >= 0.0; }
+
 void CuePlayer::cut(Cue news) noexcept {
   if (news != Cue::kNone) next_ = news;
   cue_ = Cue::kNone;

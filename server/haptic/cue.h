@@ -42,6 +42,11 @@ class CuePlayer {
   // acts now, repeated while it does. Returns the force [N]. Real-time safe.
   double step(Cue news, Cue lasting, double dt) noexcept;
 
+  // What plays, its pauses included; kNone: nothing. Real-time safe.
+  Cue plays() const noexcept;
+  // A tremble of it runs.
+  bool trembles() const noexcept;
+
   // In place of a step while the device's force is cut: what runs is over, so that it does not come
   // back in the middle of a tremble; `news` is played afterwards. Real-time safe.
   void cut(Cue news) noexcept;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/haptic/felt.h"
 #include "server/link/stall_watch.h"
 #include "server/master/haptic_settings.h"
 #include "server/master/wall_runs.h"
@@ -57,6 +58,7 @@ void HapticLoop::tick(Nanos now) noexcept {
   report_.out = run_.tick(tick_).out;
   report_.walls = wall_report(run_);
   device_.write(report_.out.f_H_M);
+  device_.feel(felt_after(tick_.in, run_.state()));
   publish(now);
   if (tap_ != nullptr) keep_tick(now);
   // After the report: whoever has the answer finds a report that shows what the order did.

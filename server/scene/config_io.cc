@@ -26,7 +26,6 @@ Problem check_ipv4(const char* field, const std::string& address) {
   return FieldProblem{field, "'" + address + "' is not an IPv4 address such as 127.0.0.1"};
 }
 
-// Where a slave waits for the encrypted link.
 // `field`: of an address to listen at.
 Problem check_own_address(const char* field, const std::string& address) {
   if (address == "any") return std::nullopt;
@@ -197,6 +196,14 @@ Problem check_gripper(const pb::RobotConfig& robot) {
                           std::to_string(close) + ", and at most 15 from it"};
 }
 
+// A program's name goes into an order of text, as it is.
+Problem check_program(const char* field, const std::string& name) {
+  constexpr char kMayHave[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
+  const bool odd = name.find_first_not_of(kMayHave) != std::string::npos;
+  if (!odd && !name.empty() && name.size() <= 32) return std::nullopt;
+  return FieldProblem{field, "'" + shown(name) + "', expected 1 to 32 letters, digits, _ or -"};
+}
+
 // What OnRobot's sensors can be told, and others cannot.
 Problem check_dialect(const pb::FtConfig& c) {
   const bool told = c.has_rate_hz() || c.has_sensor_filter_hz();
@@ -241,20 +248,22 @@ Problem check(const pb::SlaveConfig& c) {
                     check_dialect(c.force_sensor())});
     ends.push_back({"force_sensor.port", c.force_sensor().address(), c.force_sensor().port()});
   }
-  Problem address;
+  Problem address, program;
+  if (c.robot().has_program()) program = check_program("robot.program", c.robot().program());
   if (c.has_link_address()) address = check_own_address("link_address", c.link_address());
   return first({address, check_link(c, c.has_link_address(), "link_address"),
                 check_link(c, c.has_link_port(), "link_port"),
                 check_ipv4("robot.address", c.robot().address()),
                 check_peer_port("robot.port", c.robot().port()), bytes, check_gripper(c.robot()),
-                sensor, check_payload(c), check_recording_folder(c), check_scene_name(c.scene()),
-                check_distinct(ends), stop});
+                program, sensor, check_payload(c), check_recording_folder(c),
+                check_scene_name(c.scene()), check_distinct(ends), stop});
 }
 
 Problem check(const pb::RigConfig& c) {
   Problem tap;
   if (c.has_tap() && c.tap().empty()) tap = FieldProblem{"tap", "empty, expected a file's name"};
   return first({tap, check_ipv4("address", c.address()),
+                check_program("switches.program", c.switches().program()),
                 check_distinct({{"robot_port", c.address(), c.robot_port()},
                                 {"sensor_port", c.address(), c.sensor_port()}})});
 }
@@ -284,9 +293,14 @@ void resolve_recording(const std::string& file, Config& config) {
   recording.set_folder(from_folder_of(file, recording.folder()));
 }
 
+// Of a controller's switches: its real-time port is followed by the other one (10000, 10001).
+std::uint32_t port_after(std::uint32_t port) { return port == 0 ? 0 : port % 65535 + 1; }
+
 void set_addresses(pb::MasterConfig&) {}  // it listens at none
 void set_addresses(pb::SlaveConfig& c) {
-  if (!c.robot().has_address()) c.mutable_robot()->set_address(own_address());
+  pb::RobotConfig& robot = *c.mutable_robot();
+  if (!robot.has_address()) robot.set_address(own_address());
+  if (!robot.has_command_port()) robot.set_command_port(port_after(robot.port()));
   if (!c.force_sensor().has_address()) c.mutable_force_sensor()->set_address(own_address());
 }
 void set_addresses(pb::RigConfig& c) {

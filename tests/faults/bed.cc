@@ -45,6 +45,9 @@ Bed::~Bed() = default;
 Status Bed::start() {
   folder_.write("storm.scene", storm::scene_text());
   if (Status made = make_keys(); !made) return made;
+  if (options_.prepare) {
+    if (Status made = options_.prepare(folder()); !made) return made;
+  }
   std::vector<std::string> words = {"--seed",
                                     std::to_string(options_.seed % 1'000'000'000),
                                     "--json",
@@ -108,7 +111,7 @@ std::string Bed::config(Who who) {
     case Who::kRig:
       return fmt::format("repeatability_mm: 0 seed: {} tap: '{}'", options_.seed % 1'000'000,
                          tap());
-    case Who::kSlave: return scene;
+    case Who::kSlave: return scene + ' ' + placed(options_.slave_config);
     default:
       return fmt::format("operator_socket: '{}/operator/operator.sock' {} {} {}", folder(), scene,
                          storm::kSteadyDevice, options_.master_config);

@@ -32,7 +32,9 @@ struct BedOptions {
   // What stands before the program, as "env NAME=VALUE"; in these two FOLDER is the bed's own, the
   // only one beside the system's that both the programs and the row see.
   std::string master, slave;
-  std::string master_config;  // beside the usual
+  std::string master_config, slave_config;  // beside the usual; FOLDER as above
+  // What is to be there before the programs start, in the bed's own folder.
+  std::function<Status(const std::string& folder)> prepare;
   bool (*interrupted)() = nullptr;
 };
 

@@ -1,5 +1,9 @@
-// Rows of programs that end, stand still or are starved.
+// Rows of programs that end, stand still or are starved, and of the slave's stop switch.
+#include <fcntl.h>
+#include <linux/input.h>
 #include <spdlog/fmt/fmt.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -255,6 +259,104 @@ RowResult p4(const RowRun& run) {
     trial.check(trial.over() || warned == !real_time, "warned otherwise than it was granted");
     trial.check(!warned || !again, "warned more than once");
   }
+  return trial.result();
+}
+
+namespace {
+
+// A FIFO that the slave takes for a foot switch (tests/support/made_up_switch.cc).
+class FootSwitch {
+ public:
+  ~FootSwitch() { unplug(); }
+
+  Status plug(const std::string& folder) {
+    path_ = folder + "/foot.switch";
+    // Our end for both ways: with a reader of its own it is there before the slave comes.
+    if (::mkfifo(path_.c_str(), 0600) == 0) fd_ = ::open(path_.c_str(), O_RDWR | O_CLOEXEC);
+    return fd_ >= 0 ? Status::ok() : Status::error("no FIFO at " + path_);
+  }
+  void unplug() {
+    ::unlink(path_.c_str());
+    if (fd_ >= 0) ::close(fd_);
+    fd_ = -1;
+  }
+  bool key(bool down) const {
+    std::array<input_event, 2> report{};
+    report[0].type = EV_KEY;
+    report[0].code = KEY_B;
+    report[0].value = down ? 1 : 0;
+    return ::write(fd_, report.data(), sizeof report) == static_cast<ssize_t>(sizeof report);
+  }
+
+ private:
+  std::string path_;
+  int fd_ = -1;
+};
+
+enum class Foot { kDown, kUnplugged, kTouched };
+
+// One stop in motion; the arm may not be led before the switch is as it was, and then is. How long
+// the targets still moved.
+Nanos stop_by_foot(Trial& trial, Bed& bed, FootSwitch& foot, Foot what) {
+  constexpr Nanos kInVain = 1500 * kMillisecond;
+  const char* const name = what == Foot::kDown        ? "pressed"
+                           : what == Foot::kUnplugged ? "unplugged"
+                                                      : "touched";
+  get_going(bed);
+  const Nanos at = monotonic_now();
+  bool done = true;
+  if (what == Foot::kUnplugged) {
+    foot.unplug();
+  } else {
+    done = foot.key(true) && (what == Foot::kDown || foot.key(false));
+  }
+  trial.check(done, "the FIFO takes no event");
+  bed.must_stop(at);
+  bed.wait(600 * kMillisecond);
+  const auto tap = handrail::read_tap(bed.tap());
+  const Nanos took = tap ? last_moved(*tap, at, 600 * kMillisecond) - at : 0;
+  const auto now = bed.status();
+  trial.check(bed.over() || (now && now->slave_state() == "fault"),
+              fmt::format("{}: the slave does not hold a stop", name));
+  trial.check(bed.over() || (now && now->slave_reason() == "the stop circuit is open"),
+              fmt::format("{}: the slave says '{}'", name, now ? now->slave_reason() : ""));
+  if (what != Foot::kTouched) {
+    trial.check(!bed.engage(kInVain), fmt::format("engaged while {}", name));
+  }
+  if (what == Foot::kDown) trial.check(foot.key(false), "the FIFO takes no event");
+  if (what == Foot::kUnplugged) {
+    if (const Status plugged = foot.plug(bed.folder()); !plugged) bed.problem(plugged.message());
+  }
+  trial.check(bed.over() || bed.engage(), fmt::format("cannot be engaged after {}", name));
+  return took;
+}
+
+}  // namespace
+
+RowResult s4(const RowRun& run) {
+  Trial trial(run,
+              "the foot switch pressed, pulled out and touched for less than a cycle, in motion",
+              "the arm stops as within its bound of a stop, cannot be engaged while it is so, and "
+              "needs a reset");
+  FootSwitch foot;
+  BedOptions options;
+  options.slave = "env LD_PRELOAD=" MADE_UP_SWITCH;
+  options.slave_config =
+      fmt::format("stop_switch {{ device: 'FOLDER/foot.switch' key: {} }}", KEY_B);
+  options.prepare = [&foot](const std::string& folder) { return foot.plug(folder); };
+  auto bed = trial.bed(options);
+  if (!bed) return trial.result();
+  Nanos longest = 0;
+  const int rounds = run.full ? 33 : 2;
+  for (int i = 0; i < rounds && !bed->over(); ++i) {
+    for (const Foot what : {Foot::kDown, Foot::kUnplugged, Foot::kTouched}) {
+      longest = std::max(longest, stop_by_foot(trial, *bed, foot, what));
+    }
+  }
+  judge_acceptance(trial, trial.end(std::move(bed)));
+  trial.measure(fmt::format("{} stops, the last moving target up to {:.1f} ms after", 3 * rounds,
+                            in_ms(longest)));
+  trial.check(trial.over() || longest > 0, "the arm never moved when it was stopped");
   return trial.result();
 }
 

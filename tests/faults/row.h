@@ -43,7 +43,7 @@ Row n4, n5, n6, n7, n8;
 // outage_rows.cc
 Row n9, n10, n12;
 // program_rows.cc
-Row p1, p2, p3, p4;
+Row p1, p2, p3, p4, s4;
 // clock_rows.cc
 Row c1, c2;
 // disk_rows.cc

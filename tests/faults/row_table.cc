@@ -23,6 +23,7 @@ constexpr FaultRow kRows[] = {
     {"P2", "the slave killed at full speed", "", rows::p2},
     {"P3", "command lines killed", "", rows::p3},
     {"P4", "no processor to be had, no real time", "P5", rows::p4},
+    {"S4", "the slave's stop switch pressed, unplugged, touched in motion", "S4", rows::s4},
     {"C1", "a calendar that leaps", "", rows::c1},
     {"C2", "monotonic clocks that differ", "C2", rows::c2},
     {"D1", "a disk that is full, broken, slow or gone while a recording is written", "", rows::d1},

@@ -175,9 +175,9 @@ TEST(CuePlayer, ATrembleThatIsCutIsOverAndNewsIsPlayedAfterwards) {
 }
 
 // The slave is kept back by `by` from the command, for the reason it gives.
-class HapticCue : public ::testing::Test {
+class CueOfTheStep : public ::testing::Test {
  protected:
-  HapticCue() {
+  CueOfTheStep() {
     rig.spring_slack = true;
     rig.engage();
     rig.play_slave = false;
@@ -207,7 +207,7 @@ class HapticCue : public ::testing::Test {
   HapticRig rig;
 };
 
-TEST_F(HapticCue, AnArmThatIsReallyKeptBackIsFeltWithoutPushing) {
+TEST_F(CueOfTheStep, AnArmThatIsReallyKeptBackIsFeltWithoutPushing) {
   for (const Reason why : {Reason::kJointRange, Reason::kSingularity}) {
     keep_back(0.003, why);
     EXPECT_EQ(largest(99), 0.0);
@@ -218,7 +218,7 @@ TEST_F(HapticCue, AnArmThatIsReallyKeptBackIsFeltWithoutPushing) {
   }
 }
 
-TEST_F(HapticCue, OrdinaryFollowingIsNotFelt) {
+TEST_F(CueOfTheStep, OrdinaryFollowingIsNotFelt) {
   for (int i = 0; i < 3000; ++i) {
     const double lag = 0.0015 + 0.001 * std::sin(0.05 * i);  // over 2 mm now and then
     keep_back(lag, i % 100 < 90 ? Reason::kJointAcceleration : Reason::kNone);
@@ -255,7 +255,7 @@ TEST(HapticCueLoop, AHandThatWorksFeelsNothingAndOneThatReachesTooFarDoes) {
   EXPECT_GT(felt, 0.1);
 }
 
-TEST_F(HapticCue, BesideAForceAtTheDevicesPeakThereIsNoRoomForACue) {
+TEST_F(CueOfTheStep, BesideAForceAtTheDevicesPeakThereIsNoRoomForACue) {
   rig.settings.spring_stiffness = 4000.0;
   rig.in.slave.X_ST.p += Vec3(0, 0, 0.02);
   keep_back(0.02, Reason::kJointSpeed);
@@ -263,7 +263,7 @@ TEST_F(HapticCue, BesideAForceAtTheDevicesPeakThereIsNoRoomForACue) {
   EXPECT_GT(rig.most_force, 0.99 * rig.settings.force.peak);
 }
 
-TEST_F(HapticCue, ACueDoesNotComeBackInTheMiddleWhenTheHandIsHeardAgain) {
+TEST_F(CueOfTheStep, ACueDoesNotComeBackInTheMiddleWhenTheHandIsHeardAgain) {
   keep_back(0.003, Reason::kJointSpeed);
   double before = 0.0;
   for (int i = 0; i < 2000; ++i) {

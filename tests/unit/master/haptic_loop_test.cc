@@ -20,6 +20,20 @@ TEST_F(HapticLoopTest, ReadsTheDeviceOnceATickAndWritesWhatItReports) {
   EXPECT_EQ(report.X_MH.p, device.sample.X_MH.p);
 }
 
+TEST_F(HapticLoopTest, TellsTheDeviceEachTickWhatIsToBeFelt) {
+  engage();
+  EXPECT_EQ(device.feels, device.writes);
+  EXPECT_EQ(device.felt, HapticCue{});
+  news.state.has_wrench = true;
+  news.state.f_E_S.force = Vec3(0.0, 0.0, 6.0);
+  tick();
+  EXPECT_EQ(device.felt, (HapticCue{Felt::kContact, 0.5}));
+  slave_talks = false;
+  ticks(150);
+  EXPECT_EQ(device.felt.what, Felt::kHold) << "the link pauses";
+  EXPECT_EQ(device.feels, device.writes);
+}
+
 TEST_F(HapticLoopTest, WhatItReportsStandsForTwentyMilliseconds) {
   tick();
   EXPECT_EQ(report.good_until, now + 20 * kMillisecond);

@@ -44,6 +44,10 @@ class ScriptedDevice : public HapticDevice {
     written = f_H_M;
     ++writes;
   }
+  void feel(const HapticCue& cue) noexcept override {
+    felt = cue;
+    ++feels;
+  }
   void close() noexcept override {}
   void simulate(const DeviceEffects&, const Vec3& start) noexcept override {
     simulated_from = start;
@@ -59,6 +63,8 @@ class ScriptedDevice : public HapticDevice {
   int reads = 0;
   int writes = 0;
   Wrench written;
+  HapticCue felt;
+  int feels = 0;
   int simulations = 0;
   Vec3 simulated_from = Vec3::Zero();
 

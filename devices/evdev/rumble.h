@@ -1,0 +1,69 @@
+// The motors of a gamepad, for what is to be felt beside force.
+#pragma once
+
+#include <atomic>
+#include <thread>
+
+#include "devices/evdev/evdev_file.h"
+#include "devices/haptic_device.h"
+#include "server/base/mailbox.h"
+
+namespace handrail {
+
+// How strong the two motors are, in the kernel's counts.
+struct RumbleStrength {
+  std::uint16_t strong = 0, weak = 0;  // the slow and heavy one, the fast and light one
+  bool off() const { return strong == 0 && weak == 0; }
+  friend bool operator==(const RumbleStrength&, const RumbleStrength&) = default;
+};
+
+// Contact and limits are for the heavy motor, the link and poses for the light one; `share` of what
+// they can do, 0 to 1, at most. Pure.
+RumbleStrength rumble_of(const HapticCue& cue, double share) noexcept;
+
+// Uploads and plays in a thread of its own, of low priority: an upload waits for the device. What
+// is felt ends 60 ms at the latest after feel() was called last; whatever becomes of this program,
+// the kernel ends it after kRumbleLasts. A device that cannot rumble, or may not be written to,
+// stays still.
+//
+// Source: Linux, Documentation/input/ff.rst and include/uapi/linux/input.h.
+class Rumble {
+ public:
+  // An effect ends by itself after so long [ms].
+  static constexpr std::uint16_t kRumbleLasts = 200;
+
+  Rumble(EvdevKernel& kernel, double share) : kernel_(kernel), share_(share) {}
+  ~Rumble() { stop(); }
+  Rumble(const Rumble&) = delete;
+  Rumble& operator=(const Rumble&) = delete;
+
+  // Starts the thread; without a share there is none.
+  void start();
+  // From here on at the device of that path; empty: at none. Real-time safe.
+  void use(const FixedText<256>& path) noexcept { path_.publish(path); }
+  // What is felt now. Real-time safe.
+  void feel(const HapticCue& cue) noexcept { cue_.publish(cue); }
+  // Still, and the device is let go. Twice is fine.
+  void stop() noexcept;
+
+ private:
+  void run() noexcept;
+  void open(const FixedText<256>& path) noexcept;
+  void show(const RumbleStrength& wanted, Nanos now) noexcept;
+  void play(bool on) noexcept;
+  void close() noexcept;
+
+  EvdevKernel& kernel_;
+  double share_;
+  Mailbox<FixedText<256>> path_;
+  Mailbox<HapticCue> cue_;
+  std::atomic<bool> stopping_{false};
+  // Of the thread.
+  int fd_ = -1;
+  ff_effect effect_{};
+  RumbleStrength shown_;
+  Nanos shown_at_ = 0;
+  std::thread thread_;  // last: it uses the others
+};
+
+}  // namespace handrail
