@@ -6,8 +6,7 @@ namespace handrail {
 
 const char kSlowOverride[] =
     "whether the override slows real-time control is documented nowhere we know of; if it does, "
-    "the "
-    "arm stays behind its targets";
+    "the arm stays behind its targets";
 
 namespace {
 

@@ -38,7 +38,6 @@ class Switches {
   static constexpr Nanos kServoRise = 200 * kMillisecond;
 
  private:
-  struct Order;
   bool servo_on(Nanos now) const noexcept { return servo_at_ && now >= *servo_at_; }
   std::string carried_out(std::string_view order, PeerId peer, Nanos now, Controller& controller);
   std::string with_right(std::string_view order, PeerId peer, Nanos now);
