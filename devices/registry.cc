@@ -88,6 +88,8 @@ constexpr Entry kDevices[] = {
        return Made(std::make_unique<GamepadDevice>(o.gamepad,
                                                    o.evdev != nullptr ? *o.evdev : evdev_kernel()));
      }},
+    {HapticDeviceKind::kJoystick,
+     [](const auto& o) { return Made(std::make_unique<ComediJoystick>(o.joystick)); }},
 };
 
 }  // namespace

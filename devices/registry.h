@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "devices/comedi/comedi_joystick.h"
 #include "devices/evdev/gamepad_device.h"
 #include "devices/hand/hand_model.h"
 #include "devices/haptic_device.h"
@@ -23,6 +24,7 @@ enum class HapticDeviceKind : std::uint8_t {
   kSpaceMouse,
   kTouch,
   kGamepad,
+  kJoystick,
   kCount
 };
 
@@ -36,6 +38,7 @@ struct HapticDeviceOptions {
   SpaceMouseOptions spacemouse;
   TouchOptions touch;
   GamepadOptions gamepad;
+  ComediJoystickOptions joystick;
   EvdevKernel* evdev = nullptr;  // in the kernel's place, for tests; null: the kernel itself
 };
 

@@ -1,6 +1,8 @@
 #include "devices/catalogue/catalogue.h"
 
 #include "devices/catalogue/simulated_driver.h"
+#include "devices/comedi/comedi_ft_driver.h"
+#include "devices/comedi/comedi_joystick_driver.h"
 #include "devices/evdev/gamepad_driver.h"
 #include "devices/melfa/melfa_driver.h"
 #include "devices/net_ft/net_ft_driver.h"
@@ -53,6 +55,11 @@ constexpr DriverRow kDrivers[] = {
        return std::make_unique<GamepadDriver>(options);
      },
      hand_is<Kind::kGamepad>},
+    {"joystick", false,
+     [](const Settings& s) -> Made {
+       return std::make_unique<ComediJoystickDriver>(s.hand.joystick);
+     },
+     hand_is<Kind::kJoystick>},
     {"stop-switch", false,
      [](const Settings& s) -> Made {
        return std::make_unique<StopSwitchDriver>(s.stop_switch, s.input_folder);
@@ -67,7 +74,10 @@ constexpr DriverRow kDrivers[] = {
      [](const Settings& s) -> Made {
        return std::make_unique<NetFtDriver>(s.sensor, s.sensor_taken);
      },
-     [](const Settings& s) { return s.slave_given && s.has_sensor; }},
+     [](const Settings& s) { return s.slave_given && s.has_sensor && !s.sensor_at_card; }},
+    {"comedi-ft", false,
+     [](const Settings& s) -> Made { return std::make_unique<ComediFtDriver>(s.card_sensor); },
+     [](const Settings& s) { return s.slave_given && s.has_sensor && s.sensor_at_card; }},
     {"sim-omni", true,
      [](const Settings& s) {
        return simulated<Kind::kSimOmni>(s, "SIM_OMNI", "simulated Phantom Omni");

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "devices/comedi/ft_source.h"
 #include "devices/driver.h"
 #include "devices/evdev/stop_switch_driver.h"
 #include "devices/input/usb_scan.h"
@@ -22,7 +23,9 @@ struct DeviceSettings {
   StopSwitchOptions stop_switch;  // without a path: none is configured
   MelfaOptions robot;
   NetFtOptions sensor;
+  ComediFtOptions card_sensor;
   bool has_sensor = true;                          // the slave's file wants one
+  bool sensor_at_card = false;                     // and it is `card_sensor`
   bool master_given = false, slave_given = false;  // files, and not their defaults
   // A program of this computer speaks with it already: it is left alone.
   bool robot_taken = false, sensor_taken = false;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "devices/config/card_options.h"
 #include "server/base/units.h"
 
 namespace handrail {
@@ -53,6 +54,7 @@ HapticDeviceOptions haptic_options(const pb::DeviceConfig& config) {
     case pb::DeviceConfig::SPACEMOUSE: out.kind = HapticDeviceKind::kSpaceMouse; break;
     case pb::DeviceConfig::TOUCH: out.kind = HapticDeviceKind::kTouch; break;
     case pb::DeviceConfig::GAMEPAD: out.kind = HapticDeviceKind::kGamepad; break;
+    case pb::DeviceConfig::JOYSTICK: out.kind = HapticDeviceKind::kJoystick; break;
   }
   out.spacemouse = spacemouse_options(config.spacemouse());
   out.gamepad.path = config.gamepad().device();
@@ -60,6 +62,7 @@ HapticDeviceOptions haptic_options(const pb::DeviceConfig& config) {
   out.gamepad.dead_share = config.gamepad().dead_share();
   out.gamepad.rumble_share = config.gamepad().rumble_share();
   out.touch = {config.touch().name(), config.touch().library()};
+  out.joystick = joystick_options(config.joystick());
   const pb::HandModel& hand = config.hand();
   out.recording_path = config.recording();
   const bool cursor = out.kind == HapticDeviceKind::kPage;
@@ -102,6 +105,7 @@ NetFtOptions sensor_options(const pb::FtConfig& config) {
   out.address = config.address();
   out.port = port_of(config.port());
   out.range_n = config.range_n();
+  out.mount = mount_of(config.mount());
   RdtClientOptions& client = out.client;
   client.counts_per_n = config.counts_per_n();
   client.counts_per_n_m = config.counts_per_n_m();

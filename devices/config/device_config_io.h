@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "devices/comedi/ft_source.h"
 #include "devices/evdev/stop_switch.h"
 #include "devices/melfa/melfa_robot.h"
 #include "devices/net_ft/net_ft_sensor.h"
@@ -15,6 +16,7 @@ namespace handrail {
 HapticDeviceOptions haptic_options(const pb::DeviceConfig& config);
 MelfaOptions robot_options(const pb::RobotConfig& config);
 NetFtOptions sensor_options(const pb::FtConfig& config);
+ComediFtOptions comedi_sensor_options(const pb::FtConfig& config);
 // None: no switch is configured.
 std::optional<StopSwitchOptions> switch_options(const pb::SlaveConfig& config);
 

@@ -25,6 +25,14 @@ inline constexpr double kJoystickViscosity = 3.0;  // [N s/m]
 // Low-pass of the velocity, our choice [Hz].
 inline constexpr double kJoystickVelocityCutoff = 30.0;
 
+// The velocity `dt` [s] after `v`, when the reading went from `before` to `p`: their difference,
+// low-passed. [m/s]. Real-time safe.
+inline Vec3 joystick_velocity(const Vec3& v, const Vec3& before, const Vec3& p,
+                              double dt) noexcept {
+  const double follow = -std::expm1(-2.0 * std::numbers::pi * kJoystickVelocityCutoff * dt);
+  return v + follow * ((p - before) / dt - v);
+}
+
 inline HapticCapabilities joystick_capabilities() {
   HapticCapabilities c;
   c.name = "2-DOF joystick";

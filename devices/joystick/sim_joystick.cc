@@ -133,8 +133,7 @@ Vec3 SimJoystick::reading() const noexcept {
 
 void SimJoystick::observe(double dt) noexcept {
   const Vec3 p = reading();
-  const double follow = -std::expm1(-2.0 * std::numbers::pi * kJoystickVelocityCutoff * dt);
-  sample_.v_MH += follow * ((p - sample_.X_MH.p) / dt - sample_.v_MH);
+  sample_.v_MH = joystick_velocity(sample_.v_MH, sample_.X_MH.p, p, dt);
   sample_.X_MH.p = p;
   sample_.buttons = hand_.buttons();
 }

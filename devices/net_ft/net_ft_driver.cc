@@ -34,7 +34,8 @@ std::string sensor_block(const NetFtOptions& options) {
   if (c.dialect == RdtDialect::kOnRobot) out += " dialect: ONROBOT";
   if (c.period_ms) out += " rate_hz: " + std::to_string(1000 / *c.period_ms);
   if (c.filter) out += " sensor_filter_hz: " + number_text(kRdtFilters[*c.filter]);
-  return out + " }";
+  const std::string mount = mount_block(options.mount);
+  return out + (mount.empty() ? " }" : " " + mount + "}");
 }
 
 bool same_scale(double a, double b) { return std::abs(a - b) <= kSameScale * std::min(a, b); }

@@ -56,6 +56,7 @@ bool NetFtSensor::poll(Nanos now, FtSample& sample) noexcept {
     send_settings();
     socket_.send(again);
   }
+  if (fresh) sample.wrench = at_tip(options_.mount, sample.wrench);
   return fresh;
 }
 

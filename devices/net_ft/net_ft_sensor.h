@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 
+#include "devices/ft_mount.h"
 #include "devices/ft_sensor.h"
 #include "devices/net_ft/rdt_client.h"
 #include "devices/udp/udp_client.h"
@@ -18,6 +19,7 @@ struct NetFtOptions {
   double range_n = 1000.0;       // |force| per axis the sensor can measure [N]
   double range_n_m = 100.0;      // |torque| per axis [N m]
   RdtClientOptions client;
+  FtMount mount;
 };
 
 class NetFtSensor : public FtSensor {

@@ -1,11 +1,9 @@
 #include "devices/touch/hd_api.h"
 
-#include <dlfcn.h>
-
 #include <array>
 #include <cstdio>
-#include <cstring>
 
+#include "devices/input/loaded_library.h"
 #include "server/base/plain_text.h"
 
 namespace handrail {
@@ -15,29 +13,13 @@ constexpr char kInstall[] =
     "install TouchDriver and OpenHaptics of 3D Systems, of versions that fit each other, or name "
     "the library in device.touch.library";
 
-// The loader gives an object pointer for what is a function (dlsym(3)).
-template <typename Function>
-bool find(void* handle, const char* name, Function& out) {
-  void* const found = ::dlsym(handle, name);
-  static_assert(sizeof found == sizeof out);
-  std::memcpy(&out, &found, sizeof out);
-  return found != nullptr;
-}
-
 }  // namespace
 
 Result<HdApi> load_hd(const std::string& library) {
-  void* const handle = ::dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (handle == nullptr) {
-    const char* const cause = ::dlerror();
-    return Status::error("Touch: " + shown(library, 200) + ": cannot be loaded: " +
-                         shown(cause == nullptr ? "" : cause, 200) + "; " + kInstall);
-  }
+  auto loaded = LoadedLibrary::load(library);
+  if (!loaded) return Status::error("Touch: " + loaded.message() + "; " + kInstall);
   HdApi api;
-  const char* missing = nullptr;
-  const auto take = [&](const char* name, auto& out) {
-    if (missing == nullptr && !find(handle, name, out)) missing = name;
-  };
+  const auto take = [&](const char* name, auto& out) { loaded->take(name, out); };
   take("hdInitDevice", api.init_device);
   take("hdDisableDevice", api.disable_device);
   take("hdMakeCurrentDevice", api.make_current);
@@ -58,9 +40,9 @@ Result<HdApi> load_hd(const std::string& library) {
   take("hdSetSchedulerRate", api.set_rate);
   take("hdScheduleAsynchronous", api.schedule);
   take("hdUnschedule", api.unschedule);
-  if (missing == nullptr) return api;
-  ::dlclose(handle);
-  return Status::error("Touch: " + shown(library, 200) + ": has no " + missing +
+  if (loaded->missing() == nullptr) return api;
+  loaded->unload();
+  return Status::error("Touch: " + shown(library, 200) + ": has no " + loaded->missing() +
                        ", expected libHD of OpenHaptics 3; " + kInstall);
 }
 

@@ -14,6 +14,7 @@
 
 #include "server/base/own_places.h"
 #include "server/base/plain_text.h"
+#include "server/scene/cards/card_check.h"
 #include "server/scene/field_check.h"
 #include "server/scene/text_io.h"
 
@@ -162,7 +163,8 @@ Problem check(const pb::MasterConfig& c) {
     recording = FieldProblem{"device.recording", "only used with kind: RECORDED or SIM_JOYSTICK"};
   }
   return first({slave, check_link(c, c.has_slave(), "slave"), socket, operators, recording,
-                check_device(c.device()), check_recording_folder(c), check_scene_name(c.scene())});
+                check_device(c.device()), check_joystick(c.device()), check_recording_folder(c),
+                check_scene_name(c.scene())});
 }
 
 Problem check_payload(const pb::SlaveConfig& c) {
@@ -242,7 +244,8 @@ Problem check(const pb::SlaveConfig& c) {
   }
   std::vector<Endpoint> ends = {{"robot.port", c.robot().address(), c.robot().port()}};
   Problem sensor;
-  if (c.force_sensor().enabled()) {
+  if (c.force_sensor().enabled()) sensor = check_comedi_sensor(c.force_sensor());
+  if (!sensor && c.force_sensor().enabled() && !c.force_sensor().has_comedi()) {
     sensor = first({check_ipv4("force_sensor.address", c.force_sensor().address()),
                     check_peer_port("force_sensor.port", c.force_sensor().port()),
                     check_dialect(c.force_sensor())});
@@ -301,7 +304,8 @@ void set_addresses(pb::SlaveConfig& c) {
   pb::RobotConfig& robot = *c.mutable_robot();
   if (!robot.has_address()) robot.set_address(own_address());
   if (!robot.has_command_port()) robot.set_command_port(port_after(robot.port()));
-  if (!c.force_sensor().has_address()) c.mutable_force_sensor()->set_address(own_address());
+  if (c.force_sensor().has_comedi() || c.force_sensor().has_address()) return;
+  c.mutable_force_sensor()->set_address(own_address());
 }
 void set_addresses(pb::RigConfig& c) {
   if (!c.has_address()) c.set_address(own_address());
@@ -365,11 +369,7 @@ Result<pb::MasterConfig> load_master_config(const std::string& path, const std::
     pb::SpaceMouseConfig& mouse = *config->mutable_device()->mutable_spacemouse();
     mouse.set_socket(from_folder_of(path, mouse.socket()));
   }
-  // Without a slash it is a name for the loader.
-  if (config->device().touch().library().find('/') != std::string::npos) {
-    pb::TouchConfig& touch = *config->mutable_device()->mutable_touch();
-    touch.set_library(from_folder_of(path, touch.library()));
-  }
+  if (config->has_device()) resolve_libraries(path, *config->mutable_device());
   if (config->device().has_recording()) {
     config->mutable_device()->set_recording(from_folder_of(path, config->device().recording()));
   }
@@ -379,6 +379,7 @@ Result<pb::MasterConfig> load_master_config(const std::string& path, const std::
 Result<pb::SlaveConfig> load_slave_config(const std::string& path, const std::string& link) {
   Result<pb::SlaveConfig> config = load<pb::SlaveConfig>(path, {{"--link", "link_address", link}});
   if (!config) return config;
+  if (config->has_force_sensor()) resolve_libraries(path, *config->mutable_force_sensor());
   resolve_scene_path(path, *config);
   resolve_link_socket(path, *config);
   resolve_recording(path, *config);

@@ -13,7 +13,8 @@ const Folders kModel = kBase + Folders{"server/model"};
 const Folders kConsole =
     kModel + Folders{"proto", "client/console/gateway", "client/console/scene"};
 const Folders kHands = {"devices/hand", "devices/omni", "devices/joystick", "devices/page"};
-const Folders kDesk = {"devices/spacemouse", "devices/touch", "devices/input", "devices/evdev"};
+const Folders kDesk = {"devices/spacemouse", "devices/touch", "devices/input", "devices/evdev",
+                       "devices/comedi"};
 const Folders kDrivers = {"devices/evdev", "devices/melfa", "devices/net_ft"};
 const Folders kRigs = {"devices/rig", "devices/rig/world", "devices/melfa", "devices/net_ft"};
 
@@ -41,7 +42,9 @@ Table part_rows() {
           {"server/follow", kModel + Folders{"server/session", "server/constraint",
                                              "server/kinematics", "server/motion"}},
           {"server/painting", kModel},
-          {"server/scene", kModel + Folders{"server/kinematics", "server/painting", "proto"}},
+          {"server/scene/cards", kModel + Folders{"proto"}},
+          {"server/scene",
+           kModel + Folders{"server/kinematics", "server/painting", "proto", "server/scene/cards"}},
           {"server/link", kModel + Folders{"proto", "server/packets"}},
           {"server/record/mcap", kBase},
           {"server/record",
@@ -62,7 +65,7 @@ Table program_rows() {
       {"server/master", daemons + Folders{"server/haptic", "server/stability", "server/constraint",
                                           "server/kinematics"}},
       {"server/slave", daemons + Folders{"server/follow", "server/kinematics", "devices/melfa",
-                                         "devices/net_ft", "devices/evdev"}},
+                                         "devices/net_ft", "devices/evdev", "devices/comedi"}},
       {"client/api", kBase + Folders{"proto", "server/keys", "server/link/secure"}},
       {"client/doctor",
        kModel + Folders{"proto", "server/keys", "server/link", "client/api", "devices"}},
@@ -161,6 +164,8 @@ Table device_rows() {
           {"devices/udp", kBase + Folders{"server/packets"}},
           {"devices/melfa",
            kModel + Folders{"devices", "devices/udp", "devices/self_test", "server/packets"}},
+          {"devices/comedi",
+           kModel + Folders{"devices", "devices/input", "devices/joystick", "devices/self_test"}},
           {"devices/net_ft",
            kBase + Folders{"devices", "devices/udp", "devices/self_test", "server/packets"}},
           {"devices/catalogue",

@@ -129,7 +129,7 @@ TEST_F(InstallTest, AClangWithoutItsFuzzerIsNotEnough) {
 TEST_F(InstallTest, AnUnknownWordIsNamed) {
   EXPECT_EQ(run({"--test"}), 2);
   EXPECT_THAT(said, HasSubstr("unknown argument '--test'; expected --tests, --checks, "
-                              "--fuzz, --bench, --page, --console or nothing"));
+                              "--fuzz, --bench, --page, --kernel, --console or nothing"));
 }
 
 TEST_F(InstallTest, TheConsolesPageNamesWhatItLacksAndInstallsNoPackage) {

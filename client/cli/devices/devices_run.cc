@@ -135,7 +135,9 @@ Result<DeviceSettings> device_settings(const DevicesWords& words) {
   if (!words.device.empty()) out.stop_switch = {words.device, std::nullopt};
   out.robot = robot_options(slave->robot());
   out.sensor = sensor_options(slave->force_sensor());
+  out.card_sensor = comedi_sensor_options(slave->force_sensor());
   out.has_sensor = slave->force_sensor().enabled();
+  out.sensor_at_card = slave->force_sensor().has_comedi();
   out.master_given = !words.master_config.empty();
   out.slave_given = !words.slave_config.empty();
   out.robot_taken = udp_speaks_with(kUdpTable, out.robot.address, out.robot.port);

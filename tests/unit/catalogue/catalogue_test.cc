@@ -21,6 +21,8 @@ DeviceSettings nowhere(const TempFolder& folder) {
   DeviceSettings out;
   out.hand.spacemouse.socket = folder.path() + "/spnav.sock";
   out.hand.touch.library = folder.path() + "/libHD.so";
+  out.hand.joystick.place.library = folder.path() + "/libcomedi.so.0";
+  out.card_sensor.place.library = folder.path() + "/libcomedi.so.0";
   out.robot.port = out.sensor.port = 9;  // discard: nothing answers there
   out.input_folder = folder.path() + "/input";
   out.usb_folder = folder.path() + "/usb";

@@ -102,7 +102,9 @@ TEST(DevicesCommand, WhatIsWronglyTypedIsNamed) {
   const std::string bad = folder.write("bad.conf", "robot { port: 70000 }");
   const std::pair<std::vector<std::string>, std::string> cases[] = {
       {{"test", "spacmouse"}, "there is no 'spacmouse', did you mean 'spacemouse'?"},
-      {{"test", "xyzzy"}, "there is no 'xyzzy', expected spacemouse, touch, gamepad, stop"},
+      {{"test", "xyzzy"},
+       "there is no 'xyzzy', expected spacemouse, touch, gamepad, joystick, "
+       "stop"},
       {{"test", "sim-omni", "--force", "41"}, "--force: '41'"},
       {{"test", "sim-omni", "--force", "much"}, "--force: 'much'"},
       {{"test", "page", "--device", "/dev/input/event5"}, "--device is for stop-switch"},

@@ -1,0 +1,165 @@
+#include "devices/comedi/comedi_joystick.h"
+
+#include <algorithm>
+
+#include "server/base/clock.h"
+#include "server/base/pacer.h"
+#include "server/base/realtime.h"
+#include "server/base/signals.h"
+
+namespace handrail {
+namespace {
+
+// Above 1 kHz in the dissertation, as the loop that renders is here.
+constexpr Nanos kStickPeriod = kMillisecond;
+constexpr Nanos kStickPatience = 20 * kMillisecond;  // a thread that is so late stands still
+constexpr Nanos kRetryPause = 100 * kMillisecond;
+constexpr Nanos kFirstTick = kSecond;
+constexpr int kStickPriority = 80;  // as who renders; it does less
+
+}  // namespace
+
+ComediJoystick::ComediJoystick(const ComediJoystickOptions& options)
+    : options_(options),
+      capabilities_(joystick_capabilities()),
+      homing_(options.homing, options.travel),
+      force_(options.most_force) {
+  capabilities_.simulated = false;
+  capabilities_.max_force = std::min(options.most_force, kJoystickPeakForce);
+  capabilities_.continuous_force = std::min(options.most_force, kJoystickRatedForce);
+  capabilities_.dynamics.resolution =
+      kJoystickResolution * 10000.0 /
+      std::min(std::abs(options.counts_per_turn[0]), std::abs(options.counts_per_turn[1]));
+  capabilities_.buttons =
+      static_cast<int>(std::min<std::size_t>(3, options.button_channels.size()));
+}
+
+Status ComediJoystick::open() {
+  close();
+  if (!api_) {
+    const auto api = load_comedi(options_.place.library);
+    if (!api) return Status::error("joystick: " + api.message());
+    api_ = *api;
+  }
+  auto card = JoystickCard::open(*api_, options_);
+  if (!card) return Status::error("joystick: " + card.message());
+  card_ = std::move(*card);
+  card_text_ = card_->board() + ", driven by " + card_->driver();
+  begin_card();
+  now_ = JoystickTick();
+  now_.there = true;
+  force_ = JoystickForce(options_.most_force);
+  (void)ticks_.take(tick_);  // of the last session
+  tick_ = JoystickTick();
+  commands_.publish(Command());
+  command_ = Command();
+  stopping_.store(false, std::memory_order_relaxed);
+  {
+    const SignalsBlocked blocked;
+    thread_ = std::thread([this] { run(); });
+  }
+  for (const Nanos until = monotonic_now() + kFirstTick; monotonic_now() < until;) {
+    if (ticks_.take(tick_)) return Status::ok();
+    sleep_until(monotonic_now() + kMillisecond);
+  }
+  close();
+  return Status::error("joystick: its thread does not run; handrail doctor");
+}
+
+void ComediJoystick::begin_card() noexcept {
+  homing_ = JoystickHoming(options_.homing, options_.travel);
+}
+
+void ComediJoystick::run() {
+  (void)enter_realtime(kStickPriority);
+  Pacer pacer(kStickPeriod, monotonic_now());
+  Nanos last = monotonic_now() - kStickPeriod;
+  while (!stopping_.load(std::memory_order_relaxed)) {
+    const Nanos now = monotonic_now();
+    if (card_ && !turn(now, now - last)) lose();
+    if (!card_) try_again(now);
+    last = now;
+    now_.at = now;
+    ++now_.ticks;
+    ticks_.publish(now_);
+    sleep_until(pacer.due());
+    (void)pacer.woke(monotonic_now());
+  }
+  if (card_) (void)card_->push(Vec2::Zero());
+  card_.reset();
+}
+
+// False: the card does not answer.
+bool ComediJoystick::turn(Nanos now, Nanos dt) noexcept {
+  Command newest;
+  if (commands_.take(newest)) command_ = newest;
+  StickReading reading;
+  if (card_->read(reading) != 0) return false;
+  look(reading, to_seconds(std::max<Nanos>(dt, kStickPeriod / 10)));
+  now_.force = force_.step(command_.force, command_.at, now_.homed && !now_.too_far, now, dt);
+  now_.hot = force_.hot();
+  return card_->push(now_.force) == 0;
+}
+
+void ComediJoystick::look(const StickReading& reading, double dt) noexcept {
+  const bool was_homed = homing_.homed();
+  now_.homed = homing_.step(reading.way);
+  now_.too_far = homing_.too_far();
+  now_.seen = homing_.seen();
+  now_.reached = {homing_.reached(0), homing_.reached(1)};
+  HapticSample& sample = now_.sample;
+  sample.valid = now_.homed && !now_.too_far;
+  sample.buttons = reading.buttons;
+  if (!sample.valid) {
+    sample.X_MH = Pose();
+    sample.v_MH.setZero();
+    return;
+  }
+  const StickWays& middle = homing_.middle();
+  const Vec3 p(reading.way[0] - middle[0], reading.way[1] - middle[1], 0.0);
+  sample.v_MH = was_homed ? joystick_velocity(sample.v_MH, sample.X_MH.p, p, dt) : Vec3::Zero();
+  sample.X_MH.p = p;
+}
+
+void ComediJoystick::lose() noexcept {
+  (void)card_->push(Vec2::Zero());  // one of the two may work
+  card_.reset();
+  ++now_.losses;
+  now_.there = now_.homed = now_.too_far = false;
+  now_.sample = HapticSample();
+  now_.force.setZero();
+  retry_at_ = monotonic_now() + kRetryPause;
+}
+
+// Its counters may have been without power: it is homed anew.
+void ComediJoystick::try_again(Nanos now) {
+  (void)force_.step(Vec2::Zero(), -kForever, false, now, kStickPeriod);
+  if (now < retry_at_) return;
+  retry_at_ = now + kRetryPause;
+  auto card = JoystickCard::open(*api_, options_);
+  if (!card) return;
+  card_ = std::move(*card);
+  begin_card();
+  now_.there = true;
+}
+
+HapticSample ComediJoystick::read(Nanos) noexcept {
+  if (!thread_.joinable()) return {};
+  (void)ticks_.take(tick_);
+  HapticSample sample = tick_.sample;
+  sample.valid = sample.valid && monotonic_now() - tick_.at <= kStickPatience;
+  return sample;
+}
+
+void ComediJoystick::write(const Wrench& f_H_M) noexcept {
+  const Vec2 force = is_finite(f_H_M.force) ? f_H_M.force.head<2>().eval() : Vec2::Zero().eval();
+  commands_.publish({monotonic_now(), force});
+}
+
+void ComediJoystick::close() noexcept {
+  if (!thread_.joinable()) return;
+  stopping_.store(true, std::memory_order_relaxed);
+  thread_.join();
+}
+
+}  // namespace handrail
