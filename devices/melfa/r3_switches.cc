@@ -157,10 +157,10 @@ class SwitchingOn {
     const R3State& found = *report_.before;
     const auto& wished = wishes_.override_percent;
     if (wished && *wished != found.override_percent) {
-      if (const Obstacle o = set_override(*wished); !o.none()) return o;
+      if (Obstacle o = set_override(*wished); !o.none()) return o;
     }
     if (!found.status.servo_on()) {
-      if (const Obstacle o = servos(); !o.none()) return o;
+      if (Obstacle o = servos(); !o.none()) return o;
     }
     return found.status.running() ? Obstacle{} : program();
   }
@@ -239,7 +239,7 @@ Obstacle obstacle_of(const R3State& state, const SwitchWishes& wishes,
   SwitchWishes as_it_is = wishes;
   // Whether it can be started is another question than what keeps it from working.
   if (as_it_is.program.empty()) as_it_is.program = state.program;
-  if (const Obstacle o = lasting_obstacle(state, as_it_is, alarm_text); !o.none()) return o;
+  if (Obstacle o = lasting_obstacle(state, as_it_is, alarm_text); !o.none()) return o;
   if (!state.status.servo_on()) return {"the servos are off", "handrail robot on"};
   if (state.status.running()) return {};
   if (!wishes.program.empty()) {
@@ -277,7 +277,7 @@ SwitchesReport switch_off(R3Line& line) {
   (void)begin(line, out);
   out.problem = {};
   const auto step = [&](const char* order, const char* what, const char* done) {
-    const Obstacle o = must(line, order, what, "");
+    Obstacle o = must(line, order, what, "");
     out.steps.push_back(o.none() ? done : o.fact);
     return o;
   };

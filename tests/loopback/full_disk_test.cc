@@ -201,6 +201,12 @@ TEST_F(FullDisk, UnderTheOperatorsCommands) {
     expect_told("handrail", words);
     expect_told("handrail", words + " --json");
   }
+  // Nobody listens there: what there is to tell is why.
+  const std::string nobody = folder.write("nobody.cfg", "robot { command_port: 1 }");
+  for (const std::string words : {"robot status", "robot on", "robot off", "robot reset"}) {
+    listed.insert(words);
+    expect_told("handrail", words + " --json --slave-config " + nobody + at);
+  }
   // Everybody who can be calibrated needs a device for it; it ends as the test does.
   listed.insert("devices calibrate");
   listed.insert("record list");

@@ -184,12 +184,17 @@ TEST_F(WrongInput, ConfigurationFiles) {
   check("master", "operator_socket: ''", {"operator_socket", "empty"});
   check("slave", "robot { packet_bytes: 100 }", {"robot.packet_bytes", "100", "64", "196"});
   check("slave", "robot { address: 'arm' }", {"robot.address", "'arm'", "IPv4"});
+  check("slave", "robot { command_port: 0 }", {"robot.command_port", "0", "1 to 65535"});
+  check("slave", "robot { program: '1;1;SRVON' }", {"robot.program", "1;1;SRVON", "letters"});
+  check("slave", "robot { program: '' }", {"robot.program", "1 to 32"});
   check("slave", "force_sensor { filter_ms: 51 }", {"filter_ms", "51", "0 to 50 ms"});
   check("slave", "payload { mass_kg: nan }", {"mass_kg", "nan"});
   check("slave", "payload { mass_kg: 1 centre_mm: 1 }", {"centre_mm", "1 value,", "3"});
   check("slave", "}", {});
   check("rig", "drop_share: 2", {"drop_share", "2", "0 to 1"});
   check("rig", "start_joints_deg: [0, 0, 400, 0, 0, 0]", {"start_joints_deg", "400", "200"});
+  check("rig", "switches { override_percent: 0 }", {"override_percent", "0", "1 to 100 %"});
+  check("rig", "switches { program: 'A B' }", {"switches.program", "'A B'", "letters"});
   check("rig", "sensor_port: 10000", {"sensor_port", "10000", "robot_port"});
 }
 

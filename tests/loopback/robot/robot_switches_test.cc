@@ -74,6 +74,8 @@ TEST_F(RobotSwitches, AControllerThatIsOffIsBroughtOnEngagedAndSwitchedOff) {
 
 TEST_F(RobotSwitches, NothingIsSwitchedOnWhileTheSlaveHoldsAStop) {
   start("off: true", true);
+  // Before that nobody would hear it.
+  ASSERT_TRUE(eventually([](const pb::Status& s) { return s.slave_state() == "off"; }));
   order("stop: true");
   ASSERT_TRUE(slave_reaches("fault"));
   expect_refused({"on"}, "the slave holds a stop: stop was requested",
