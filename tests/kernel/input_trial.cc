@@ -79,6 +79,15 @@ bool switch_round(StopSwitch& stop) {
   return becomes([&] { return !stop.is_open(); });
 }
 
+// Unplugged is pressed, for as long as it is.
+bool stays_open(StopSwitch& stop) {
+  for (int i = 0; i < 20; ++i) {
+    if (!stop.is_open()) return false;
+    sleep_until(monotonic_now() + kMillisecond);
+  }
+  return true;
+}
+
 bool try_switch(int times) {
   auto first = plug_switch();
   StopSwitch stop({kSwitchLink, KEY_B});
@@ -89,7 +98,7 @@ bool try_switch(int times) {
   int failed = 0;
   first.reset();
   for (int i = 0; i < times; ++i) {
-    if (!becomes([&] { return stop.is_open(); })) ++failed;  // unplugged is pressed
+    if (!becomes([&] { return stop.is_open(); }) || !stays_open(stop)) ++failed;
     if (!switch_round(stop)) ++failed;
   }
   return said(failed == 0, "plugged in, pressed and unplugged " + std::to_string(times) +
