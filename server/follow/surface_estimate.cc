@@ -39,33 +39,35 @@ void SurfaceEstimate::begin(const BumperSettings& settings, const Vec3& n,
   begun_ = true;
 }
 
-// Only where the force changes does the way tell of the compliance, and only where it goes along
-// the normal: a slide goes far, and a normal that is a little off takes a part of it for depth.
-void SurfaceEstimate::compare(const BumperSettings& settings, const Vec3& p_ST, double force,
-                              double dt) noexcept {
-  const double change = force - force_;
-  since_ += dt;
-  const bool changed = std::abs(change) > std::max(kStep, 6.0 * settings.noise);
+// Only where force and way both change along the normal do they tell of the compliance. A slide
+// goes far, and a normal that is a little off takes a part of it for depth. Friction that comes,
+// goes or turns round changes the force without a way.
+void SurfaceEstimate::compare(const BumperSettings& settings, const BumperInput& in,
+                              const Vec3& p_ST) noexcept {
+  const Vec3& n = surface_->n_S;
+  const Vec3 change = in.f_E_S - f_from_, way = p_ST - p_from_;
+  const double force = n.dot(change), along = n.dot(way);
+  since_ += in.dt;
+  const bool changed = std::abs(force) > std::max(kStep, 6.0 * settings.noise);
   if (!changed && since_ < kSteps) return;
-  const Vec3 way = p_ST - p_from_;
-  const double along = way.dot(surface_->n_S), beside = (way - along * surface_->n_S).norm();
-  if (since_ < kSteps && beside <= std::abs(along) + kTold) {
-    ff_ = kKeep * ff_ + change * change;
-    sf_ = kKeep * sf_ + change * along;
+  const bool straight = (change - force * n).norm() <= std::abs(force) &&
+                        (way - along * n).norm() <= std::abs(along) + kTold;
+  if (since_ < kSteps && straight) {
+    ff_ = kKeep * ff_ + force * force;
+    sf_ = kKeep * sf_ + force * along;
     surface_->stiffness = within(settings, ff_ / std::max(0.0, -sf_));
   }
   p_from_ = p_ST;
-  force_ = force;
+  f_from_ = in.f_E_S;
   since_ = 0.0;
 }
 
-void SurfaceEstimate::feel(const BumperSettings& settings, const Vec3& p_ST, double force,
-                           double dt) noexcept {
-  compare(settings, p_ST, force, dt);
-  const double place = surface_->n_S.dot(p_ST);
-  near_weight_ = (1.0 - dt / kNearby) * near_weight_ + 1.0;
-  near_place_ += (place - near_place_) / near_weight_;
-  near_force_ += (force - near_force_) / near_weight_;
+void SurfaceEstimate::feel(const BumperSettings& settings, const BumperInput& in,
+                           const Vec3& p_ST) noexcept {
+  compare(settings, in, p_ST);
+  near_weight_ = (1.0 - in.dt / kNearby) * near_weight_ + 1.0;
+  near_place_ += (surface_->n_S.dot(p_ST) - near_place_) / near_weight_;
+  near_force_ += (surface_->n_S.dot(in.f_E_S) - near_force_) / near_weight_;
   surface_->d = std::clamp(near_place_ + near_force_ / surface_->stiffness, -kFarthestSurface,
                            kFarthestSurface);
 }
@@ -110,7 +112,7 @@ void SurfaceEstimate::step(const BumperSettings& settings, const BumperInput& in
     begin(settings, n, surface_->stiffness);
   }
   p_felt_ = p_ST;
-  feel(settings, p_ST, force, in.dt);
+  feel(settings, in, p_ST);
 }
 
 }  // namespace handrail

@@ -40,18 +40,17 @@ class SurfaceEstimate {
   };
   double since_light(const Vec3& n, double place, double force) const noexcept;
   void begin(const BumperSettings& settings, const Vec3& n, double stiffness) noexcept;
-  void compare(const BumperSettings& settings, const Vec3& p_ST, double force, double dt) noexcept;
-  void feel(const BumperSettings& settings, const Vec3& p_ST, double force, double dt) noexcept;
+  void compare(const BumperSettings& settings, const BumperInput& in, const Vec3& p_ST) noexcept;
+  void feel(const BumperSettings& settings, const BumperInput& in, const Vec3& p_ST) noexcept;
   void miss(const BumperSettings& settings, const Vec3& p_ST, double force) noexcept;
 
   std::optional<Surface> surface_;
-  bool begun_ = false;          // the sums are of this contact
-  Vec3 p_felt_ = Vec3::Zero();  // where it was felt last [m]
-  std::optional<Light> light_;  // newest
-  int missed_ = 0;              // readings in a row
-  Vec3 p_from_ = Vec3::Zero();  // what the newest is compared with: where it was [m],
-  double force_ = 0.0;          // its force along the normal [N]
-  double since_ = 0.0;          // that [s]
+  bool begun_ = false;                                  // the sums are of this contact
+  Vec3 p_felt_ = Vec3::Zero();                          // where it was felt last [m]
+  std::optional<Light> light_;                          // newest
+  int missed_ = 0;                                      // readings in a row
+  Vec3 p_from_ = Vec3::Zero(), f_from_ = Vec3::Zero();  // what the newest is compared with [m], [N]
+  double since_ = 0.0;                                  // that [s]
   double ff_ = 0.0, sf_ = 0.0;  // force changes squared, and times ways [N^2], [m N]
   double near_weight_ = 0.0;    // of the newest readings
   double near_place_ = 0.0, near_force_ = 0.0;  // their means [m], [N]

@@ -143,6 +143,19 @@ TEST(SurfaceEstimate, ASlideWhoseForceChangesDoesNotTellOfTheStiffness) {
   }
 }
 
+TEST(SurfaceEstimate, FrictionThatComesAndGoesDoesNotTellOfTheStiffness) {
+  Pressing it;
+  it.friction = 0.3;
+  it.press(40.0);
+  const double k = it.surface().stiffness;
+  const Vec3 at = it.p;
+  for (const double friction : {0.0, 0.3, -0.25, 0.0}) {
+    it.friction = friction;
+    for (int i = 0; i < 5; ++i) it.cycle(at);
+    EXPECT_NEAR(it.surface().stiffness, k, 1e-9 * k) << friction;
+  }
+}
+
 TEST(SurfaceEstimate, ItIsKeptInFreeSpaceNearbyAndForgottenFurther) {
   Pressing it;
   it.press(30.0);
