@@ -30,6 +30,8 @@ ComediJoystick::ComediJoystick(const ComediJoystickOptions& options)
   capabilities_.dynamics.resolution =
       kJoystickResolution * 10000.0 /
       std::min(std::abs(options.counts_per_turn[0]), std::abs(options.counts_per_turn[1]));
+  // The thread passes a force on in its next turn after the one that read the position.
+  capabilities_.dynamics.delay = to_seconds(kStickPeriod);
   capabilities_.buttons =
       static_cast<int>(std::min<std::size_t>(3, options.button_channels.size()));
 }

@@ -42,6 +42,9 @@ HdEnum best_style(HdEnum known) {
   return kHdAuto;
 }
 
+// The vendor's thread passes a force on in its next turn after the one that read the position.
+constexpr double kServoPeriod = 1e-3;  // [s]
+
 std::string text_or_empty(const char* text) { return text == nullptr ? "" : shown(text); }
 
 }  // namespace
@@ -50,6 +53,7 @@ TouchDevice::TouchDevice(const TouchOptions& options)
     : options_(options), capabilities_(omni_capabilities(false)) {
   capabilities_.name = "Touch";
   capabilities_.simulated = false;
+  capabilities_.dynamics.delay = kServoPeriod;
   capabilities_.dynamics.source = "data sheet of the Phantom Omni; viscous damping not published";
 }
 

@@ -184,6 +184,7 @@ TEST_F(ComediJoystickTest, ButtonsAreDigitalInputs) {
   ASSERT_NO_FATAL_FAILURE(open());
   ASSERT_TRUE(valid());
   EXPECT_EQ(device->capabilities().buttons, 3);
+  EXPECT_EQ(device->capabilities().dynamics.delay, 1e-3);
   EXPECT_EQ(read().buttons, 0u);
   card([](ComediState& s) { s.subdevices[2].values[5] = 0; });
   EXPECT_TRUE(becomes([&] { return read().buttons == 4u; }));

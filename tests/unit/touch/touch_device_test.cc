@@ -59,6 +59,7 @@ TEST_F(TouchDeviceTest, OpensTheDefaultByEachOfItsNamesAndAsksForThousandTurns) 
   EXPECT_EQ(device->driver_version(), "4.2.122");
   EXPECT_FALSE(device->capabilities().simulated);
   EXPECT_EQ(device->capabilities().max_force, 3.3);
+  EXPECT_EQ(device->capabilities().dynamics.delay, 1e-3);
   hd([](HdState& s) { s.name = "somebody's"; });
   device->close();
   EXPECT_TRUE(device->open());  // by no name at all
