@@ -2,7 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 
 #include "devices/haptic_device.h"
 #include "devices/joystick/joystick_data.h"
@@ -30,7 +32,7 @@ class JoystickForce {
     share_ = std::min(1.0, share_ + to_seconds(dt) / to_seconds(kRamp));
     Vec2 out;
     for (int i = 0; i < 2; ++i) {
-      const double room = hot_[i] ? kJoystickRatedForce : most_;
+      const double room = hot_[static_cast<std::size_t>(i)] ? kJoystickRatedForce : most_;
       out[i] = share_ * std::clamp(asked[i], -room, room);
     }
     cool(out, dt);
@@ -51,7 +53,8 @@ class JoystickForce {
     const double rated = kJoystickRatedForce * kJoystickRatedForce;
     for (int i = 0; i < 2; ++i) {
       square_[i] += follow * (force[i] * force[i] - square_[i]);
-      hot_[i] = square_[i] >= rated || (hot_[i] && square_[i] >= kCooled * rated);
+      bool& hot = hot_[static_cast<std::size_t>(i)];
+      hot = square_[i] >= rated || (hot && square_[i] >= kCooled * rated);
     }
   }
 

@@ -89,11 +89,12 @@ TEST_F(SlowDisk, NorForADeadOneThatHasARecording) {
   ASSERT_EQ(master->finish(), 0);
   const std::string disk = folder.write("disk", "good");
   const std::string poor = "LD_PRELOAD=" POOR_DISK;
+  const std::string program = HANDRAIL_BIN_DIR "/handrail-master";
   master_extra = "recording {}";
   master = std::make_unique<Program>(
       folder, "/usr/bin/env",
-      std::vector<std::string>{"POOR_DISK=" + disk, poor, HANDRAIL_BIN_DIR "/handrail-master",
-                               "--config", folder.write("recording.cfg", master_config())});
+      std::vector<std::string>{"POOR_DISK=" + disk, poor, program, "--config",
+                               folder.write("recording.cfg", master_config())});
   (void)master->after("READY link=");
   client.close();
   order("record { on: true }");
