@@ -14,6 +14,7 @@ namespace {
 
 constexpr Nanos kFirstReading = 300 * kMillisecond;
 constexpr Nanos kCardPatience = 25 * kSecond;  // settling takes about 12 s
+// A second at the usual rate: whole periods of the mains; our choice.
 constexpr int kBiasReadings = 1000;
 constexpr double kMostBiasWay = 0.05;  // from least to most while it is left alone [V]
 

@@ -17,7 +17,7 @@ constexpr Nanos kSaysNothing = 10 * kMillisecond;  // between two records that s
 // The kernel's driver takes about 12 s to find a sensor and its offsets.
 constexpr Nanos kLongestSettling = 20 * kSecond;
 // Below the robot's loop, above what is not urgent.
-constexpr int kSensorPriority = 60;
+constexpr int kSensorPriority = 60;  // of SCHED_FIFO
 
 }  // namespace
 

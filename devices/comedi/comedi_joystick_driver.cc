@@ -15,7 +15,7 @@ namespace {
 
 constexpr Nanos kStickHoming = 60 * kSecond;
 constexpr Nanos kStopsReached = 5 * kSecond;  // it went no further for so long
-constexpr double kMoved = 0.5 * kMm;          // further
+constexpr double kMoved = 0.5 * kMm;          // further than a hand trembles; chosen [m]
 constexpr double kLeastTravel = 0.05;         // a stick that was moved [m]
 // An arc of +-100 mm, or one whose chord that is (+-41.8 deg), and what rubber gives.
 constexpr double kLeastStops = 0.19, kMostStops = 0.225;  // [m]

@@ -14,7 +14,7 @@ constexpr char kJr3Driver[] = "jr3_pci";
 constexpr Nanos kJr3Blank = 10 * kMillisecond;
 constexpr Nanos kNotYetPause = 50 * kMillisecond;
 // What a scale of a real sensor lies between, of force and of moment: one outside is none.
-constexpr double kLeastFull = 0.1, kMostFull = 1e5;
+constexpr double kLeastFull = 0.1, kMostFull = 1e5;  // [N], [N m]
 
 }  // namespace
 

@@ -101,8 +101,8 @@ Result<R3Status> parse_r3_dstate(std::string_view body) {
 }
 
 Result<R3State> parse_r3_state(std::string_view body) {
-  constexpr std::size_t kRead = 5;  // fields
-  constexpr int kMostOverride = 100;
+  constexpr std::size_t kRead = 5;    // fields
+  constexpr int kMostOverride = 100;  // [%]
   const std::vector<std::string_view> fields = fields_of(body);
   if (fields.size() < kRead) return bad("STATE", "five fields or more, divided by ;", body);
   R3State out;

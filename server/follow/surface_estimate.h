@@ -9,7 +9,8 @@
 namespace handrail {
 
 // From the default bumper's contacts. While one is felt the normal is the bumper's, which friction
-// does not tilt; the compliance is the way along it by which the force changes, by least squares;
+// does not tilt; the compliance is the way along it by which the force changes, by least squares
+// over changes that go more along it than beside it, first of all the one since little was felt;
 // the plane lies where the force would begin. A surface that gives way by no more than the encoders
 // tell is told as stiff as the bumper reckons with at most: it is that stiff at least.
 //
@@ -28,7 +29,7 @@ class SurfaceEstimate {
   // Real-time safe.
   void step(const BumperSettings& settings, const BumperInput& in,
             const BumperState& bumper) noexcept;
-  void forget() noexcept { surface_.reset(), begun_ = false, missed_ = 0; }
+  void forget() noexcept { *this = SurfaceEstimate(); }
 
   // Its normal is one that the wire tells as it is.
   const std::optional<Surface>& surface() const noexcept { return surface_; }
