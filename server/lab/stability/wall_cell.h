@@ -45,14 +45,16 @@ struct WallCell {
   double most_softer = 100.0;  // chosen: softer than that, what a scene asks for is not there
 };
 
-// Runs the cell for six seconds.
+// Runs the cell for six seconds, or for 24.
 //
 //   over_mj      energy that a contact gave, less what the device took by itself, what ticks that
 //                came late may have made (most force times speed times the time they were late)
 //                and what a lock that opens lets go; with counts that are not the device's own, its
 //                largest force times a count, too, which nobody sees
 //   swing_mm     from side to side in the last two seconds; judged by the two before them, and with
-//                late ticks, which drive it anew, by twice that or the first kick's
+//                late ticks, which drive it anew, by twice that or the first kick's. Where it is
+//                larger and no tick is late, those from 22 to 24 s are judged in their place by
+//                the same two: a swing without loss may wander, and one that grows is larger yet
 //   drift_mm     of the middle of that swing
 //   times_softer than the scene asks for, by the master's own governing
 //   rest_mm (the middle of that swing, into the wall), given_mj, contacts, change_n (largest change
