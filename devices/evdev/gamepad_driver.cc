@@ -3,6 +3,7 @@
 #include <memory>
 #include <utility>
 
+#include "devices/evdev/pad_sightings.h"
 #include "devices/self_test/hand_test.h"
 #include "server/base/plain_text.h"
 

@@ -8,10 +8,6 @@
 namespace handrail {
 namespace {
 
-// How udev ends the names of gamepads and joysticks (systemd,
-// 60-persistent-input.rules).
-constexpr char kJoystickEnding[] = "-event-joystick";
-
 constexpr GamepadLayout kPad = {ABS_X, ABS_Y, ABS_RY, ABS_RX, BTN_TL, BTN_SOUTH, BTN_TR};
 constexpr GamepadLayout kStick = {ABS_X,     ABS_Y,      ABS_HAT0Y,  ABS_RZ,
                                   BTN_THUMB, BTN_THUMB2, BTN_TRIGGER};
@@ -75,34 +71,6 @@ Result<EvdevOpened> open_pad(EvdevKernel& kernel, const std::string& path,
   ::close(device->fd);
   return Status::error("input device " + path + ": " + std::string(text_of(device->name)) + " " +
                        wish.lacks + "; expected " + wish.wanted);
-}
-
-std::vector<Sighting> pad_sightings(EvdevKernel& kernel, const std::string& path,
-                                    const std::string& input_folder, const PadWish& wish) {
-  const bool named = !path.empty();
-  std::vector<Sighting> out;
-  for (const std::string& one : named ? std::vector{path} : gamepad_paths(input_folder)) {
-    const auto opened = open_evdev(kernel, one, EvdevUse::kShare);
-    if (!opened) {
-      const bool there = std::filesystem::exists(std::filesystem::symlink_status(one));
-      // Of those that nobody may read it is not known what they are: a name of udev's says it.
-      if (named || one.ends_with(kJoystickEnding)) {
-        out.push_back(sighting_of(one, there ? Readiness::kUnfinished : Readiness::kAbsent,
-                                  opened.message()));
-      }
-      continue;
-    }
-    ::close(opened->fd);
-    const std::string name(text_of(opened->name));
-    if (wish.fits(*opened)) {
-      out.push_back({one, Readiness::kReady, name + ", " + wish.kind(*opened), ""});
-    } else if (named) {
-      out.push_back({one, Readiness::kUnfinished, name + " " + wish.lacks,
-                     std::string("name ") + wish.wanted + " in " + wish.option});
-    }
-  }
-  if (out.empty()) out.push_back({input_folder, Readiness::kAbsent, wish.any, "plug one in"});
-  return out;
 }
 
 }  // namespace handrail

@@ -5,11 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "devices/driver.h"
 #include "devices/evdev/evdev_file.h"
 #include "devices/evdev/evdev_stream.h"
+#include "server/base/status.h"
 
 namespace handrail {
+
+// How udev ends the names of gamepads and joysticks (systemd, 60-persistent-input.rules).
+inline constexpr char kJoystickEnding[] = "-event-joystick";
 
 // An axis or a button of a device, as the kernel names it.
 struct GamepadLayout {
@@ -42,8 +45,5 @@ struct PadWish {
 // and what to do. Waits for nobody.
 Result<EvdevOpened> open_pad(EvdevKernel& kernel, const std::string& path,
                              const std::string& input_folder, const PadWish& wish);
-// The same for `handrail devices list`: every one that fits.
-std::vector<Sighting> pad_sightings(EvdevKernel& kernel, const std::string& path,
-                                    const std::string& input_folder, const PadWish& wish);
 
 }  // namespace handrail

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "devices/evdev/pad_sightings.h"
 #include "server/base/clock.h"
 #include "server/base/plain_text.h"
 #include "server/base/units.h"
