@@ -56,23 +56,27 @@ void StickPusher::turn(Nanos now) noexcept {
   const double share = ramp_.step(allowed, command_.at, now, dt);
   last_turn_ = now;
   const Vec2 force = share > 0.0 ? (share * command_.force).eval() : Vec2::Zero().eval();
-  if (motors_.is_open() && now >= retry_at_) {
-    const bool taken = show(force, now);
-    const Nanos took = monotonic_now() - now;
-    now_.longest = std::max(now_.longest, took);
-    now_.force = force;
-    now_.there = taken;
-    if (!taken) {
-      ++now_.refused;
-      retry_at_ = now + kRefusedPause;
-    }
-    if (!taken || took > options_.most_upload) {
-      // It acted later than is reckoned with: it begins anew.
-      if (taken) ++now_.late;
-      (void)ramp_.step(false, now, now, 0);
-    }
-  }
+  if (motors_.is_open() && now >= retry_at_) tell(force, now);
   said_.publish(now_);
+}
+
+void StickPusher::tell(const Vec2& force, Nanos now) noexcept {
+  const std::uint64_t before = now_.uploads;
+  const bool taken = show(force, now);
+  // A turn without an upload leaves what acts as it is, however long it took.
+  const Nanos took = now_.uploads == before ? 0 : monotonic_now() - now;
+  now_.longest = std::max(now_.longest, took);
+  now_.force = force;
+  now_.there = taken;
+  const bool late = took > options_.most_upload;
+  if (!taken) {
+    ++now_.refused;
+    retry_at_ = now + kRefusedPause;
+  } else if (late) {
+    ++now_.late;
+  }
+  // What acts later than is reckoned with begins anew.
+  if (!taken || late) (void)ramp_.step(false, now, now, 0);
 }
 
 // False: the device did not take it.
@@ -93,6 +97,12 @@ bool StickPusher::show(const Vec2& force, Nanos now) noexcept {
 }
 
 bool StickPusher::show_axis(Axis& axis, const StickLevel& wanted, bool goes_on) noexcept {
+  // No force is told twice: as an end, which no upload may hold up, and as a level.
+  bool good = true;
+  if (wanted.level == 0 && axis.on) {
+    axis.on = false;
+    good = motors_.play(axis.effect, false);
+  }
   const bool new_one = axis.effect.id < 0;
   if (new_one ? wanted.level != 0 : axis.effect.u.constant.level != wanted.level) {
     ff_effect effect = axis.effect;
@@ -103,12 +113,7 @@ bool StickPusher::show_axis(Axis& axis, const StickLevel& wanted, bool goes_on) 
     if (!motors_.upload(effect)) return false;
     axis.effect = effect;
   }
-  if (wanted.level == 0) {
-    // No force is told twice: as a level, and as an end.
-    const bool was_on = axis.on;
-    axis.on = false;
-    return !was_on || motors_.play(axis.effect, false);
-  }
+  if (wanted.level == 0) return good;
   if (!axis.on || goes_on) axis.on = motors_.play(axis.effect, true);
   return axis.on;
 }

@@ -87,6 +87,7 @@ class StickPusher final : private FeedbackWork {
   void use(const FixedText<256>& path) noexcept override;
   void turn(Nanos now) noexcept override;
   void end() noexcept override;
+  void tell(const Vec2& force, Nanos now) noexcept;
   bool show(const Vec2& force, Nanos now) noexcept;
   bool show_axis(Axis& axis, const StickLevel& wanted, bool goes_on) noexcept;
 

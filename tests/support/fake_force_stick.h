@@ -3,6 +3,7 @@
 
 #include <array>
 #include <map>
+#include <set>
 #include <vector>
 
 #include "tests/support/fake_gamepad.h"
@@ -27,18 +28,25 @@ class FakeForceStick final : public FakeGamepad {
 
   int control(int fd, unsigned long request, void* argument) noexcept override {
     const auto number = _IOC_NR(request);
-    if (number == 0x80) return upload(*static_cast<ff_effect*>(argument));
+    if (number == 0x80) return upload(fd, *static_cast<ff_effect*>(argument));
     if (number == 0x81) {  // EVIOCRMFF: the number itself
       const std::lock_guard lock(mutex_);
       const auto id = static_cast<int>(reinterpret_cast<std::intptr_t>(argument));
+      if (!live_.contains(fd)) return -1;
       return effects_.erase(id) == 1 ? ++erased_, 0 : -1;
     }
     return FakeGamepad::control(fd, request, argument);
   }
-  bool write(int, const input_event& event) noexcept override {
+  int open_to_write(const char* path) noexcept override {
+    const int fd = FakeGamepad::open_to_write(path);
+    const std::lock_guard lock(mutex_);
+    if (fd >= 0 && !gone_) live_.insert(fd);
+    return fd;
+  }
+  bool write(int fd, const input_event& event) noexcept override {
     const std::lock_guard lock(mutex_);
     EXPECT_EQ(event.type, EV_FF);
-    if (gone_) return false;
+    if (!live_.contains(fd)) return false;
     if (event.code >= FF_MAX_EFFECTS) {
       set_[event.code] = event.value;
       return true;
@@ -91,6 +99,7 @@ class FakeForceStick final : public FakeGamepad {
       const std::lock_guard lock(mutex_);
       gone_ = true;
       effects_.clear();
+      live_.clear();
     }
     unplug();
   }
@@ -103,12 +112,12 @@ class FakeForceStick final : public FakeGamepad {
   }
 
  private:
-  int upload(ff_effect& effect) {
+  int upload(int fd, ff_effect& effect) {
     std::this_thread::sleep_for(upload_time());
     const std::lock_guard lock(mutex_);
-    if (gone_ || refused_ > 0) {
+    if (!live_.contains(fd) || refused_ > 0) {
       if (refused_ > 0) --refused_;
-      errno = gone_ ? ENODEV : EIO;
+      errno = live_.contains(fd) ? EIO : ENODEV;
       return -1;
     }
     EXPECT_EQ(effect.type, FF_CONSTANT);
@@ -131,6 +140,7 @@ class FakeForceStick final : public FakeGamepad {
   }
 
   std::map<int, Effect> effects_;
+  std::set<int> live_;  // descriptors of the device as it is plugged in
   std::map<int, int> set_;
   int erased_ = 0, slots_ = 16, refused_ = 0;
   bool gone_ = false;

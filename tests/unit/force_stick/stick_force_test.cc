@@ -186,6 +186,27 @@ TEST_F(StickForceTest, AnUploadThatWasRefusedIsTriedAgain) {
   EXPECT_TRUE(device->pushed().there);
 }
 
+TEST_F(StickForceTest, AnEndThatWasRefusedAsALevelIsAnEndAndToldAgain) {
+  ASSERT_NO_FATAL_FAILURE(open());
+  ASSERT_TRUE(while_pushed({4.0, 0.0, 0.0}, acting(1.0, 0.0)));
+  kernel.refuse_uploads(1);
+  ASSERT_TRUE(comes(acting(0.0, 0.0)));
+  ASSERT_TRUE(comes([this] { return kernel.effects().begin()->second.level == 0; }));
+  EXPECT_EQ(device->pushed().refused, 1u);
+}
+
+TEST_F(StickForceTest, AnUploadThatTookLongerThanItMayIsOneThatWasMade) {
+  options.most_upload = 1e-9;  // none is in time
+  ASSERT_NO_FATAL_FAILURE(open());
+  ASSERT_TRUE(while_pushed({4.0, 0.0, 0.0}, [this] { return device->pushed().late >= 3; }));
+  EXPECT_LT(kernel.push()[0], 0.1);
+  ASSERT_TRUE(comes(acting(0.0, 0.0)));
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  const StickPushed quiet = device->pushed();
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_EQ(device->pushed().late, quiet.late) << "where nothing is uploaded nothing is late";
+}
+
 TEST_F(StickForceTest, PulledOutAndPluggedInAHundredTimes) {
   options.upload_period = 1e-3;
   ASSERT_NO_FATAL_FAILURE(open());
