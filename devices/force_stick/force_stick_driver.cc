@@ -68,6 +68,19 @@ TestItem force_item(const ForceStickOptions& o) {
           "device.force_stick.full_force_n: what it pushes with at full level, by a spring scale"};
 }
 
+TestItem uploads_item(const StickPushed& pushed) {
+  const std::string fact = force_text(
+      "%llu, %llu of them late and %llu refused; the longest %.2f ms",
+      static_cast<unsigned long long>(pushed.uploads), static_cast<unsigned long long>(pushed.late),
+      static_cast<unsigned long long>(pushed.refused), 1e3 * to_seconds(pushed.longest));
+  if (pushed.late > 0 || pushed.refused > 0) {
+    return {"uploads", Verdict::kBad, fact, "handrail devices calibrate force-stick"};
+  }
+  if (!pushed.there) return {"uploads", Verdict::kBad, "it may not be written to", kWriteHint};
+  if (pushed.uploads == 0) return {"uploads", Verdict::kNotSeen, "none was made", "--force 1"};
+  return {"uploads", Verdict::kOk, fact, ""};
+}
+
 }  // namespace
 
 std::vector<Sighting> ForceStickDriver::probe() {
@@ -102,18 +115,7 @@ bool ForceStickTest::turn(Nanos now) {
 
 std::vector<TestItem> ForceStickTest::items() const {
   std::vector<TestItem> out = {force_item(options_)};
-  if (pushes(options_)) {
-    const bool good = pushed_.there && pushed_.late == 0 && pushed_.refused == 0;
-    out.push_back({"uploads", good ? Verdict::kOk : Verdict::kBad,
-                   force_text("%llu, %llu of them late and %llu refused; the longest %.2f ms",
-                              static_cast<unsigned long long>(pushed_.uploads),
-                              static_cast<unsigned long long>(pushed_.late),
-                              static_cast<unsigned long long>(pushed_.refused),
-                              1e3 * to_seconds(pushed_.longest)),
-                   good            ? ""
-                   : pushed_.there ? "handrail devices calibrate force-stick"
-                                   : kWriteHint});
-  }
+  if (pushes(options_)) out.push_back(uploads_item(pushed_));
   const std::vector<TestItem> more = test_.items();
   out.insert(out.end(), more.begin(), more.end());
   return out;

@@ -51,7 +51,8 @@ TEST(Soak, TheRealDaemonForTwoSecondsLosesNone) {
   EXPECT_EQ(stopped->pushed, 0u);
 }
 
-LoopSeries series(double late, double work, std::uint64_t valid = 1000) {
+LoopSeries series(double late, double work, std::uint64_t valid = 1000,
+                  std::uint64_t engaged = 1000) {
   LoopSeries out{"one", "nothing", "", {}};
   LoopRound round;
   for (int i = 0; i < 1000; ++i) {
@@ -59,14 +60,14 @@ LoopSeries series(double late, double work, std::uint64_t valid = 1000) {
     round.work.push_back(work);
   }
   round.valid = valid;
-  round.engaged = 500;
+  round.engaged = engaged;
   out.rounds.assign(3, round);
   return out;
 }
 
 TEST(Loop, FiguresAreOfAllTicksAndGrowthOfTheSameRounds) {
   const LoopSeries first = series(50.0, 5.0);
-  LoopSeries other = series(80.0, 25.0, 750);
+  LoopSeries other = series(80.0, 25.0, 750, 500);
   other.rounds[1].late.assign(1000, 5000.0);  // one round in which something else ran
   const LoopFigures f = loop_figures(other, first);
   EXPECT_EQ(f.late.median, 80.0);
@@ -83,6 +84,7 @@ TEST(Loop, MoreThanFiftyMicrosecondsOrAwayIsSaid) {
   EXPECT_FALSE(within_growth({series(50.0, 5.0), series(101.0, 5.0)}));
   EXPECT_FALSE(within_growth({series(50.0, 5.0), series(50.0, 56.0)}));
   EXPECT_FALSE(within_growth({series(50.0, 5.0), series(50.0, 5.0, 980)}));
+  EXPECT_FALSE(within_growth({series(50.0, 5.0), series(50.0, 5.0, 1000, 800)}));
   EXPECT_FALSE(within_growth({}));
   LoopSeries missing{"two", "nothing", "it is not installed", {}};
   EXPECT_TRUE(within_growth({series(50.0, 5.0), missing}));
@@ -103,6 +105,8 @@ TEST(Loop, EachDriverIsReadAndDrives) {
     const LoopFigures f = loop_figures(one, tried->front());
     EXPECT_GT(f.valid, 0.9) << one.device;
     EXPECT_GT(f.engaged, 0.5) << one.device;
+    const bool pushes = one.device != "spacemouse" && one.device != "gamepad";
+    EXPECT_EQ(f.pushed > 0.5, pushes) << one.device;
   }
   const auto none = try_loops({.rounds = 1, .seconds = 0.5, .devices = {}},
                               [](const std::string&) { return false; });

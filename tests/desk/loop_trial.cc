@@ -32,6 +32,7 @@ class PlayedSlave {
     news_.state.X_ST.p = news_.state.X_ST_command.p = Vec3(0.35, 0.0, 0.42);
     news_.state.has_pose = true;
     news_.link.peer_epoch = 1;
+    news_.link.peer_age = 0;
     news_.link.received_of_100 = news_.link.peer_received_of_100 = 100;
   }
   void tell(Nanos now) {
@@ -128,8 +129,7 @@ class LoopRun {
       sleep_until(due);
       const Nanos woke = monotonic_now();
       slave_.tell(woke);
-      if (tick == 50) order(*boxes_, 1, OrderKind::kEngage);
-      if (tick == 300) order(*boxes_, 2, OrderKind::kTool);
+      drive(tick);
       const Nanos from = monotonic_now();
       loop_->tick(woke);
       const Nanos till = monotonic_now();
@@ -140,6 +140,12 @@ class LoopRun {
       }
       if (woke - began >= kSettling) keep(woke - due, till - from);
     }
+  }
+  // Engages as soon as it may, and calls a line.
+  void drive(std::uint64_t tick) {
+    if (line_called_ || tick % 100 != 50) return;
+    line_called_ = report_.out.link.state == SessionState::kEngaged;
+    order(*boxes_, tick, line_called_ ? OrderKind::kTool : OrderKind::kEngage);
   }
   void keep(Nanos late, Nanos work) {
     round_.late.push_back(1e6 * to_seconds(late));
@@ -155,6 +161,7 @@ class LoopRun {
   std::unique_ptr<HapticLoop> loop_;
   HapticReport report_;
   LoopRound round_;
+  bool line_called_ = false;
 };
 
 Result<LoopRound> one_round(const SeatRow& row, const Scene& scene, double seconds) {
@@ -162,8 +169,11 @@ Result<LoopRound> one_round(const SeatRow& row, const Scene& scene, double secon
   if (!seat) return seat.status();
   Watched device((*seat)->device());
   WallRuns walls;
-  const LoopScene loop_scene =
-      loop_scene_of(scene, device.capabilities(), pb::MasterConfig(), walls);
+  // Nobody is there to hold a dead-man, and the link has no past.
+  pb::MasterConfig config;
+  config.set_presence(pb::MasterConfig::NONE);
+  config.set_good_link_ms(0.0);
+  const LoopScene loop_scene = loop_scene_of(scene, device.capabilities(), config, walls);
   if (const Status opened = device.open(); !opened) return opened;
   LoopRound out = LoopRun(device, loop_scene).run(seconds);
   device.close();

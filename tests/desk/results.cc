@@ -5,13 +5,14 @@
 namespace handrail::desk {
 namespace {
 
-// A device that is away now and then would look quick.
-constexpr double kLeastValid = 0.99;
+// A device that is away now and then, or drives nothing, would look quick.
+constexpr double kLeastValid = 0.99, kLeastEngaged = 0.9;
 
 const char* yes_or_no(bool yes) { return yes ? "true" : "false"; }
 
 bool grows_little(const LoopFigures& f) {
-  return f.valid >= kLeastValid && f.late_grows <= kMostGrowth && f.work_grows <= kMostGrowth;
+  return f.valid >= kLeastValid && f.engaged >= kLeastEngaged && f.late_grows <= kMostGrowth &&
+         f.work_grows <= kMostGrowth;
 }
 
 std::string spread_json(const LoopSpread& s) {

@@ -128,6 +128,8 @@ MadeSeat force_stick_seat() {
   options.force_stick.path = "/dev/input/made-up";
   options.force_stick.full = {4.0, 4.0};
   options.force_stick.most_upload = 10e-3;
+  options.force_stick.mass = 0.3;  // as the dissertation's joystick
+  options.force_stick.damping = 3.0;
   options.evdev = stick.get();
   test::FakeForceStick& moved = *stick;
   return seat(std::move(stick), options, [&moved](double x, double y) {

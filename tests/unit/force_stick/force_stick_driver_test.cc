@@ -120,6 +120,9 @@ TEST_F(ForceStickDriverTest, WithoutAForceOrPermissionItSaysSo) {
   EXPECT_THAT(items.at("force").next, HasSubstr("device.force_stick.full_force_n"));
   EXPECT_FALSE(items.contains("uploads"));
   options.full = {4.0, 4.0};
+  items = tried({.alone = true});
+  EXPECT_EQ(items.at("uploads").verdict, Verdict::kNotSeen) << "nobody asked for a force";
+  options.full = {4.0, 4.0};
   kernel.make_motors(false);
   items = tried({.alone = true});
   EXPECT_EQ(items.at("uploads").verdict, Verdict::kBad);
