@@ -4,12 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <chrono>
-#include <thread>
+#include <memory>
 
 #include "server/base/clock.h"
 #include "tests/support/fake_force_stick.h"
 #include "tests/support/no_allocation.h"
+#include "tests/support/read_bench.h"
 
 namespace handrail {
 namespace {
@@ -17,7 +17,7 @@ namespace {
 using test::FakeForceStick;
 using ::testing::HasSubstr;
 
-class ForceStickDeviceTest : public ::testing::Test {
+class ForceStickDeviceTest : public test::ReadBench {
  protected:
   ForceStickDeviceTest() { options.path = "/dev/input/event5"; }
   void open() {
@@ -25,24 +25,11 @@ class ForceStickDeviceTest : public ::testing::Test {
     const Status opened = device->open();
     ASSERT_TRUE(opened) << opened.message();
   }
-  HapticSample read() { return device->read(now += kMillisecond); }
-  HapticSample after(double seconds) {
-    HapticSample out;
-    for (const Nanos until = now + from_seconds(seconds); now < until;) out = read();
-    return out;
-  }
-  bool becomes(bool valid) {
-    for (int i = 0; i < 10'000; ++i) {
-      if (read().valid == valid) return true;
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    return false;
-  }
+  HapticDevice& read_device() override { return *device; }
 
   FakeForceStick kernel;
   ForceStickOptions options;
   std::unique_ptr<ForceStick> device;
-  Nanos now = kSecond;
 };
 
 TEST_F(ForceStickDeviceTest, TheHandIsWhereTheStickIs) {

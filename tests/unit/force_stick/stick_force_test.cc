@@ -8,6 +8,7 @@
 #include "server/base/clock.h"
 #include "tests/support/fake_force_stick.h"
 #include "tests/support/no_allocation.h"
+#include "tests/support/read_bench.h"
 
 namespace handrail {
 namespace {
@@ -31,8 +32,9 @@ TEST(StickLevel, IsAShareOfFullScaleAlongTheKernelsDirection) {
   EXPECT_EQ(stick_level(0, HUGE_VAL, 4.0).level, 0);
 }
 
-class StickForceTest : public ::testing::Test {
+class StickForceTest : public test::ReadBench {
  protected:
+  HapticDevice& read_device() override { return *device; }
   StickForceTest() {
     options.path = "/dev/input/event5";
     options.full = {4.0, 8.0};
@@ -53,12 +55,6 @@ class StickForceTest : public ::testing::Test {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     return false;
-  }
-  bool comes(const std::function<bool()>& condition) {
-    for (int i = 0; i < 10'000 && !condition(); ++i) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    return condition();
   }
   bool acts(double x, double y) {
     const auto is = kernel.push();
@@ -220,10 +216,10 @@ TEST_F(StickForceTest, PulledOutAndPluggedInAHundredTimes) {
     kernel.plug_in();
     bool began = false;
     ASSERT_TRUE(while_pushed({4.0, 0.0, 0.0}, [&] {
-      const double now = kernel.push()[0];
-      if (now > 0.0 && !began) {
+      const double pushes = kernel.push()[0];
+      if (pushes > 0.0 && !began) {
         began = true;
-        EXPECT_LT(now, 0.5) << "it begins anew " << i;
+        EXPECT_LT(pushes, 0.5) << "it begins anew " << i;
       }
       return began;
     })) << i;
