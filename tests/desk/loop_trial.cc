@@ -175,7 +175,9 @@ Result<LoopRound> one_round(const SeatRow& row, const Scene& scene, double secon
   config.set_good_link_ms(0.0);
   const LoopScene loop_scene = loop_scene_of(scene, device.capabilities(), config, walls);
   if (const Status opened = device.open(); !opened) return opened;
+  (*seat)->begin();
   LoopRound out = LoopRun(device, loop_scene).run(seconds);
+  (*seat)->end();
   device.close();
   return out;
 }

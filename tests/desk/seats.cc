@@ -62,14 +62,17 @@ class SeatOf final : public Seat {
  public:
   SeatOf(std::unique_ptr<StandIn> stand_in, std::unique_ptr<HapticDevice> device,
          std::function<void(double, double)> move)
-      : stand_in_(std::move(stand_in)),
-        device_(std::move(device)),
-        mover_(move ? std::make_unique<Mover>(std::move(move)) : nullptr) {}
+      : stand_in_(std::move(stand_in)), device_(std::move(device)), move_(std::move(move)) {}
   HapticDevice& device() override { return *device_; }
+  void begin() override {
+    if (move_) mover_ = std::make_unique<Mover>(move_);
+  }
+  void end() override { mover_.reset(); }
 
  private:
   std::unique_ptr<StandIn> stand_in_;
   std::unique_ptr<HapticDevice> device_;
+  std::function<void(double, double)> move_;
   std::unique_ptr<Mover> mover_;  // last: it uses the others
 };
 

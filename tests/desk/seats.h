@@ -15,6 +15,9 @@ class Seat {
   virtual ~Seat() = default;
   // Not yet open.
   virtual HapticDevice& device() = 0;
+  // Somebody moves it from here on, while it is open, to there.
+  virtual void begin() = 0;
+  virtual void end() = 0;
 };
 
 struct SeatRow {
