@@ -68,6 +68,10 @@ Made page(const HapticDeviceOptions& o) {
   return Made(std::make_unique<PageDevice>(o.hand));
 }
 
+EvdevKernel& kernel_of(const HapticDeviceOptions& o) {
+  return o.evdev != nullptr ? *o.evdev : evdev_kernel();
+}
+
 struct Entry {
   HapticDeviceKind kind;
   Made (*make)(const HapticDeviceOptions&);
@@ -84,12 +88,11 @@ constexpr Entry kDevices[] = {
     {HapticDeviceKind::kTouch,
      [](const auto& o) { return Made(std::make_unique<TouchDevice>(o.touch)); }},
     {HapticDeviceKind::kGamepad,
-     [](const auto& o) {
-       return Made(std::make_unique<GamepadDevice>(o.gamepad,
-                                                   o.evdev != nullptr ? *o.evdev : evdev_kernel()));
-     }},
+     [](const auto& o) { return Made(std::make_unique<GamepadDevice>(o.gamepad, kernel_of(o))); }},
     {HapticDeviceKind::kJoystick,
      [](const auto& o) { return Made(std::make_unique<ComediJoystick>(o.joystick)); }},
+    {HapticDeviceKind::kForceStick,
+     [](const auto& o) { return Made(std::make_unique<ForceStick>(o.force_stick, kernel_of(o))); }},
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "devices/comedi/comedi_joystick.h"
 #include "devices/evdev/gamepad_device.h"
+#include "devices/force_stick/force_stick.h"
 #include "devices/hand/hand_model.h"
 #include "devices/haptic_device.h"
 #include "devices/spacemouse/spacemouse_device.h"
@@ -25,6 +26,7 @@ enum class HapticDeviceKind : std::uint8_t {
   kTouch,
   kGamepad,
   kJoystick,
+  kForceStick,
   kCount
 };
 
@@ -39,6 +41,7 @@ struct HapticDeviceOptions {
   TouchOptions touch;
   GamepadOptions gamepad;
   ComediJoystickOptions joystick;
+  ForceStickOptions force_stick;
   EvdevKernel* evdev = nullptr;  // in the kernel's place, for tests; null: the kernel itself
 };
 

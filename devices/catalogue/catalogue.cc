@@ -4,6 +4,7 @@
 #include "devices/comedi/comedi_ft_driver.h"
 #include "devices/comedi/comedi_joystick_driver.h"
 #include "devices/evdev/gamepad_driver.h"
+#include "devices/force_stick/force_stick_driver.h"
 #include "devices/melfa/melfa_driver.h"
 #include "devices/net_ft/net_ft_driver.h"
 #include "devices/spacemouse/spacemouse_driver.h"
@@ -60,6 +61,13 @@ constexpr DriverRow kDrivers[] = {
        return std::make_unique<ComediJoystickDriver>(s.hand.joystick);
      },
      hand_is<Kind::kJoystick>},
+    {"force-stick", false,
+     [](const Settings& s) -> Made {
+       ForceStickOptions options = s.hand.force_stick;
+       options.input_folder = s.input_folder;
+       return std::make_unique<ForceStickDriver>(options);
+     },
+     hand_is<Kind::kForceStick>},
     {"stop-switch", false,
      [](const Settings& s) -> Made {
        return std::make_unique<StopSwitchDriver>(s.stop_switch, s.input_folder);

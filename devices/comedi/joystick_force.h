@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "devices/haptic_device.h"
+#include "devices/input/force_ramp.h"
 #include "devices/joystick/joystick_data.h"
 #include "server/base/plane.h"
 #include "server/base/time.h"
@@ -23,17 +23,15 @@ class JoystickForce {
 
   // What acts for the next `dt`. `asked` came at `asked_at`; not `allowed`: none.
   Vec2 step(const Vec2& asked, Nanos asked_at, bool allowed, Nanos now, Nanos dt) noexcept {
-    const bool acts = allowed && now - asked_at <= kForceStands && asked.allFinite();
-    if (!acts) {
-      share_ = 0.0;
+    const double share = ramp_.step(allowed && asked.allFinite(), asked_at, now, dt);
+    if (share == 0.0) {
       cool(Vec2::Zero(), dt);
       return Vec2::Zero();
     }
-    share_ = std::min(1.0, share_ + to_seconds(dt) / to_seconds(kRamp));
     Vec2 out;
     for (int i = 0; i < 2; ++i) {
       const double room = hot_[static_cast<std::size_t>(i)] ? kJoystickRatedForce : most_;
-      out[i] = share_ * std::clamp(asked[i], -room, room);
+      out[i] = share * std::clamp(asked[i], -room, room);
     }
     cool(out, dt);
     return out;
@@ -42,7 +40,6 @@ class JoystickForce {
   bool hot() const noexcept { return hot_[0] || hot_[1]; }
 
  private:
-  static constexpr Nanos kRamp = 500 * kMillisecond;
   // A motor's windings of this size take some ten seconds to warm up; our choice.
   static constexpr double kWarming = 10.0;  // [s]
   static constexpr double kCooled = 0.8;    // of the rated square, from where the peak is back
@@ -59,7 +56,7 @@ class JoystickForce {
   }
 
   double most_;
-  double share_ = 0.0;
+  ForceRamp ramp_;
   Vec2 square_ = Vec2::Zero();  // [N^2]
   std::array<bool, 2> hot_{};
 };

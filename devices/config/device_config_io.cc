@@ -41,6 +41,24 @@ SpaceMouseOptions spacemouse_options(const pb::SpaceMouseConfig& config) {
   return out;
 }
 
+ForceStickOptions force_stick_options(const pb::ForceStickConfig& config) {
+  ForceStickOptions out;
+  out.path = config.device();
+  if (config.axes() == pb::ForceStickConfig::WHEEL) out.axes = ForceStickAxes::kWheel;
+  out.reach = config.reach_mm() * kMm;
+  for (int i = 0; i < config.full_force_n_size() && i < 2; ++i) {
+    out.full[static_cast<std::size_t>(i)] = config.full_force_n(i);
+  }
+  out.upload_period = 1.0 / config.upload_hz();
+  out.most_upload = config.upload_ms() * 1e-3;
+  out.delay = config.delay_ms() * 1e-3;
+  out.axis_counts = static_cast<int>(config.axis_counts());
+  out.mass = config.mass_kg();
+  out.damping = config.damping_n_s_m();
+  out.friction = config.friction_n();
+  return out;
+}
+
 }  // namespace
 
 HapticDeviceOptions haptic_options(const pb::DeviceConfig& config) {
@@ -55,6 +73,7 @@ HapticDeviceOptions haptic_options(const pb::DeviceConfig& config) {
     case pb::DeviceConfig::TOUCH: out.kind = HapticDeviceKind::kTouch; break;
     case pb::DeviceConfig::GAMEPAD: out.kind = HapticDeviceKind::kGamepad; break;
     case pb::DeviceConfig::JOYSTICK: out.kind = HapticDeviceKind::kJoystick; break;
+    case pb::DeviceConfig::FORCE_STICK: out.kind = HapticDeviceKind::kForceStick; break;
   }
   out.spacemouse = spacemouse_options(config.spacemouse());
   out.gamepad.path = config.gamepad().device();
@@ -63,6 +82,7 @@ HapticDeviceOptions haptic_options(const pb::DeviceConfig& config) {
   out.gamepad.rumble_share = config.gamepad().rumble_share();
   out.touch = {config.touch().name(), config.touch().library()};
   out.joystick = joystick_options(config.joystick());
+  out.force_stick = force_stick_options(config.force_stick());
   const pb::HandModel& hand = config.hand();
   out.recording_path = config.recording();
   const bool cursor = out.kind == HapticDeviceKind::kPage;

@@ -56,6 +56,10 @@ bool ask(EvdevKernel& kernel, EvdevUse use, EvdevOpened& out) {
     return false;
   }
   if (kernel.control(out.fd, EVIOCGKEY(sizeof down), down.data()) < 0) return false;
+  // One without any says so, or that it does not know the question.
+  Words<FF_CNT> effects{};
+  if (kernel.control(out.fd, EVIOCGBIT(EV_FF, sizeof effects), effects.data()) < 0) effects = {};
+  out.has_effect = bits_of<FF_CNT>(effects);
   out.has_key = bits_of<KEY_CNT>(keys);
   out.state.keys = bits_of<KEY_CNT>(down);
   const std::bitset<ABS_CNT> has = bits_of<ABS_CNT>(axes);

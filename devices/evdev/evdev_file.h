@@ -31,6 +31,12 @@ EvdevKernel& evdev_kernel() noexcept;
 
 struct EvdevRange {
   std::int32_t least = 0, most = 0, flat = 0;  // [counts]
+  // From the middle to an end.
+  double half() const noexcept { return 0.5 * (static_cast<double>(most) - least); }
+  // Where `value` is, from -1 at `least` to 1 at `most`.
+  double share(std::int32_t value) const noexcept {
+    return (static_cast<double>(value) - least) / half() - 1.0;
+  }
 };
 
 // Copied without throwing.
@@ -40,6 +46,7 @@ struct EvdevOpened {
   FixedText<256> path{};
   std::bitset<KEY_CNT> has_key;
   std::bitset<ABS_CNT> has_axis;
+  std::bitset<FF_CNT> has_effect;  // of force feedback
   std::array<EvdevRange, ABS_CNT> ranges{};
   EvdevState state;  // as it was opened
 };

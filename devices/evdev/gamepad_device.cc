@@ -1,80 +1,38 @@
 #include "devices/evdev/gamepad_device.h"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <filesystem>
-#include <utility>
 
 namespace handrail {
 namespace {
 
-// A gamepad sends some hundred events a second; a loop that stood still for a
-// second has caught up in one reading.
-constexpr std::size_t kMostPadEvents = 128;
-// How udev ends the names of gamepads and joysticks (systemd,
-// 60-persistent-input.rules).
-constexpr char kJoystickEnding[] = "-event-joystick";
+bool drives(const EvdevOpened& device) {
+  return device.has_axis[ABS_X] && device.has_axis[ABS_Y] &&
+         (device.has_key[BTN_GAMEPAD] || device.has_key[BTN_JOYSTICK]);
+}
 
-constexpr GamepadLayout kPad = {ABS_X, ABS_Y, ABS_RY, ABS_RX, BTN_TL, BTN_SOUTH, BTN_TR};
-constexpr GamepadLayout kStick = {ABS_X,     ABS_Y,      ABS_HAT0Y,  ABS_RZ,
-                                  BTN_THUMB, BTN_THUMB2, BTN_TRIGGER};
-
-Result<EvdevOpened> first_gamepad(EvdevKernel& kernel, const std::string& folder) {
-  int seen = 0;
-  std::string closed_to_us;
-  for (const std::string& path : gamepad_paths(folder)) {
-    Result<EvdevOpened> device = open_evdev(kernel, path, EvdevUse::kShare);
-    if (!device) {
-      // The first one says why, and what to do.
-      if (closed_to_us.empty()) closed_to_us = device.message();
-      continue;
-    }
-    if (drives(*device)) return device;
-    ++seen;
-    ::close(device->fd);
-  }
-  return Status::error("gamepad: none among " + std::to_string(seen) + " input devices of " +
-                       folder + "; " +
-                       (closed_to_us.empty() ? "plug one in, or name it in device.gamepad.device"
-                                             : "there is another: " + closed_to_us));
+std::string kind_of_pad(const EvdevOpened& device) {
+  return is_gamepad(device) ? "a gamepad" : "a joystick";
 }
 
 }  // namespace
 
-std::vector<std::string> gamepad_paths(const std::string& input_folder) {
-  namespace fs = std::filesystem;
-  std::vector<std::string> named, numbered;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(fs::path(input_folder) / "by-id", error)) {
-    if (entry.path().string().ends_with(kJoystickEnding)) named.push_back(entry.path().string());
-  }
-  for (const auto& entry : fs::directory_iterator(input_folder, error)) {
-    if (entry.path().filename().string().starts_with("event")) {
-      numbered.push_back(entry.path().string());
-    }
-  }
-  std::vector<std::string>& out = named.empty() ? numbered : named;
-  std::sort(out.begin(), out.end());
-  return out;
-}
-
-const GamepadLayout& gamepad_layout(bool gamepad) noexcept { return gamepad ? kPad : kStick; }
-
-bool is_gamepad(const EvdevOpened& device) noexcept { return device.has_key[BTN_GAMEPAD]; }
-
-bool drives(const EvdevOpened& device) noexcept {
-  return device.has_axis[ABS_X] && device.has_axis[ABS_Y] &&
-         (device.has_key[BTN_GAMEPAD] || device.has_key[BTN_JOYSTICK]);
+const PadWish& gamepad_wish() noexcept {
+  static constexpr PadWish kWish = {"gamepad",
+                                    "no gamepad and no joystick",
+                                    "has no stick with two axes and buttons",
+                                    "a gamepad or joystick",
+                                    "device.gamepad.device",
+                                    drives,
+                                    kind_of_pad};
+  return kWish;
 }
 
 GamepadDevice::GamepadDevice(const GamepadOptions& options, EvdevKernel& kernel)
     : options_(options),
       kernel_(kernel),
       capabilities_(deflection_capabilities(options.motion)),
-      reopener_([this] { return open_device(); }),
+      reader_([this] { return open_device(); }),
       rumble_(kernel, options.rumble_share),
       hand_(options.motion) {
   capabilities_.name = "gamepad";
@@ -82,20 +40,14 @@ GamepadDevice::GamepadDevice(const GamepadOptions& options, EvdevKernel& kernel)
 }
 
 Result<EvdevOpened> GamepadDevice::open_device() const {
-  if (options_.path.empty()) return first_gamepad(kernel_, options_.input_folder);
-  Result<EvdevOpened> device = open_evdev(kernel_, options_.path, EvdevUse::kShare);
-  if (!device || drives(*device)) return device;
-  ::close(device->fd);
-  return Status::error("input device " + options_.path + ": " + std::string(text_of(device->name)) +
-                       " has no stick with two axes and buttons; expected a "
-                       "gamepad or joystick");
+  return open_pad(kernel_, options_.path, options_.input_folder, gamepad_wish());
 }
 
 Status GamepadDevice::open() {
   close();
   const Result<EvdevOpened> first = open_device();
   if (!first) return first.status();
-  reopener_.start(&*first);
+  reader_.start(*first);
   rumble_.start();
   hand_.reset();
   sample_ = HapticSample();
@@ -108,7 +60,7 @@ HapticSample GamepadDevice::read(Nanos now) noexcept {
   if (!open_) return {};
   if (started_ && now <= last_) return sample_;
   receive();
-  const bool there = opened_.fd >= 0;
+  const bool there = reader_.there();
   if (!there) {
     hand_.halt();
   } else {
@@ -128,27 +80,19 @@ HapticSample GamepadDevice::read(Nanos now) noexcept {
 }
 
 void GamepadDevice::receive() noexcept {
-  if (opened_.fd < 0) {
-    if (!reopener_.take(opened_)) return;
-    stream_.begin(opened_.state);
-    centred_ = {};
-    rumble_.use(opened_.path);
-  }
-  std::array<std::uint8_t, kMostPadEvents * sizeof(input_event)> bytes;
-  const ssize_t n = ::read(opened_.fd, bytes.data(), bytes.size());
-  if (n < 0 && (errno == EAGAIN || errno == EINTR)) return;
-  if (n > 0 && stream_.take({bytes.data(), static_cast<std::size_t>(n)})) return;
-  reopener_.lost(std::exchange(opened_.fd, -1));
-  rumble_.use({});
+  const EvdevTurn turn = reader_.listen();
+  if (turn != EvdevTurn::kCame && turn != EvdevTurn::kLeft) return;
+  centred_ = {};
+  rumble_.use(reader_.device());
 }
 
 // How far an axis is pushed, -1 to 1.
 double GamepadDevice::share(int which, int axis) noexcept {
   const auto i = static_cast<std::size_t>(axis);
-  if (!opened_.has_axis[i]) return 0.0;
-  const EvdevRange& range = opened_.ranges[i];
-  const double half = 0.5 * (static_cast<double>(range.most) - range.least);
-  const double off = (static_cast<double>(stream_.state().axes[i]) - range.least) / half - 1.0;
+  if (!reader_.device().has_axis[i]) return 0.0;
+  const EvdevRange& range = reader_.device().ranges[i];
+  const double half = range.half();
+  const double off = range.share(reader_.state().axes[i]);
   // A range of an even number of counts, such as 0 to 255, has its middle between two.
   const double middle =
       std::clamp(std::max({options_.dead_share, range.flat / half, 0.5 / half}), 0.0, 0.5);
@@ -160,7 +104,7 @@ double GamepadDevice::share(int which, int axis) noexcept {
 }
 
 Deflection GamepadDevice::deflection() noexcept {
-  const GamepadLayout& layout = gamepad_layout(is_gamepad(opened_));
+  const GamepadLayout& layout = gamepad_layout(is_gamepad(reader_.device()));
   Deflection out;
   out.move = Vec3(share(0, layout.right), -share(2, layout.up), share(1, layout.toward));
   // To the right is clockwise from above, about the downward axis.
@@ -169,18 +113,12 @@ Deflection GamepadDevice::deflection() noexcept {
 }
 
 std::uint32_t GamepadDevice::buttons() const noexcept {
-  const GamepadLayout& layout = gamepad_layout(is_gamepad(opened_));
-  const auto down = [this](int key) {
-    return stream_.state().keys[static_cast<std::size_t>(key)] ? 1u : 0u;
-  };
-  return down(layout.clutch) | down(layout.drop) << 1 | down(layout.enable) << 2;
+  return pad_buttons(reader_.device(), reader_.state());
 }
 
 void GamepadDevice::close() noexcept {
   rumble_.stop();
-  reopener_.stop();
-  if (opened_.fd >= 0) ::close(opened_.fd);
-  opened_.fd = -1;
+  reader_.stop();
   open_ = false;
 }
 

@@ -3,14 +3,12 @@
 
 #include <array>
 #include <string>
-#include <vector>
 
-#include "devices/evdev/evdev_file.h"
-#include "devices/evdev/evdev_stream.h"
+#include "devices/evdev/evdev_reader.h"
+#include "devices/evdev/pad.h"
 #include "devices/evdev/rumble.h"
 #include "devices/haptic_device.h"
 #include "devices/input/deflection_hand.h"
-#include "devices/input/reopener.h"
 
 namespace handrail {
 
@@ -27,23 +25,8 @@ struct GamepadOptions {
   std::string input_folder = kInputFolder;
 };
 
-// An axis or a button of a device, as the kernel names it.
-struct GamepadLayout {
-  int right, toward, up,
-      turn_right;            // axes: positive right, toward the user, down, clockwise
-  int clutch, drop, enable;  // keys
-};
-
-// The layout of a gamepad (Linux, Documentation/input/gamepad.rst), or of a
-// joystick.
-const GamepadLayout& gamepad_layout(bool gamepad) noexcept;
-bool is_gamepad(const EvdevOpened& device) noexcept;
-// Has two axes, and buttons of a gamepad or joystick.
-bool drives(const EvdevOpened& device) noexcept;
-
-// The devices that may be gamepads: those that udev calls joysticks, else all
-// input devices.
-std::vector<std::string> gamepad_paths(const std::string& input_folder);
+// One with two axes, and buttons of a gamepad or joystick.
+const PadWish& gamepad_wish() noexcept;
 
 // Gamepad: left stick right and away, right stick up and turning about the
 // vertical; left shoulder clutch, right shoulder enable (the dead-man), south
@@ -80,10 +63,8 @@ class GamepadDevice final : public HapticDevice {
   GamepadOptions options_;
   EvdevKernel& kernel_;
   HapticCapabilities capabilities_;
-  Reopener<EvdevOpened> reopener_;
+  EvdevReader reader_;
   Rumble rumble_;
-  EvdevOpened opened_;
-  EvdevStream stream_;
   std::array<bool, kAxes> centred_{};  // has been in its middle since it was opened
   DeflectionHand hand_;
   HapticSample sample_;

@@ -1,10 +1,7 @@
 // The motors of a gamepad, for what is to be felt beside force.
 #pragma once
 
-#include <atomic>
-#include <thread>
-
-#include "devices/evdev/evdev_file.h"
+#include "devices/evdev/force_feedback.h"
 #include "devices/haptic_device.h"
 #include "server/base/mailbox.h"
 
@@ -27,43 +24,46 @@ RumbleStrength rumble_of(const HapticCue& cue, double share) noexcept;
 // stays still.
 //
 // Source: Linux, Documentation/input/ff.rst and include/uapi/linux/input.h.
-class Rumble {
+class Rumble final : private FeedbackWork {
  public:
   // An effect ends by itself after so long [ms].
   static constexpr std::uint16_t kRumbleLasts = 200;
 
-  Rumble(EvdevKernel& kernel, double share) : kernel_(kernel), share_(share) {}
-  ~Rumble() { stop(); }
-  Rumble(const Rumble&) = delete;
-  Rumble& operator=(const Rumble&) = delete;
+  Rumble(EvdevKernel& kernel, double share)
+      : share_(share), motors_(kernel), thread_(*this, kPeriod, 0) {}
+  ~Rumble() override { stop(); }
 
   // Starts the thread; without a share there is none.
   void start();
-  // From here on at the device of that path; empty: at none. Real-time safe.
-  void use(const FixedText<256>& path) noexcept { path_.publish(path); }
+  // From here on at that device, if it can rumble; one without a descriptor: at none. Real-time
+  // safe.
+  void use(const EvdevOpened& device) noexcept {
+    const bool can = device.fd >= 0 && device.has_effect[FF_RUMBLE];
+    thread_.use(can ? device.path : FixedText<256>{});
+  }
   // What is felt now. Real-time safe.
   void feel(const HapticCue& cue) noexcept { cue_.publish(cue); }
   // Still, and the device is let go. Twice is fine.
-  void stop() noexcept;
+  void stop() noexcept { thread_.stop(); }
 
  private:
-  void run() noexcept;
-  void open(const FixedText<256>& path) noexcept;
-  void show(const RumbleStrength& wanted, Nanos now) noexcept;
-  void play(bool on) noexcept;
-  void close() noexcept;
+  static constexpr Nanos kPeriod = 10 * kMillisecond;
 
-  EvdevKernel& kernel_;
+  void use(const FixedText<256>& path) noexcept override;
+  void turn(Nanos now) noexcept override;
+  void end() noexcept override;
+  void show(const RumbleStrength& wanted, Nanos now) noexcept;
+
   double share_;
-  Mailbox<FixedText<256>> path_;
   Mailbox<HapticCue> cue_;
-  std::atomic<bool> stopping_{false};
   // Of the thread.
-  int fd_ = -1;
+  ForceFeedback motors_;
+  HapticCue felt_;
+  Nanos felt_at_ = 0;
   ff_effect effect_{};
   RumbleStrength shown_;
   Nanos shown_at_ = 0;
-  std::thread thread_;  // last: it uses the others
+  FeedbackThread thread_;  // last: it uses the others
 };
 
 }  // namespace handrail

@@ -2,19 +2,10 @@
 
 #include <unistd.h>
 
-#include <cerrno>
-#include <utility>
-
 namespace handrail {
-namespace {
-
-// As many as the kernel keeps for a device without axes, at least (EVDEV_BUF_PACKETS).
-constexpr std::size_t kMostSwitchEvents = 64;
-
-}  // namespace
 
 StopSwitch::StopSwitch(const StopSwitchOptions& options, EvdevKernel& kernel)
-    : options_(options), kernel_(kernel), reopener_([this] { return open_device(); }) {}
+    : options_(options), kernel_(kernel), reader_([this] { return open_device(); }) {}
 
 Result<EvdevOpened> StopSwitch::open_device() const {
   Result<EvdevOpened> opened = open_evdev(kernel_, options_.path, EvdevUse::kGrab);
@@ -33,38 +24,22 @@ Status StopSwitch::start() {
   stop();
   Result<EvdevOpened> first = open_device();
   if (!first) return first.status();
-  reopener_.start(&*first);
+  reader_.start(*first);
   started_ = true;
   return Status::ok();
 }
 
 void StopSwitch::stop() noexcept {
   started_ = false;
-  reopener_.stop();
-  if (opened_.fd >= 0) ::close(opened_.fd);
-  opened_.fd = -1;
+  reader_.stop();
 }
 
 bool StopSwitch::is_open() noexcept {
   if (!started_) return true;
-  if (opened_.fd < 0) {
-    if (!reopener_.take(opened_)) return true;
-    stream_.begin(opened_.state);
-  }
-  if (!listen()) {
-    reopener_.lost(std::exchange(opened_.fd, -1));
-    return true;
-  }
-  const std::bitset<KEY_CNT> down = stream_.state().keys | stream_.take_presses();
+  (void)reader_.listen();
+  if (!reader_.there()) return true;
+  const std::bitset<KEY_CNT> down = reader_.state().keys | reader_.take_presses();
   return options_.key ? down[static_cast<std::size_t>(*options_.key)] : down.any();
-}
-
-// False where the device is gone, or what it said is not known.
-bool StopSwitch::listen() noexcept {
-  std::array<std::uint8_t, kMostSwitchEvents * sizeof(input_event)> bytes;
-  const ssize_t n = ::read(opened_.fd, bytes.data(), bytes.size());
-  if (n < 0) return errno == EAGAIN || errno == EINTR;
-  return n > 0 && stream_.take({bytes.data(), static_cast<std::size_t>(n)});
 }
 
 }  // namespace handrail

@@ -5,8 +5,7 @@
 #include <string>
 
 #include "devices/evdev/evdev_file.h"
-#include "devices/evdev/evdev_stream.h"
-#include "devices/input/reopener.h"
+#include "devices/evdev/evdev_reader.h"
 #include "devices/stop_circuit.h"
 
 namespace handrail {
@@ -32,13 +31,10 @@ class StopSwitch final : public StopCircuit {
 
  private:
   Result<EvdevOpened> open_device() const;
-  bool listen() noexcept;
 
   StopSwitchOptions options_;
   EvdevKernel& kernel_;
-  Reopener<EvdevOpened> reopener_;
-  EvdevOpened opened_;
-  EvdevStream stream_;
+  EvdevReader reader_;
   bool started_ = false;
 };
 

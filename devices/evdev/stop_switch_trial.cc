@@ -2,8 +2,9 @@
 
 #include <unistd.h>
 
-#include <cerrno>
 #include <utility>
+
+#include "devices/evdev/evdev_reader.h"
 
 namespace handrail {
 namespace {
@@ -11,7 +12,6 @@ namespace {
 // Our choice.
 constexpr Nanos kSwitchAlone = 500 * kMillisecond;
 constexpr Nanos kSwitchPatience = 15 * kSecond;
-constexpr std::size_t kTrialEvents = 64;
 
 constexpr char kNothingCame[] = "nothing came in 15 s";
 
@@ -33,13 +33,6 @@ StopSwitchTrial::~StopSwitchTrial() {
   if (opened_.fd >= 0) ::close(opened_.fd);
 }
 
-bool StopSwitchTrial::receive() {
-  std::array<std::uint8_t, kTrialEvents * sizeof(input_event)> bytes;
-  const ssize_t n = ::read(opened_.fd, bytes.data(), bytes.size());
-  if (n < 0) return errno == EAGAIN || errno == EINTR;
-  return n > 0 && stream_.take({bytes.data(), static_cast<std::size_t>(n)});
-}
-
 void StopSwitchTrial::go_on(Stage to, Nanos now) {
   stage_ = to;
   began_ = now;
@@ -48,7 +41,7 @@ void StopSwitchTrial::go_on(Stage to, Nanos now) {
 bool StopSwitchTrial::turn(Nanos now) {
   if (!std::exchange(started_, true)) began_ = now;
   if (stage_ == Stage::kOver) return false;
-  if (!receive()) {
+  if (!take_events(opened_.fd, stream_)) {
     done_.push_back({"events", Verdict::kBad, "the device is gone, or its events are lost",
                      "plug it in, and try anew"});
     stage_ = Stage::kOver;

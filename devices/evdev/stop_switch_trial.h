@@ -29,7 +29,6 @@ class StopSwitchTrial final : public SelfTest {
  private:
   enum class Stage : std::uint8_t { kAlone, kPress, kLetGo, kOver };
 
-  bool receive();
   void go_on(Stage to, Nanos now);
   void look(Nanos now);
 

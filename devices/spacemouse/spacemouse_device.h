@@ -49,6 +49,9 @@ class SpaceMouseDevice final : public HapticDevice {
   void write(const Wrench&) noexcept override {}
   void close() noexcept override;
 
+  // Of the connection that there is: how many motions spacenavd told so far.
+  std::uint64_t motions() const noexcept { return stream_.state().motions; }
+
  private:
   void receive(Nanos now) noexcept;
   void lose() noexcept;

@@ -15,6 +15,7 @@
 #include "server/base/own_places.h"
 #include "server/base/plain_text.h"
 #include "server/scene/cards/card_check.h"
+#include "server/scene/cards/pad_check.h"
 #include "server/scene/field_check.h"
 #include "server/scene/text_io.h"
 
@@ -103,14 +104,6 @@ Problem check_device(const pb::DeviceConfig& c) {
   if (c.has_spacemouse() && !spacemouse) {
     return FieldProblem{"device.spacemouse", "only used with kind: SPACEMOUSE"};
   }
-  if (c.has_gamepad() && c.kind() != pb::DeviceConfig::GAMEPAD) {
-    return FieldProblem{"device.gamepad", "only used with kind: GAMEPAD"};
-  }
-  if (c.gamepad().has_device() && !c.gamepad().device().starts_with("/")) {
-    return FieldProblem{
-        "device.gamepad.device",
-        "'" + shown(c.gamepad().device()) + "', expected the path of an input device, from / on"};
-  }
   if (c.has_touch() && c.kind() != pb::DeviceConfig::TOUCH) {
     return FieldProblem{"device.touch", "only used with kind: TOUCH"};
   }
@@ -163,8 +156,8 @@ Problem check(const pb::MasterConfig& c) {
     recording = FieldProblem{"device.recording", "only used with kind: RECORDED or SIM_JOYSTICK"};
   }
   return first({slave, check_link(c, c.has_slave(), "slave"), socket, operators, recording,
-                check_device(c.device()), check_joystick(c.device()), check_recording_folder(c),
-                check_scene_name(c.scene())});
+                check_device(c.device()), check_pads(c.device()), check_joystick(c.device()),
+                check_recording_folder(c), check_scene_name(c.scene())});
 }
 
 Problem check_payload(const pb::SlaveConfig& c) {

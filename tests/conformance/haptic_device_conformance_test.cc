@@ -10,7 +10,7 @@
 
 #include "devices/registry.h"
 #include "server/base/random.h"
-#include "tests/support/fake_gamepad.h"
+#include "tests/support/fake_force_stick.h"
 #include "tests/support/no_allocation.h"
 #include "tests/support/spnav_server.h"
 #include "tests/support/temp_folder.h"
@@ -39,6 +39,15 @@ class HapticDeviceConformance : public ::testing::TestWithParam<HapticDeviceKind
       pads.back()->make_pad();
       options.gamepad.path = "/dev/input/event5";
       options.evdev = pads.back().get();
+    }
+    if (options.kind == HapticDeviceKind::kForceStick) {
+      auto stick = std::make_unique<test::FakeForceStick>();
+      options.force_stick.path = "/dev/input/event5";
+      options.force_stick.full = {4.0, 4.0};
+      options.force_stick.mass = 0.3;
+      options.force_stick.damping = 3.0;
+      options.evdev = stick.get();
+      pads.push_back(std::move(stick));
     }
     std::ofstream(path()) << "t_s,x_mm,y_mm,z_mm\n0,0,0,0\n0.1,5,1,0\n0.9,20,-9,4\n1.0,21,-9,4\n";
     auto device = make_haptic_device(options);
@@ -257,6 +266,7 @@ std::string name_of(const ::testing::TestParamInfo<HapticDeviceKind>& info) {
     case HapticDeviceKind::kPage: return "Page";
     case HapticDeviceKind::kSpaceMouse: return "SpaceMouse";
     case HapticDeviceKind::kGamepad: return "Gamepad";
+    case HapticDeviceKind::kForceStick: return "ForceStick";
     case HapticDeviceKind::kTouch:
     case HapticDeviceKind::kJoystick:
     case HapticDeviceKind::kCount: break;

@@ -23,5 +23,6 @@ int main(int argc, char** argv) {
   good &= try_sensor();
   good &= try_torques();
   good &= try_input(100);
+  good &= try_force_stick(100);
   return good ? 0 : 1;
 }

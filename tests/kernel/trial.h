@@ -18,4 +18,8 @@ bool try_torques();
 // A gamepad and a foot switch of uinput, plugged in and unplugged so many times.
 bool try_input(int times);
 
+// A force-feedback joystick of uinput: what its motors are told, with a device that is slow, after
+// a program that was killed, and plugged in and unplugged so many times.
+bool try_force_stick(int times);
+
 }  // namespace handrail::kernel

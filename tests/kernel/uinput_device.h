@@ -15,13 +15,18 @@
 namespace handrail::kernel {
 
 // Plugged in from its constructor to its destructor. `link` leads to its device, as udev's links
-// do, and to nothing while it is unplugged.
+// do, and to nothing while it is unplugged. One with `effects` has motors for so many constant
+// forces, for which somebody has to answer (uinput_motors.h).
 class UinputDevice {
  public:
   UinputDevice(const char* name, const std::vector<int>& keys, const std::vector<int>& axes,
-               std::string link)
-      : link_(std::move(link)), fd_(::open("/dev/uinput", O_WRONLY | O_NONBLOCK)) {
+               std::string link, int effects = 0)
+      : link_(std::move(link)), fd_(::open("/dev/uinput", O_RDWR | O_NONBLOCK)) {
     if (fd_ < 0) return;
+    if (effects > 0) ::ioctl(fd_, UI_SET_EVBIT, EV_FF);
+    for (const int bit : {FF_CONSTANT, FF_GAIN, FF_AUTOCENTER}) {
+      if (effects > 0) ::ioctl(fd_, UI_SET_FFBIT, bit);
+    }
     ::ioctl(fd_, UI_SET_EVBIT, EV_KEY);
     for (const int key : keys) ::ioctl(fd_, UI_SET_KEYBIT, key);
     if (!axes.empty()) ::ioctl(fd_, UI_SET_EVBIT, EV_ABS);
@@ -34,6 +39,7 @@ class UinputDevice {
     }
     uinput_setup setup{};
     setup.id.bustype = BUS_USB;
+    setup.ff_effects_max = static_cast<__u32>(effects);
     std::strncpy(setup.name, name, sizeof setup.name - 1);
     ::ioctl(fd_, UI_DEV_SETUP, &setup);
     if (::ioctl(fd_, UI_DEV_CREATE) == 0) find_event();
@@ -48,6 +54,7 @@ class UinputDevice {
   UinputDevice& operator=(const UinputDevice&) = delete;
 
   bool there() const { return !event_.empty(); }
+  int fd() const { return fd_; }
   void send(int type, int code, int value) {
     for (const auto& [t, c, v] :
          {std::array{type, code, value}, std::array{EV_SYN, SYN_REPORT, 0}}) {

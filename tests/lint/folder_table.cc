@@ -13,8 +13,8 @@ const Folders kModel = kBase + Folders{"server/model"};
 const Folders kConsole =
     kModel + Folders{"proto", "client/console/gateway", "client/console/scene"};
 const Folders kHands = {"devices/hand", "devices/omni", "devices/joystick", "devices/page"};
-const Folders kDesk = {"devices/spacemouse", "devices/touch", "devices/input", "devices/evdev",
-                       "devices/comedi"};
+const Folders kDesk = {"devices/spacemouse", "devices/touch",  "devices/input",
+                       "devices/evdev",      "devices/comedi", "devices/force_stick"};
 const Folders kDrivers = {"devices/evdev", "devices/melfa", "devices/net_ft"};
 const Folders kRigs = {"devices/rig", "devices/rig/world", "devices/melfa", "devices/net_ft"};
 
@@ -161,6 +161,8 @@ Table device_rows() {
           {"devices/touch",
            kModel + Folders{"devices", "devices/input", "devices/omni", "devices/self_test"}},
           {"devices/evdev", kBase + Folders{"devices", "devices/input", "devices/self_test"}},
+          {"devices/force_stick", kModel + Folders{"devices", "devices/evdev", "devices/input",
+                                                   "devices/joystick", "devices/self_test"}},
           {"devices/udp", kBase + Folders{"server/packets"}},
           {"devices/melfa",
            kModel + Folders{"devices", "devices/udp", "devices/self_test", "server/packets"}},

@@ -21,7 +21,7 @@
 namespace handrail::test {
 
 // Answers as the kernel does.
-class FakeGamepad final : public FakeEvdev {
+class FakeGamepad : public FakeEvdev {
  public:
   struct Axis {
     int least, most, value, flat;
@@ -55,6 +55,11 @@ class FakeGamepad final : public FakeEvdev {
     has_motors_ = true;
     may_write_ = may_write;
   }
+  // What the motors do, in place of FF_RUMBLE.
+  void give_effect(int effect) {
+    const std::lock_guard lock(mutex_);
+    motor_effect_ = effect;
+  }
   // Each upload takes so long.
   void slow(std::chrono::milliseconds time) { slow_ = time; }
   std::vector<Motors> motors() {
@@ -77,7 +82,7 @@ class FakeGamepad final : public FakeEvdev {
 
   int control(int, unsigned long request, void* argument) noexcept override {
     const auto number = _IOC_NR(request);
-    if (number == 0x80) std::this_thread::sleep_for(slow_.load());
+    if (number == 0x80) std::this_thread::sleep_for(upload_time());
     const std::lock_guard lock(mutex_);
     if (number == 0x80) {  // EVIOCSFF
       auto& effect = *static_cast<ff_effect*>(argument);
@@ -102,7 +107,7 @@ class FakeGamepad final : public FakeEvdev {
     if (number == 0x20 + EV_KEY) {
       for (const int key : keys_) set(argument, key);
     }
-    if (number == 0x20 + EV_FF && has_motors_) set(argument, FF_RUMBLE);
+    if (number == 0x20 + EV_FF && has_motors_) set(argument, motor_effect_);
     if (number == 0x20 + EV_ABS) {
       for (const auto& [code, axis] : axes_) set(argument, code);
     }
@@ -136,6 +141,9 @@ class FakeGamepad final : public FakeEvdev {
     event(EV_SYN, SYN_REPORT, 0);
   }
 
+ protected:
+  std::chrono::milliseconds upload_time() const { return slow_.load(); }
+
  private:
   static void set(void* words, int bit) {
     constexpr int kBits = sizeof(unsigned long) * CHAR_BIT;
@@ -143,6 +151,7 @@ class FakeGamepad final : public FakeEvdev {
   }
   static constexpr int kEffect = 3;
   bool has_motors_ = false, may_write_ = true;
+  int motor_effect_ = FF_RUMBLE;
   std::atomic<std::chrono::milliseconds> slow_{std::chrono::milliseconds(0)};
   Motors uploaded_{};
   std::vector<Motors> motors_;

@@ -142,6 +142,8 @@ TEST(Catalogue, WhatTheFilesThatWereGivenWantIsWanted) {
   EXPECT_EQ(wanted(), Names{"touch"});
   settings.hand.kind = HapticDeviceKind::kGamepad;
   EXPECT_EQ(wanted(), Names{"gamepad"});
+  settings.hand.kind = HapticDeviceKind::kForceStick;
+  EXPECT_EQ(wanted(), Names{"force-stick"});
   settings.hand.kind = HapticDeviceKind::kSpaceMouse;
   settings.slave_given = true;
   EXPECT_EQ(wanted(), (Names{"spacemouse", "melfa", "net-ft"}));

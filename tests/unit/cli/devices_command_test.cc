@@ -104,7 +104,7 @@ TEST(DevicesCommand, WhatIsWronglyTypedIsNamed) {
       {{"test", "spacmouse"}, "there is no 'spacmouse', did you mean 'spacemouse'?"},
       {{"test", "xyzzy"},
        "there is no 'xyzzy', expected spacemouse, touch, gamepad, joystick, "
-       "stop"},
+       "force-stick, stop"},
       {{"test", "sim-omni", "--force", "41"}, "--force: '41'"},
       {{"test", "sim-omni", "--force", "much"}, "--force: 'much'"},
       {{"test", "page", "--device", "/dev/input/event5"}, "--device is for stop-switch"},

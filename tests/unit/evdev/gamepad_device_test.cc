@@ -3,11 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <chrono>
-#include <thread>
+#include <memory>
 
 #include "tests/support/fake_gamepad.h"
 #include "tests/support/no_allocation.h"
+#include "tests/support/read_bench.h"
 #include "tests/support/temp_folder.h"
 
 namespace handrail {
@@ -16,7 +16,7 @@ namespace {
 using test::FakeGamepad;
 using ::testing::HasSubstr;
 
-class GamepadDeviceTest : public ::testing::Test {
+class GamepadDeviceTest : public test::ReadBench {
  protected:
   GamepadDeviceTest() {
     kernel.make_pad();
@@ -28,25 +28,11 @@ class GamepadDeviceTest : public ::testing::Test {
     ASSERT_TRUE(opened) << opened.message();
     ASSERT_TRUE(becomes(true));
   }
-  HapticSample read() { return device->read(now += kMillisecond); }
-  HapticSample after(double seconds) {
-    HapticSample out;
-    for (const Nanos until = now + from_seconds(seconds); now < until;) out = read();
-    return out;
-  }
-  // Valid or not, for at most ten seconds of real time.
-  bool becomes(bool valid) {
-    for (int i = 0; i < 10'000; ++i) {
-      if (read().valid == valid) return true;
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    return false;
-  }
+  HapticDevice& read_device() override { return *device; }
 
   FakeGamepad kernel;
   GamepadOptions options;
   std::unique_ptr<GamepadDevice> device;
-  Nanos now = kSecond;
 };
 
 constexpr int kFull = 32767;

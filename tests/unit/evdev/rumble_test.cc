@@ -8,6 +8,7 @@
 #include "server/base/clock.h"
 #include "tests/support/fake_gamepad.h"
 #include "tests/support/no_allocation.h"
+#include "tests/support/read_bench.h"
 
 namespace handrail {
 namespace {
@@ -32,8 +33,9 @@ TEST(RumbleOf, EachCauseHasItsMotorsAndNoneMoreThanItsShare) {
   }
 }
 
-class RumbleTest : public ::testing::Test {
+class RumbleTest : public test::ReadBench {
  protected:
+  HapticDevice& read_device() override { return *device; }
   using Motors = FakeGamepad::Motors;
 
   RumbleTest() { kernel.make_pad(); }
@@ -54,12 +56,6 @@ class RumbleTest : public ::testing::Test {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     return false;
-  }
-  bool comes(const std::function<bool()>& condition) {
-    for (int i = 0; i < 10'000 && !condition(); ++i) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    return condition();
   }
   bool on() { return !kernel.motors().empty() && kernel.motors().back().on; }
   bool off() { return !kernel.motors().empty() && !kernel.motors().back().on; }

@@ -259,6 +259,22 @@ TEST(Config, AGamepadHasItsOwnBlockAndAWholePath) {
   EXPECT_EQ(master_error("device { kind: GAMEPAD gamepad { device: '/dev/input/event5' } }"), "");
 }
 
+TEST(Config, AForceStickHasItsOwnBlockAndForceForAllItsAxes) {
+  using ::testing::HasSubstr;
+  EXPECT_THAT(master_error("device { force_stick { } }"),
+              HasSubstr("only used with kind: FORCE_STICK"));
+  const auto error = [](const std::string& fields) {
+    return master_error("device { kind: FORCE_STICK force_stick { " + fields + " } }");
+  };
+  EXPECT_THAT(error("device: 'event5'"), HasSubstr("'device.force_stick.device': 'event5', "));
+  EXPECT_THAT(error("full_force_n: [4, 0]"), HasSubstr("expected both, none, or axes: WHEEL"));
+  EXPECT_THAT(error("full_force_n: [4]"), HasSubstr("device.force_stick.full_force_n"));
+  EXPECT_THAT(error("full_force_n: [400, 4]"), HasSubstr("device.force_stick.full_force_n"));
+  EXPECT_THAT(error("upload_hz: 50"), HasSubstr("device.force_stick.upload_hz"));
+  EXPECT_EQ(error("full_force_n: [4, 0] axes: WHEEL"), "");
+  EXPECT_EQ(error("full_force_n: [4, -4] device: '/dev/input/event5'"), "");
+}
+
 TEST(Config, TakesRelativePathsFromTheFilesFolder) {
   const TempFolder folder;
   const std::string file = folder.write(
