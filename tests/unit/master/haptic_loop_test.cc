@@ -236,6 +236,29 @@ TEST_F(HapticLoopTest, TellsHowLateItsTicksCame) {
   EXPECT_EQ(report.overruns, 0u);
 }
 
+TEST_F(HapticLoopTest, ADeviceThatTurnsByItselfCallsTheTick) {
+  ticks(10);
+  // A turn each 1.02 ms, taken 50 us later: never late, though the loop's own clock would say so.
+  for (int i = 0; i < 240; ++i) {
+    now += 1020 * kMicrosecond;
+    loop->tick(now + 50 * kMicrosecond, now);
+  }
+  ticks(1);
+  EXPECT_EQ(report.overruns, 0u);
+  EXPECT_LE(report.late_max, 60 * kMicrosecond);
+  // When the device is silent, the loop's clock goes on from its last turn.
+  EXPECT_EQ(loop->due(), now + kMillisecond);
+}
+
+TEST_F(HapticLoopTest, AForceThatMissedItsTurnCountsAsAnOverrun) {
+  ticks(3);
+  device.sample.force_missed = true;
+  ticks(2);
+  device.sample.force_missed = false;
+  ticks(1);
+  EXPECT_EQ(report.overruns, 2u);
+}
+
 TEST_F(HapticLoopTest, TicksWithoutTouchingTheHeap) {
   pull_off_a_line();
   HapticSettings other = settings;

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "devices/haptic_device.h"
+#include "server/base/units.h"
 #include "tests/support/no_allocation.h"
 #include "tests/unit/touch/touch_bench.h"
 
@@ -59,7 +60,7 @@ TEST_F(TouchDeviceTest, OpensTheDefaultByEachOfItsNamesAndAsksForThousandTurns) 
   EXPECT_EQ(device->driver_version(), "4.2.122");
   EXPECT_FALSE(device->capabilities().simulated);
   EXPECT_EQ(device->capabilities().max_force, 3.3);
-  EXPECT_EQ(device->capabilities().dynamics.delay, 1e-3);
+  EXPECT_NEAR(device->capabilities().dynamics.delay, 0.35e-3, 1e-12);
   hd([](HdState& s) { s.name = "somebody's"; });
   device->close();
   EXPECT_TRUE(device->open());  // by no name at all
@@ -263,10 +264,84 @@ TEST_F(TouchDeviceTest, ClosedItIsLetGoOfAndMayBeOpenedAgain) {
   EXPECT_EQ(force(), 0.0);
 }
 
+// As the master's loop, which pushes by 0.1 N for a millimetre to the right.
+class TouchLoopTest : public TouchDeviceTest {
+ protected:
+  // Returns how often the force came too late, as the device says.
+  int run(int ticks, Nanos step_takes = 0) {
+    int missed = 0;
+    Nanos due = monotonic_now();
+    for (int i = 0; i < ticks; ++i) {
+      due = device->wait(due) + kMillisecond;
+      most_silent_ = std::max(most_silent_, monotonic_now() - last_);
+      last_ = monotonic_now();
+      const HapticSample sample = read();
+      missed += sample.force_missed ? 1 : 0;
+      own_clock_ += device->tick().ticks == seen_ ? 1 : 0;
+      seen_ = device->tick().ticks;
+      const double x = sample.valid ? sample.X_MH.p.x() / kMm : 0.0;
+      if (step_takes > 0) sleep_until(monotonic_now() + step_takes);
+      device->write({Vec3(0.1 * x, 0.0, 0.0), Vec3::Zero()});
+      hd([&](HdState& s) { s.target[0] = std::sin(0.05 * i); });
+    }
+    return missed;
+  }
+  void begin_count() {
+    hd([](HdState& s) { s.answered = s.answered_late = s.unanswered = 0; });
+  }
+  struct Count {
+    std::uint64_t in_turn, late, other;
+  };
+  Count count() {
+    return hd([](HdState& s) { return Count{s.answered, s.answered_late, s.unanswered}; });
+  }
+
+  Nanos last_ = kForever, most_silent_ = 0;
+  int own_clock_ = 0;
+  std::uint64_t seen_ = 0;
+};
+
+TEST_F(TouchLoopTest, AForceActsInTheTurnOfItsReading) {
+  ASSERT_NO_FATAL_FAILURE(open());
+  (void)run(100);
+  begin_count();
+  const int missed = run(1000);
+  const Count of = count();
+  EXPECT_GT(of.in_turn, 0u);
+  // None came late that was not counted; the newest is not known yet.
+  EXPECT_LE(of.late + of.other, static_cast<std::uint64_t>(missed + own_clock_) + 2);
+  RecordProperty("in_turn", static_cast<int>(of.in_turn));
+}
+
+TEST_F(TouchLoopTest, AStepThatTakesTooLongPushesATurnLateAndIsCounted) {
+  ASSERT_NO_FATAL_FAILURE(open());
+  (void)run(100, 500 * kMicrosecond);
+  begin_count();
+  const int missed = run(500, 500 * kMicrosecond);
+  const Count of = count();
+  EXPECT_GT(of.late, 0u);
+  EXPECT_LT(of.in_turn, of.late);
+  EXPECT_GT(missed, 400);
+}
+
+TEST_F(TouchLoopTest, WhileTheDevicePausesTheLoopGoesOn) {
+  ASSERT_NO_FATAL_FAILURE(open());
+  hd([](HdState& s) { s.stalls = 50; });
+  (void)run(1000);
+  EXPECT_GT(own_clock_, 100);  // some 18 of each pause
+  hd([](HdState& s) { s.stalls = 0, s.turns = false; });
+  ASSERT_TRUE(valid(false));
+  const int before = own_clock_;
+  (void)run(100);
+  EXPECT_GE(own_clock_ - before, 100);
+  EXPECT_EQ(hd([](HdState& s) { return s.most_force > 3.3 + 1e-9; }), false);
+}
+
 TEST_F(TouchDeviceTest, ReadingAndWritingDoNotAllocate) {
   ASSERT_NO_FATAL_FAILURE(open());
   test::NoAllocation guard("touch");
   for (int i = 0; i < 100; ++i) {
+    (void)device->wait(monotonic_now() + kMillisecond);
     (void)read();
     device->write({Vec3(0.1, 0.0, 0.0), Vec3::Zero()});
     sleep_until(monotonic_now() + kMillisecond);
