@@ -8,6 +8,7 @@
 #include "server/base/clock.h"
 #include "server/base/pacer.h"
 #include "server/base/plain_text.h"
+#include "server/base/signals.h"
 #include "server/base/units.h"
 
 namespace handrail {
@@ -17,7 +18,9 @@ constexpr unsigned long kServoRate = 1000;          // as the vendor's own examp
 constexpr Nanos kFirstTick = kSecond;               // the scheduler's thread has begun long before
 constexpr Nanos kTickPatience = 20 * kMillisecond;  // at 414 Hz, the slowest measured, 8 ticks
 constexpr Nanos kLetGo =
-    500 * kMillisecond;  // after an error, and as long to come back; our choice
+    500 * kMillisecond;                     // after an error, and as long to come back; our choice
+constexpr Nanos kLook = 20 * kMillisecond;  // whether it still turns
+constexpr Nanos kReopenPause = 100 * kMillisecond;  // between two attempts, as for other devices
 // It is asked for calibration and temperature so often; both change over seconds.
 constexpr std::uint64_t kHomingTicks = 50, kHeatTicks = 100;
 // The library's own estimate; at 1 the motor has to rest.
@@ -65,11 +68,41 @@ Status TouchDevice::open() {
     if (!loaded) return loaded.status();
     api_ = *loaded;
   }
-  if (Status s = init(); !s) return s;
+  gate_.reset();
+  tick_ = TouchTick();
+  servo_.losses = 0;
+  if (Status s = begin(false); !s) return s;
   ask_identity();
-  Status started = start();
-  if (!started) close();
+  (void)gate_.take(tick_);
+  open_ = true;
+  stopping_.store(false, std::memory_order_relaxed);
+  const SignalsBlocked blocked;
+  watcher_ = std::thread([this] { watch(); });
+  return Status::ok();
+}
+
+Status TouchDevice::begin(bool again) {
+  if (Status s = init(); !s) return s;
+  ask_abilities();
+  Status started = start(again);
+  if (!started) end();
   return started;
+}
+
+// Looks are counted, not time: a program that stood still has missed none.
+void TouchDevice::watch() noexcept {
+  std::uint64_t seen = 0;
+  Nanos bad = 0, next = -kForever;
+  while (!stopping_.load(std::memory_order_relaxed)) {
+    sleep_until(monotonic_now() + kLook);
+    const bool turned = std::exchange(seen, turns_.load(std::memory_order_acquire)) != seen;
+    bad = turned && !failing_.load(std::memory_order_relaxed) ? 0 : bad + kLook;
+    if (running_ && bad < options_.lost_after) continue;
+    end();
+    if (monotonic_now() < next) continue;
+    if (begin(true)) bad = 0;
+    next = monotonic_now() + kReopenPause;
+  }
 }
 
 Status TouchDevice::init() {
@@ -97,6 +130,10 @@ void TouchDevice::ask_identity() {
   model_ = text_or_empty(api_->get_string(kHdModel));
   serial_ = text_or_empty(api_->get_string(kHdSerial));
   driver_version_ = text_or_empty(api_->get_string(kHdDriverVersion));
+}
+
+void TouchDevice::ask_abilities() {
+  api_->make_current(device_);
   std::int32_t styles = 0;
   api_->get_integer(kHdCalibrationStyle, &styles);
   style_ = best_style(static_cast<HdEnum>(styles));
@@ -105,12 +142,13 @@ void TouchDevice::ask_identity() {
   most_force_ = nominal > 0.0 ? std::min(nominal, kOmniPeakForce) : kOmniPeakForce;
 }
 
-Status TouchDevice::start() {
+Status TouchDevice::start(bool again) {
+  const std::uint64_t losses = servo_.losses;
   servo_ = TouchTick();
-  gate_.reset();
-  tick_ = TouchTick();
+  servo_.losses = losses + (again ? 1 : 0);
   output_ = hot_ = false;
-  failed_at_ = -kForever;
+  failed_at_ = again ? monotonic_now() : -kForever;
+  const std::uint64_t turns = turns_.load(std::memory_order_acquire);
   scheduled_ = api_->schedule(
       [](void* self) {
         static_cast<TouchDevice*>(self)->servo();
@@ -127,7 +165,7 @@ Status TouchDevice::start() {
                          (hint.empty() ? "" : "; " + hint));
   }
   for (const Nanos until = monotonic_now() + kFirstTick; monotonic_now() < until;) {
-    if (gate_.take(tick_)) return Status::ok();
+    if (turns_.load(std::memory_order_acquire) != turns) return Status::ok();
     sleep_until(monotonic_now() + kMillisecond);
   }
   return Status::error("Touch: its scheduler does not run: no tick in a second; " +
@@ -144,8 +182,10 @@ void TouchDevice::servo() noexcept {
   note_errors(servo_);
   servo_.sample.valid = servo_.sample.valid && servo_.homing == TouchHoming::kDone &&
                         !loses_device(servo_.error.code);
+  failing_.store(loses_device(servo_.error.code), std::memory_order_relaxed);
   const bool pushes = may_push(servo_);
   gate_.give(servo_, monotonic_now());
+  turns_.fetch_add(1, std::memory_order_release);
   Nanos written = -kForever;
   const Vec3& asked = gate_.answer(written);
   const Vec3 force = pushes ? share_of(asked, written) : Vec3::Zero().eval();
@@ -235,7 +275,7 @@ void TouchDevice::note_errors(TouchTick& out) noexcept {
 }
 
 HapticSample TouchDevice::read(Nanos) noexcept {
-  if (!running_) return {};
+  if (!open_) return {};
   (void)gate_.take(tick_);
   HapticSample sample = tick_.sample;
   sample.force_missed = gate_.missed();
@@ -248,10 +288,17 @@ void TouchDevice::write(const Wrench& f_H_M) noexcept {
 }
 
 Nanos TouchDevice::wait(Nanos due) noexcept {
-  return running_ ? gate_.wait(due) : HapticDevice::wait(due);
+  return open_ ? gate_.wait(due) : HapticDevice::wait(due);
 }
 
 void TouchDevice::close() noexcept {
+  stopping_.store(true, std::memory_order_relaxed);
+  if (watcher_.joinable()) watcher_.join();
+  open_ = false;
+  end();
+}
+
+void TouchDevice::end() noexcept {
   if (running_) {
     // After this no callback runs.
     api_->stop_scheduler();

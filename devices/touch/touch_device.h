@@ -1,9 +1,11 @@
 // A Touch, Phantom Omni or their like of 3D Systems, through the vendor's libHD.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <thread>
 
 #include "devices/haptic_device.h"
 #include "devices/input/turn_gate.h"
@@ -15,6 +17,9 @@ struct TouchOptions {
   // As the vendor's setup has it; empty: "Default Device", "Default PHANToM", then the default.
   std::string name;
   std::string library = "libHD.so";  // a path, or a name that the loader knows
+  // One that fails in each turn, or does not turn, for so long is opened again; longer than a dip
+  // of the bus. Our choice.
+  Nanos lost_after = 500 * kMillisecond;
 };
 
 // Where it is with its own calibration.
@@ -32,9 +37,10 @@ struct TouchTick {
   TouchHoming homing = TouchHoming::kByHand;
   HdError error;                 // since the last tick, the first; code 0: none
   double temperature = 0.0;      // of the warmest motor, 0 to 1, where it has to rest
-  std::uint64_t ticks = 0;       // since it was opened
+  std::uint64_t ticks = 0;       // since it was opened, the last time
   std::uint64_t frozen = 0;      // of these, in a row, with the very same place and angles
   std::uint64_t force_offs = 0;  // times the force was let go of, for an error or a hot motor
+  std::uint64_t losses = 0;      // times that it was lost and opened again
 };
 
 // Reckoned with as a Touch, whatever the model: its data sheet's mass, friction, resolution and
@@ -46,6 +52,10 @@ struct TouchTick {
 // while the device or its cable fails, and after 20 ms without a tick. The force is let go of by
 // the servo thread after kForceStands, at an error, and while a motor is hot; half a second after
 // an error it is switched on again and comes back within half a second.
+//
+// A device that is lost, unplugged or with a scheduler that stopped, is closed and opened again by
+// a thread of its own, every 100 ms until it works: homing is asked anew, and the force comes back
+// as after an error.
 class TouchDevice final : public HapticDevice {
  public:
   explicit TouchDevice(const TouchOptions& options);
@@ -68,9 +78,13 @@ class TouchDevice final : public HapticDevice {
   const std::string& driver_version() const noexcept { return driver_version_; }
 
  private:
+  Status begin(bool again);
+  void end() noexcept;
+  void watch() noexcept;
   Status init();
   void ask_identity();
-  Status start();
+  void ask_abilities();
+  Status start(bool again);
   void servo() noexcept;
   void home(TouchTick& out) noexcept;
   void read_state(TouchTick& out) noexcept;
@@ -83,10 +97,17 @@ class TouchDevice final : public HapticDevice {
   std::optional<HdApi> api_;
   HdHandle device_ = kHdNoDevice;
   unsigned long scheduled_ = 0;
-  bool running_ = false;
+  bool running_ = false;  // its scheduler does; of the watching thread while there is one
+  bool open_ = false;     // for who reads
   std::string model_, serial_, driver_version_;
 
   TurnGate<TouchTick> gate_;  // between the two threads
+
+  // What the servo thread tells the one that watches it, and that its end.
+  std::atomic<std::uint64_t> turns_{0};
+  std::atomic<bool> failing_{false};
+  std::atomic<bool> stopping_{false};
+  std::thread watcher_;
 
   // Of the servo thread.
   HdEnum style_ = 0;

@@ -248,6 +248,59 @@ TEST_F(TouchDeviceTest, AThreadThatStandsStillIsNoticed) {
   EXPECT_TRUE(valid());
 }
 
+// The cable, or the vendor's scheduler; homing is asked anew each time.
+TEST_F(TouchDeviceTest, LostAHundredTimesItIsOpenedAgainByItself) {
+  options.lost_after = 40 * kMillisecond;
+  ASSERT_NO_FATAL_FAILURE(open());
+  for (int i = 0; i < 100; ++i) {
+    ASSERT_TRUE(valid()) << i;
+    hd([&](HdState& s) {
+      s.init_error = kHdCommError;
+      i % 2 == 0 ? s.tick_error = kHdCommError : s.turns = false;
+      s.calibration = kHdNeedsUpdate;
+      s.updates = 0;
+    });
+    ASSERT_TRUE(valid(false)) << i;
+    ASSERT_TRUE(becomes([&] { return hd([](HdState& s) { return s.open_devices; }) == 0; })) << i;
+    EXPECT_FALSE(hd([](HdState& s) { return s.output; }));
+    hd([](HdState& s) { s.init_error = s.tick_error = 0, s.turns = true; });
+    ASSERT_TRUE(valid()) << i;
+    EXPECT_EQ(hd([](HdState& s) { return s.updates; }), 1) << i;
+  }
+  EXPECT_EQ(device->tick().losses, 100u);
+}
+
+TEST_F(TouchDeviceTest, AfterALossTheForceComesBackSlowly) {
+  options.lost_after = 40 * kMillisecond;
+  ASSERT_NO_FATAL_FAILURE(open());
+  ASSERT_TRUE(pushes(1.0, 1.0));
+  hd([](HdState& s) { s.turns = false; });
+  ASSERT_TRUE(becomes([&] { return hd([](HdState& s) { return s.open_devices; }) == 0; }));
+  hd([](HdState& s) { s.turns = true; });
+  ASSERT_TRUE(valid());
+  const Nanos ended = monotonic_now();
+  double most_rise = 0.0, before = 0.0;
+  EXPECT_TRUE(becomes([&] {
+    device->write({Vec3(1.0, 0.0, 0.0), Vec3::Zero()});
+    const double now = force();
+    most_rise = std::max(most_rise, now - before);
+    before = now;
+    return now == 1.0;
+  }));
+  EXPECT_GE(monotonic_now() - ended, 900 * kMillisecond);
+  EXPECT_LT(most_rise, 0.5);
+}
+
+TEST_F(TouchDeviceTest, AShortDipIsNoLoss) {
+  ASSERT_NO_FATAL_FAILURE(open());
+  ASSERT_TRUE(valid());
+  hd([](HdState& s) { s.turns = false; });
+  ASSERT_TRUE(valid(false));
+  hd([](HdState& s) { s.turns = true; });
+  ASSERT_TRUE(valid());
+  EXPECT_EQ(device->tick().losses, 0u);
+}
+
 TEST_F(TouchDeviceTest, ClosedItIsLetGoOfAndMayBeOpenedAgain) {
   ASSERT_NO_FATAL_FAILURE(open());
   ASSERT_TRUE(pushes(1.0, 1.0));
