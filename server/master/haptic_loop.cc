@@ -38,10 +38,12 @@ HapticLoop::HapticLoop(HapticDevice& device, const LoopScene& scene, MasterMailb
 void HapticLoop::tick(Nanos now, Nanos turn) noexcept {
   pacer_.follow(turn);
   pacer_.woke(now);
-  tick_.dt = std::clamp(to_seconds(now - last_tick_), kShortest, kLongest);
+  // A device's first turn may come before the loop's own clock begins.
+  const Nanos passed = std::max<Nanos>(now - last_tick_, 0);
+  tick_.dt = std::clamp(to_seconds(passed), kShortest, kLongest);
   // The device has let go meanwhile: the force begins anew.
-  tick_.let_go = now - last_tick_ >= kForceStands;
-  tick_.in.unseen = now - last_tick_;
+  tick_.let_go = passed >= kForceStands;
+  tick_.in.unseen = passed;
   tick_.led_by_cursor = device_.capabilities().led_by_cursor;
   last_tick_ = now;
   take_scene();

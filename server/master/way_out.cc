@@ -25,10 +25,10 @@ std::string put_right(Reason reason, int joint, const JointVector& q) {
       return "at the controller: clear its alarm, if there is one, and start its program in "
              "AUTOMATIC; the slave's log names other causes";
     case Reason::kRobotStopPressed:
-      return "release the controller's emergency stop, then 'handrail robot reset'";
+      return "release the controller's emergency stop, and clear its alarm";
     case Reason::kRobotAlarm:
-      return "take the alarm's cause away ('handrail robot status' names it), then 'handrail robot "
-             "reset'";
+      return "take the cause of the controller's alarm away, and clear it; 'handrail robot status' "
+             "names it";
     case Reason::kRobotTeaching: return "turn the controller's key to AUTOMATIC";
     case Reason::kRobotMachineLock: return "take the machine lock away at the controller";
     case Reason::kRobotProgram:

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
+
 #include "tests/support/no_allocation.h"
 #include "tests/unit/master/loop_bench.h"
 
@@ -247,6 +249,17 @@ TEST_F(HapticLoopTest, ADeviceThatTurnsByItselfCallsTheTick) {
   EXPECT_EQ(report.overruns, 0u);
   EXPECT_LE(report.late_max, 60 * kMicrosecond);
   // When the device is silent, the loop's clock goes on from its last turn.
+  EXPECT_EQ(loop->due(), now + kMillisecond);
+}
+
+TEST_F(HapticLoopTest, ATurnBeforeTheLoopsOwnClockBeginsIsATickLikeAnother) {
+  const auto tap = std::make_unique<MasterTap>();
+  loop.emplace(device, LoopScene{settings}, boxes, now + 50 * kMillisecond, tap.get());
+  loop->tick(now, now);
+  KeptTick kept;
+  ASSERT_TRUE(tap->take(kept));
+  EXPECT_EQ(kept.given.in.unseen, 0);
+  EXPECT_GT(kept.given.dt, 0.0);
   EXPECT_EQ(loop->due(), now + kMillisecond);
 }
 
