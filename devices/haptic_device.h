@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "server/base/pacer.h"
 #include "server/base/spatial.h"
 #include "server/base/status.h"
 #include "server/base/time.h"
@@ -41,6 +42,9 @@ struct HapticSample {
   Vec3 v_MH = Vec3::Zero();   // velocity of the tip [m/s]
   std::uint32_t buttons = 0;  // bits 0 to 2 = buttons 1 (clutch), 2 (drop the tool), 3 (enable)
   bool valid = false;         // false: nothing else in the sample may be used
+  // A force that was written since the last reading came too late for its turn: the one before it
+  // acted a turn longer.
+  bool force_missed = false;
 };
 
 // Where a simulated hand should go: a minimum-jerk move from where its intent stands now. Limits:
@@ -85,6 +89,16 @@ class HapticDevice {
   // The newest reading at time `now`, which never goes backward. A simulated device advances its
   // model to `now` under the wrench last written.
   virtual HapticSample read(Nanos now) noexcept = 0;
+  // Before read(): waits for the loop's next turn, which its own clock has at `due`, and returns
+  // when that turn was due by monotonic_now(). A device that turns by itself calls the loop as soon
+  // as it has a new reading, so that the force for it is written in the device's own turn, and
+  // returns the time of that reading; while it is silent, at kTurnPatience after `due` once and
+  // then at `due`, it returns `due`: the loop goes on by its own clock. Real-time safe but that it
+  // waits.
+  virtual Nanos wait(Nanos due) noexcept {
+    sleep_until(due);
+    return due;
+  }
   // Applies f_H_M, force and torque of the device on the hand, frame M, until the next call, but no
   // longer than kForceStands: then the device lets go by itself, whatever became of the thread that
   // calls. A driver does so in the device, or in a thread of its own. The caller has limited f_H_M

@@ -30,8 +30,7 @@ ComediJoystick::ComediJoystick(const ComediJoystickOptions& options)
   capabilities_.dynamics.resolution =
       kJoystickResolution * 10000.0 /
       std::min(std::abs(options.counts_per_turn[0]), std::abs(options.counts_per_turn[1]));
-  // The thread passes a force on in its next turn after the one that read the position.
-  capabilities_.dynamics.delay = to_seconds(kStickPeriod);
+  capabilities_.dynamics.delay = to_seconds(kAnswerPatience);
   capabilities_.buttons =
       static_cast<int>(std::min<std::size_t>(3, options.button_channels.size()));
 }
@@ -51,17 +50,15 @@ Status ComediJoystick::open() {
   now_ = JoystickTick();
   now_.there = true;
   force_ = JoystickForce(options_.most_force);
-  (void)ticks_.take(tick_);  // of the last session
+  gate_.reset();
   tick_ = JoystickTick();
-  commands_.publish(Command());
-  command_ = Command();
   stopping_.store(false, std::memory_order_relaxed);
   {
     const SignalsBlocked blocked;
     thread_ = std::thread([this] { run(); });
   }
   for (const Nanos until = monotonic_now() + kFirstTick; monotonic_now() < until;) {
-    if (ticks_.take(tick_)) return Status::ok();
+    if (gate_.take(tick_)) return Status::ok();
     sleep_until(monotonic_now() + kMillisecond);
   }
   close();
@@ -77,13 +74,14 @@ void ComediJoystick::run() {
   Pacer pacer(kStickPeriod, monotonic_now());
   Nanos last = monotonic_now() - kStickPeriod;
   while (!stopping_.load(std::memory_order_relaxed)) {
-    const Nanos now = monotonic_now();
-    if (card_ && !turn(now, now - last)) lose();
-    if (!card_) try_again(now);
-    last = now;
-    now_.at = now;
+    now_.at = monotonic_now();
     ++now_.ticks;
-    ticks_.publish(now_);
+    if (card_ && !turn(now_.at - last)) lose();
+    if (!card_) {
+      try_again(now_.at);
+      gate_.give(now_, now_.at);
+    }
+    last = now_.at;
     sleep_until(pacer.due());
     (void)pacer.woke(monotonic_now());
   }
@@ -92,13 +90,15 @@ void ComediJoystick::run() {
 }
 
 // False: the card does not answer.
-bool ComediJoystick::turn(Nanos now, Nanos dt) noexcept {
-  Command newest;
-  if (commands_.take(newest)) command_ = newest;
+bool ComediJoystick::turn(Nanos dt) noexcept {
   StickReading reading;
   if (card_->read(reading) != 0) return false;
   look(reading, to_seconds(std::max<Nanos>(dt, kStickPeriod / 10)));
-  now_.force = force_.step(command_.force, command_.at, now_.homed && !now_.too_far, now, dt);
+  gate_.give(now_, monotonic_now());
+  Nanos written = -kForever;
+  const Vec2 asked = gate_.answer(written).head<2>();
+  const Nanos now = monotonic_now();  // the program may have stood still in the turn
+  now_.force = force_.step(asked, written, now_.homed && !now_.too_far, now, dt);
   now_.hot = force_.hot();
   return card_->push(now_.force) == 0;
 }
@@ -147,15 +147,19 @@ void ComediJoystick::try_again(Nanos now) {
 
 HapticSample ComediJoystick::read(Nanos) noexcept {
   if (!thread_.joinable()) return {};
-  (void)ticks_.take(tick_);
+  (void)gate_.take(tick_);
   HapticSample sample = tick_.sample;
+  sample.force_missed = gate_.missed();
   sample.valid = sample.valid && monotonic_now() - tick_.at <= kStickPatience;
   return sample;
 }
 
 void ComediJoystick::write(const Wrench& f_H_M) noexcept {
-  const Vec2 force = is_finite(f_H_M.force) ? f_H_M.force.head<2>().eval() : Vec2::Zero().eval();
-  commands_.publish({monotonic_now(), force});
+  gate_.write(is_finite(f_H_M.force) ? f_H_M.force : Vec3::Zero().eval());
+}
+
+Nanos ComediJoystick::wait(Nanos due) noexcept {
+  return thread_.joinable() ? gate_.wait(due) : HapticDevice::wait(due);
 }
 
 void ComediJoystick::close() noexcept {

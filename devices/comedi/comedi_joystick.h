@@ -11,7 +11,7 @@
 #include "devices/comedi/joystick_force.h"
 #include "devices/comedi/joystick_homing.h"
 #include "devices/haptic_device.h"
-#include "server/base/mailbox.h"
+#include "devices/input/turn_gate.h"
 
 namespace handrail {
 
@@ -32,7 +32,8 @@ struct JoystickTick {
 
 // M: X right, Y up (away from the user on a desk), the tip's arc at 15 cm; Z = 0.
 //
-// A thread of its own reads and pushes a thousand times a second. Readings are not valid before the
+// A thread of its own reads and pushes a thousand times a second, and calls in the loop between the
+// two, for kAnswerPatience at most. Readings are not valid before the
 // stick is homed, while the card is gone, which takes the homing with it, and 20 ms after the
 // thread stood still. The force is what JoystickForce allows: none before homing, none 50 ms after
 // the last write(), within half a second back. The card keeps its voltages when a program is
@@ -46,6 +47,7 @@ class ComediJoystick final : public HapticDevice {
   // One that is not homed is opened.
   Status open() override;
   HapticSample read(Nanos now) noexcept override;
+  Nanos wait(Nanos due) noexcept override;
   // Torque and Z are ignored; a force that is not finite counts as none.
   void write(const Wrench& f_H_M) noexcept override;
   void close() noexcept override;
@@ -56,13 +58,8 @@ class ComediJoystick final : public HapticDevice {
   const std::string& card() const noexcept { return card_text_; }
 
  private:
-  struct Command {
-    Nanos at = -kForever;
-    Vec2 force = Vec2::Zero();
-  };
-
   void run();
-  bool turn(Nanos now, Nanos dt) noexcept;
+  bool turn(Nanos dt) noexcept;
   void look(const StickReading& reading, double dt) noexcept;
   void lose() noexcept;
   void try_again(Nanos now);
@@ -74,15 +71,13 @@ class ComediJoystick final : public HapticDevice {
   std::string card_text_;
   std::thread thread_;
   std::atomic<bool> stopping_{false};
-  Mailbox<JoystickTick> ticks_;
-  Mailbox<Command> commands_;
+  TurnGate<JoystickTick> gate_;
 
   // Of the thread.
   std::optional<JoystickCard> card_;
   JoystickHoming homing_;
   JoystickForce force_;
   JoystickTick now_;
-  Command command_;
   Nanos retry_at_ = 0;
 
   // Of who reads.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "devices/melfa/r3_socket.h"
 #include "server/base/clock.h"
 
 namespace handrail {
@@ -13,6 +14,14 @@ constexpr int kReceiveBuffer = 4096;
 constexpr int kMaxDrain = 32;
 
 }  // namespace
+
+Obstacle why_silent(const MelfaOptions& options) {
+  const auto line = R3Socket::connect(options.address, options.command_port);
+  if (line) return silence_of(**line, options.program);
+  Obstacle out = obstacle_in(line.message());
+  out.fact = "its switches cannot be asked: " + out.fact;
+  return out;
+}
 
 MelfaRobot::MelfaRobot(const MelfaOptions& options)
     : options_(options),

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "devices/melfa/mxt_client.h"
+#include "devices/melfa/r3_switches.h"
 #include "devices/robot.h"
 #include "devices/udp/udp_client.h"
 
@@ -18,6 +19,10 @@ struct MelfaOptions {
   std::string program;  // that opens MXT, as the controller calls it; may be empty
   MxtClientOptions client;
 };
+
+// Asks the controller's own switches why it does not answer, as silence_of(). Blocks, bounded: some
+// four seconds at most.
+Obstacle why_silent(const MelfaOptions& options);
 
 // The controller must be running a program that has opened MXT in JOINT mode for this computer's
 // address. A session that was lost or ended is opened again by connect().

@@ -99,36 +99,40 @@ void end(R3Line& line, SwitchesReport& report) {
 Obstacle lasting_obstacle(const R3State& s, const SwitchWishes& wishes, const std::string& words) {
   if (s.status.emergency_stop()) {
     return {"the controller's emergency stop is pressed",
-            "release it there, then handrail robot reset"};
+            "release it there, then handrail robot reset", false, Reason::kRobotStopPressed};
   }
   if (s.status.alarm != 0) {
     return {numbered("alarm", s.status.alarm, words) + " stands",
-            "take its cause away, then handrail robot reset"};
+            "take its cause away, then handrail robot reset", false, Reason::kRobotAlarm};
   }
   if (s.status.teach()) {
     return {"the controller is in TEACH (manual), expected AUTOMATIC",
-            "turn its key to AUTOMATIC, and switch the teaching box off"};
+            "turn its key to AUTOMATIC, and switch the teaching box off", false,
+            Reason::kRobotTeaching};
   }
   if (s.status.machine_lock()) {
     return {"the machine lock is on: programs run, and the arm stands",
-            "take the machine lock away at the controller"};
+            "take the machine lock away at the controller", false, Reason::kRobotMachineLock};
   }
   const bool named = !wishes.program.empty();
   if (s.status.running() && named && !same_program(wishes.program, s.program)) {
     return {"program '" + shown(s.program) + "' runs, expected '" + wishes.program + "'",
-            "stop it at the controller, or correct robot { program } in the slave's file"};
+            "stop it at the controller, or correct robot { program } in the slave's file", false,
+            Reason::kRobotProgram};
   }
   if (!s.status.running() && !named) {
     return {
         "no program runs at the controller, and none is named that opens MXT",
         "robot { program: \"NAME\" } in the slave's file, and handrail robot on; or start it at "
-        "the controller"};
+        "the controller",
+        false, Reason::kRobotProgram};
   }
   if (s.override_percent < 100 && wishes.override_percent.value_or(0) != s.override_percent) {
     return {"the speed override is " + std::to_string(s.override_percent) +
                 " %, expected 100: " + kSlowOverride,
             "handrail robot on --override 100, or --override " +
-                std::to_string(s.override_percent) + " to leave it"};
+                std::to_string(s.override_percent) + " to leave it",
+            false, Reason::kRobotSlow};
   }
   return {};
 }
@@ -240,12 +244,28 @@ Obstacle obstacle_of(const R3State& state, const SwitchWishes& wishes,
   // Whether it can be started is another question than what keeps it from working.
   if (as_it_is.program.empty()) as_it_is.program = state.program;
   if (Obstacle o = lasting_obstacle(state, as_it_is, alarm_text); !o.none()) return o;
-  if (!state.status.servo_on()) return {"the servos are off", "handrail robot on"};
+  if (!state.status.servo_on()) {
+    return {"the servos are off", "handrail robot on", false, Reason::kRobotServosOff};
+  }
   if (state.status.running()) return {};
   if (!wishes.program.empty()) {
-    return {"the program '" + wishes.program + "' does not run", "handrail robot on"};
+    return {"the program '" + wishes.program + "' does not run", "handrail robot on", false,
+            Reason::kRobotProgram};
   }
   return lasting_obstacle(state, wishes, alarm_text);
+}
+
+Obstacle silence_of(R3Line& line, const std::string& program) {
+  SwitchesReport seen;
+  if (!begin(line, seen)) return seen.problem;
+  const R3State& state = *seen.before;
+  const SwitchWishes any_override = {program, state.override_percent};
+  Obstacle out = obstacle_of(state, any_override, seen.alarm_text);
+  if (out.none()) out = obstacle_of(state, {program, std::nullopt}, seen.alarm_text);
+  if (!out.none()) return out;
+  return {"its switches are as they should be, and program '" + shown(state.program) + "' runs",
+          "has that opened MXT, for this computer's address and robot { port }? Look at the cable "
+          "and the network between the two as well"};
 }
 
 SwitchesReport look_at_switches(R3Line& line, const SwitchWishes& wishes) {

@@ -7,6 +7,7 @@
 
 #include "devices/melfa/r3_protocol.h"
 #include "server/base/time.h"
+#include "server/model/reason.h"
 
 namespace handrail {
 
@@ -27,9 +28,10 @@ class R3Line {
 
 // What is wrong, and what to do about it.
 struct Obstacle {
-  std::string fact;      // empty: nothing
-  std::string next;      // empty: nothing is known
-  bool refused = false;  // by the controller in so many words; else it may have been done
+  std::string fact;               // empty: nothing
+  std::string next;               // empty: nothing is known
+  bool refused = false;           // by the controller in so many words; else it may have been done
+  Reason reason = Reason::kNone;  // of those that begin with kRobot, where one says it
   bool none() const { return fact.empty(); }
 };
 
@@ -57,6 +59,11 @@ extern const char kSlowOverride[];
 // empty.
 Obstacle obstacle_of(const R3State& state, const SwitchWishes& wishes,
                      const std::string& alarm_text);
+
+// Why a controller that does not answer real-time control is silent: as obstacle_of(), but that an
+// override is named last, as it makes none silent; or why its switches cannot be asked; or, where
+// they are as they should be, that. Never none(). Changes nothing.
+Obstacle silence_of(R3Line& line, const std::string& program);
 
 // Looks, and changes nothing. Done: the controller told; `problem` then is obstacle_of().
 SwitchesReport look_at_switches(R3Line& line, const SwitchWishes& wishes);

@@ -5,10 +5,11 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <thread>
 
 #include "devices/haptic_device.h"
+#include "devices/input/turn_gate.h"
 #include "devices/touch/hd_api.h"
-#include "server/base/mailbox.h"
 
 namespace handrail {
 
@@ -16,6 +17,9 @@ struct TouchOptions {
   // As the vendor's setup has it; empty: "Default Device", "Default PHANToM", then the default.
   std::string name;
   std::string library = "libHD.so";  // a path, or a name that the loader knows
+  // One that fails in each turn, or does not turn, for so long is opened again; longer than a dip
+  // of the bus. Our choice.
+  Nanos lost_after = 500 * kMillisecond;
 };
 
 // Where it is with its own calibration.
@@ -31,21 +35,27 @@ struct TouchTick {
   Nanos at = -kForever;
   HapticSample sample;
   TouchHoming homing = TouchHoming::kByHand;
-  HdError error;                 // of this tick, the first; code 0: none
+  HdError error;                 // since the last tick, the first; code 0: none
   double temperature = 0.0;      // of the warmest motor, 0 to 1, where it has to rest
-  std::uint64_t ticks = 0;       // since it was opened
+  std::uint64_t ticks = 0;       // since it was opened, the last time
   std::uint64_t frozen = 0;      // of these, in a row, with the very same place and angles
   std::uint64_t force_offs = 0;  // times the force was let go of, for an error or a hot motor
+  std::uint64_t losses = 0;      // times that it was lost and opened again
 };
 
 // Reckoned with as a Touch, whatever the model: its data sheet's mass, friction, resolution and
 // forces; a model with a lower nominal force gets no more than that. M is libHD's own frame: right,
 // up, toward the user, about the middle of the work space.
 //
-// Readings come from the vendor's servo thread, 1 kHz. Not valid: before homing, while the device
-// or its cable fails, and after 20 ms without a tick. The force is let go of by the servo thread
-// after kForceStands, at an error, and while a motor is hot; half a second after an error it is
-// switched on again and comes back within half a second.
+// The vendor's servo thread, 1 kHz, calls in the loop: each of its turns gives a reading, and waits
+// up to kAnswerPatience for the force that the loop works out for it. Not valid: before homing,
+// while the device or its cable fails, and after 20 ms without a tick. The force is let go of by
+// the servo thread after kForceStands, at an error, and while a motor is hot; half a second after
+// an error it is switched on again and comes back within half a second.
+//
+// A device that is lost, unplugged or with a scheduler that stopped, is closed and opened again by
+// a thread of its own, every 100 ms until it works: homing is asked anew, and the force comes back
+// as after an error.
 class TouchDevice final : public HapticDevice {
  public:
   explicit TouchDevice(const TouchOptions& options);
@@ -56,6 +66,7 @@ class TouchDevice final : public HapticDevice {
   // for a second. A device that is not homed is opened.
   Status open() override;
   HapticSample read(Nanos now) noexcept override;
+  Nanos wait(Nanos due) noexcept override;
   void write(const Wrench& f_H_M) noexcept override;
   void close() noexcept override;
 
@@ -67,37 +78,41 @@ class TouchDevice final : public HapticDevice {
   const std::string& driver_version() const noexcept { return driver_version_; }
 
  private:
-  struct Command {
-    Nanos at = -kForever;
-    Vec3 force = Vec3::Zero();
-  };
-
+  Status begin(bool again);
+  void end() noexcept;
+  void watch() noexcept;
   Status init();
   void ask_identity();
-  Status start();
+  void ask_abilities();
+  Status start(bool again);
   void servo() noexcept;
   void home(TouchTick& out) noexcept;
   void read_state(TouchTick& out) noexcept;
-  Vec3 force_now(const TouchTick& out) noexcept;
-  void note_error(TouchTick& out) noexcept;
+  bool may_push(const TouchTick& out) noexcept;
+  Vec3 share_of(const Vec3& asked, Nanos written) const noexcept;
+  void note_errors(TouchTick& out) noexcept;
 
   TouchOptions options_;
   HapticCapabilities capabilities_;
   std::optional<HdApi> api_;
   HdHandle device_ = kHdNoDevice;
   unsigned long scheduled_ = 0;
-  bool running_ = false;
+  bool running_ = false;  // its scheduler does; of the watching thread while there is one
+  bool open_ = false;     // for who reads
   std::string model_, serial_, driver_version_;
 
-  // Between the two threads.
-  Mailbox<TouchTick> ticks_;
-  Mailbox<Command> commands_;
+  TurnGate<TouchTick> gate_;  // between the two threads
+
+  // What the servo thread tells the one that watches it, and that its end.
+  std::atomic<std::uint64_t> turns_{0};
+  std::atomic<bool> failing_{false};
+  std::atomic<bool> stopping_{false};
+  std::thread watcher_;
 
   // Of the servo thread.
   HdEnum style_ = 0;
   double most_force_ = 0.0;  // of this model [N]
   TouchTick servo_;
-  Command command_;
   bool output_ = false;  // the force is switched on
   bool hot_ = false;
   Nanos failed_at_ = -kForever;  // newest error that takes the force away

@@ -79,6 +79,12 @@ TestItem TouchTrial::homing() const {
 }
 
 std::optional<TestItem> TouchTrial::servo() const {
+  if (tick().losses != 0) {
+    return TestItem{"servo", Verdict::kBad,
+                    touch_text("it was lost and opened again %llu times",
+                               static_cast<unsigned long long>(tick().losses)),
+                    "look at cable and power, and plug it into a port of its own"};
+  }
   const double seconds = to_seconds(tick().at - first_.at);
   if (!(seconds > kServoSeen)) return std::nullopt;
   const double rate = static_cast<double>(tick().ticks - first_.ticks) / seconds;

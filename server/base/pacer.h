@@ -23,6 +23,9 @@ class Pacer {
   // When the next tick should run, on the clock of `start`.
   Nanos due() const noexcept { return due_; }
 
+  // The next tick is due at `time`, as another clock has it; the grid goes on from there.
+  void follow(Nanos time) noexcept { due_ = time; }
+
   // Counts the tick that runs at `now` and moves due() to the next point of the grid after `now`.
   // Returns how many periods were missed: 0 when on time, or late by less than a period.
   std::int64_t woke(Nanos now) noexcept;

@@ -17,6 +17,7 @@ struct HandReading {
   bool drop_button = false;    // button 2; acts when it goes down
   bool enable_button = false;  // button 3, while held
   bool valid = false;
+  bool force_missed = false;  // what was written last came too late for the turn before this one
 };
 
 }  // namespace handrail

@@ -223,14 +223,15 @@ struct GovernedForces {
   Governed tool, spring;
 };
 
-GovernedForces govern(const HapticSettings& settings, const Wanted& wanted, double force_share,
-                      const Vec3& motion, double dt, ForceState& s) {
+GovernedForces govern(const HapticSettings& settings, const HapticInput& in, const Wanted& wanted,
+                      double force_share, const Vec3& motion, double dt, ForceState& s) {
+  const bool missed = in.hand.force_missed;
   const RenderedForce tool{force_share * (wanted.tool + wanted.surface),
                            force_share * (wanted.tool_spring + wanted.surface),
                            force_share * wanted.stiffness};
-  return {s.governor.govern(settings.governor, tool, motion, dt),
+  return {s.governor.govern(settings.governor, tool, motion, dt, missed),
           s.tank.govern(settings.governor, force_share * wanted.spring, settings.spring_stiffness,
-                        motion, dt)};
+                        motion, dt, missed)};
 }
 
 // The device's force and torque. `motion`: of the hand in this tick [M, m]; `trust`: in what is
@@ -241,7 +242,7 @@ void give_force(const HapticSettings& settings, const HapticInput& in, const Wan
   if (!hand_ok) s.force.cut();
   const bool trusted = trust == Trust::kBoth;
   const Wanted given = trusted ? wanted : wanted.in_doubt(trust == Trust::kTool);
-  const GovernedForces governed = govern(settings, given, force_share, motion, dt, s.force);
+  const GovernedForces governed = govern(settings, in, given, force_share, motion, dt, s.force);
   out.energy_made = governed.tool.made;
   out.shares = s.force.arbiter.share(settings.force, governed.tool.force, governed.spring.force,
                                      given.stiffness * motion.norm(), trust, dt);

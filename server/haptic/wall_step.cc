@@ -111,7 +111,8 @@ void wall_step(const WallSettings& settings, const WallInput& in, double dt, Wal
     const RenderedForce rendered{in_space(force),
                                  in_space(settings.share * (s.turn * out.effects.springs)),
                                  settings.share * out.effects.held_stiffness};
-    governed = s.governor.govern(settings.governor, rendered, in_space(motion), dt);
+    governed =
+        s.governor.govern(settings.governor, rendered, in_space(motion), dt, in.hand.force_missed);
     s.hand = hand;
     s.velocity = velocity;
     allowed = allowance(s, effect.wall, motion, acceleration);

@@ -53,10 +53,11 @@ GovernorSettings governor_settings(const HapticCapabilities& device, bool on) {
   out.on = on && device.max_force > 0.0;
   out.peak = device.max_force;
   // What a device takes up whose mass, counts or delay are not known is not known either.
-  const double late = std::ceil(device.dynamics.delay / out.period);
+  const double late = device.dynamics.delay / out.period;
   const bool known = device.dynamics.mass > 0.0 && device.dynamics.resolution > 0.0;
   if (!(known && late >= 0.0 && late <= kMostForceDelay)) return out;
   out.delay = static_cast<int>(late);
+  out.late = late - out.delay;
   out.friction = std::max(device.dynamics.friction, 0.0);
   out.damping = std::max(device.dynamics.damping, 0.0);
   return out;

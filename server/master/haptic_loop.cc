@@ -35,18 +35,21 @@ HapticLoop::HapticLoop(HapticDevice& device, const LoopScene& scene, MasterMailb
   run_.begin(begins_);
 }
 
-void HapticLoop::tick(Nanos now) noexcept {
+void HapticLoop::tick(Nanos now, Nanos turn) noexcept {
+  pacer_.follow(turn);
   pacer_.woke(now);
-  tick_.dt = std::clamp(to_seconds(now - last_tick_), kShortest, kLongest);
+  // A device's first turn may come before the loop's own clock begins.
+  const Nanos passed = std::max<Nanos>(now - last_tick_, 0);
+  tick_.dt = std::clamp(to_seconds(passed), kShortest, kLongest);
   // The device has let go meanwhile: the force begins anew.
-  tick_.let_go = now - last_tick_ >= kForceStands;
-  tick_.in.unseen = now - last_tick_;
+  tick_.let_go = passed >= kForceStands;
+  tick_.in.unseen = passed;
   tick_.led_by_cursor = device_.capabilities().led_by_cursor;
   last_tick_ = now;
   take_scene();
   take_slave(now);
   if (boxes_.cursor.take(cursor_)) device_.lead(cursor_);
-  tick_.in.hand = hand_reading(device_.read(now));
+  read_hand(now);
   const OrderTicket ticket = next_order();
   tick_.in.order = ticket.order;
   tick_.ends = stop_requested_.load(std::memory_order_relaxed);
@@ -90,6 +93,11 @@ void HapticLoop::take_slave(Nanos now) noexcept {
   in.hold_heard = heard == -kForever ? kForever : now - heard;
 }
 
+void HapticLoop::read_hand(Nanos now) noexcept {
+  tick_.in.hand = hand_reading(device_.read(now));
+  missed_ += tick_.in.hand.force_missed ? 1 : 0;
+}
+
 void HapticLoop::keep_image(Nanos now) noexcept {
   tap_->image_before(++kept_.number, now, run_.scene().number, begins_,
                      [this](auto& bytes) { return run_.save(bytes); });
@@ -124,7 +132,8 @@ void HapticLoop::publish(Nanos now) noexcept {
   const SteerableHand* hand = device_.hand();
   report_.hand_moving = hand != nullptr && hand->moving();
   report_.ticks = pacer_.ticks();
-  report_.overruns = pacer_.overruns();
+  // A force that missed its turn acts a whole period late, as one of a late tick does.
+  report_.overruns = pacer_.overruns() + missed_;
   if (report_.ticks % kQuantileTicks == 0) {
     const Histogram& late = pacer_.lateness();
     report_.late_p50 = late.quantile(0.5);

@@ -22,8 +22,10 @@ class HapticLoop {
 
   // When the next tick should run.
   Nanos due() const noexcept { return pacer_.due(); }
-  // One tick at `now`: read the device, step, write the device, publish.
-  void tick(Nanos now) noexcept;
+  // One tick at `now`: read the device, step, write the device, publish. `turn`: when it was due,
+  // as HapticDevice::wait says.
+  void tick(Nanos now, Nanos turn) noexcept;
+  void tick(Nanos now) noexcept { tick(now, due()); }
 
   // Asks the loop to disengage and let the force go. From any thread.
   void request_stop() noexcept { stop_requested_.store(true, std::memory_order_relaxed); }
@@ -33,6 +35,7 @@ class HapticLoop {
  private:
   void take_scene() noexcept;
   void take_slave(Nanos now) noexcept;
+  void read_hand(Nanos now) noexcept;
   // For who records: what the loop remembers, when that is due, and each tick.
   void keep_image(Nanos now) noexcept;
   void keep_tick(Nanos now) noexcept;
@@ -45,6 +48,7 @@ class HapticLoop {
   MasterMailboxes& boxes_;
   Pacer pacer_;
   HapticTick tick_;
+  std::uint64_t missed_ = 0;  // forces that came too late for the device's turn
   HapticReport report_;
   MasterTap* tap_;
   KeptTick kept_;

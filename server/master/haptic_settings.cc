@@ -58,6 +58,7 @@ HandReading hand_reading(const HapticSample& sample) noexcept {
   out.drop_button = (sample.buttons & 2u) != 0;
   out.enable_button = (sample.buttons & 4u) != 0;
   out.valid = sample.valid;
+  out.force_missed = sample.force_missed;
   return out;
 }
 

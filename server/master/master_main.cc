@@ -83,8 +83,8 @@ class HapticThread {
     const RealtimeGrant got = enter_realtime(kHapticPriority);
     bool told = false;
     while (!loop_->finished()) {
-      sleep_until(loop_->due());
-      loop_->tick(monotonic_now());
+      const Nanos turn = device.wait(loop_->due());
+      loop_->tick(monotonic_now(), turn);
       if (!std::exchange(told, true)) realtime_.set_value(got);
     }
     device.close();

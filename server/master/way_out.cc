@@ -24,6 +24,16 @@ std::string put_right(Reason reason, int joint, const JointVector& q) {
     case Reason::kRobotNotConnected:
       return "at the controller: clear its alarm, if there is one, and start its program in "
              "AUTOMATIC; the slave's log names other causes";
+    case Reason::kRobotStopPressed:
+      return "release the controller's emergency stop, and clear its alarm";
+    case Reason::kRobotAlarm:
+      return "take the cause of the controller's alarm away, and clear it; 'handrail robot status' "
+             "names it";
+    case Reason::kRobotTeaching: return "turn the controller's key to AUTOMATIC";
+    case Reason::kRobotMachineLock: return "take the machine lock away at the controller";
+    case Reason::kRobotProgram:
+    case Reason::kRobotServosOff: return "'handrail robot on', or at the controller";
+    case Reason::kRobotSlow: return "'handrail robot on --override 100'";
     case Reason::kRobotBadPacket: return "correct packet_bytes in the slave's configuration";
     case Reason::kEncoderInvalid:
     case Reason::kFollowingError:

@@ -86,6 +86,14 @@ constexpr auto kSentences = std::to_array<Sentence>({
     {Reason::kSurfaceElsewhere, "the touched surface is told elsewhere: its model fades"},
     {Reason::kSurfaceNotFelt, "nothing is felt behind the touched surface: its model fades"},
     {Reason::kHandElsewhere, "absolute mapping: the hand is not where the arm is"},
+    {Reason::kRobotStopPressed, "the robot controller is silent: its emergency stop is pressed"},
+    {Reason::kRobotAlarm, "the robot controller is silent: an alarm stands"},
+    {Reason::kRobotTeaching, "the robot controller is silent: it is in TEACH, not in AUTOMATIC"},
+    {Reason::kRobotMachineLock, "the robot controller is silent: its machine lock is on"},
+    {Reason::kRobotProgram,
+     "the robot controller is silent: the program that answers does not run"},
+    {Reason::kRobotSlow, "the robot controller is silent: its speed override is below 100 %"},
+    {Reason::kRobotServosOff, "the robot controller is silent: its servos are off"},
 });
 
 // One for every reason, in their order.

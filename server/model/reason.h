@@ -88,6 +88,14 @@ enum class Reason : std::uint8_t {
   kSurfaceNotFelt,    // the tip is behind it and is not pushed: its model fades
   // The mapping
   kHandElsewhere,  // absolute mapping: the hand is not where the arm is
+  // Why a robot controller is silent, as its own switches tell
+  kRobotStopPressed,
+  kRobotAlarm,
+  kRobotTeaching,
+  kRobotMachineLock,
+  kRobotProgram,  // none runs that could answer, or another one
+  kRobotSlow,     // its speed override is below 100 %
+  kRobotServosOff,
   kCount
 };
 

@@ -191,8 +191,8 @@ void put_given(const HapticTick& given, const KeptTiming& timing, pb::RecordedTi
   append(in.hand.X_MH.p, out.mutable_hand());
   append(in.hand.X_MH.q, out.mutable_hand());
   append(in.hand.v_MH, out.mutable_hand());
-  out.set_hand_marks((in.hand.valid ? 1u : 0u) | (in.hand.clutch_button ? 2u : 0u) |
-                     (in.hand.drop_button ? 4u : 0u) | (in.hand.enable_button ? 8u : 0u));
+  out.set_hand_marks(in.hand.valid * 1u | in.hand.clutch_button * 2u | in.hand.drop_button * 4u |
+                     in.hand.enable_button * 8u | in.hand.force_missed * 16u);
   if (in.order.kind != OrderKind::kNone) put_order(in.order, *out.mutable_order());
   if (in.slave_known) put(in.slave, *out.mutable_slave());
   out.set_slave_known(in.slave_known);
@@ -284,6 +284,7 @@ Status take(const pb::RecordedTick& in, KeptTick& out) {
   to.hand.clutch_button = (in.hand_marks() & 2u) != 0;
   to.hand.drop_button = (in.hand_marks() & 4u) != 0;
   to.hand.enable_button = (in.hand_marks() & 8u) != 0;
+  to.hand.force_missed = (in.hand_marks() & 16u) != 0;
   to.order = HapticOrder();
   if (in.has_order()) {
     if (Status taken = take_order(in.order(), to.order); !taken) return taken;

@@ -229,6 +229,7 @@ int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
   if (!sensor_says.empty()) spdlog::info("{}", sensor_says);
   DaemonNews news;
   Errand<Result<FollowSettings>> scenes;
+  Errand<Result<Obstacle>> switches;
   SlaveMailboxes boxes;
   SlaveServerOptions options;
   options.link = *link;
@@ -237,6 +238,11 @@ int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
       [&scenes, shared = std::make_shared<const SettingsOf>(load)](const std::string& scene) {
         return scenes.poll([shared, scene] { return (*shared)(scene); });
       };
+  options.why_silent = [&switches, robot_is = robot_options(config.robot())] {
+    const auto came = switches.poll([robot_is] { return Result<Obstacle>(why_silent(robot_is)); });
+    if (!came) return std::optional<Obstacle>();
+    return std::optional(*came ? **came : obstacle_in(came->message()));
+  };
   options.log_lost = [&log] { return log.lost(); };
   options.packets = taps ? &taps->server : nullptr;
   const auto server = make_slave_server(boxes, sensor.get(), options);

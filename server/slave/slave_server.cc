@@ -50,7 +50,7 @@ class SlaveServer final : public IoServer {
     holds_.step(now - std::exchange(last_tick_, now), report_.state.state, report_.state.reason);
     if (alive_) alive_(now, now <= report_.good_until);
     say_halts(now);
-    say_connection();
+    say_connection(now);
     take_scene(now);
     SlaveState told = report_.state;
     const auto in_words = [](Reason reason) {
@@ -65,6 +65,7 @@ class SlaveServer final : public IoServer {
     told.log_lost = options_.log_lost && options_.log_lost() > 0;
     told.program = program_;
     told.program.calendar = std::max<Nanos>(calendar_now(), 0);
+    say_silence(told);
     if (scene_missing_ && told.state == SessionState::kOff) told.reason = Reason::kSceneNotLoaded;
     link_.send(now, told, report_.good_until, report_.good_until);
   }
@@ -78,10 +79,22 @@ class SlaveServer final : public IoServer {
     next_halt_line_ = now + kSecond;
   }
 
-  void say_connection() {
-    const auto line = connection_.step(report_.connected, report_.lost, text_of(report_.problem),
-                                       report_.state.fault);
+  void say_connection(Nanos now) {
+    const std::string_view problem = text_of(report_.problem);
+    const auto line =
+        connection_.step(report_.connected, report_.lost, problem, report_.state.fault);
     if (line) say(line->bad, line->text);
+    const bool silent = !report_.connected && (report_.lost || !problem.empty());
+    if (const auto why = silence_.step(now, silent)) say(why->bad, why->text);
+  }
+
+  // In place of a reason that says no more than that there is no connection.
+  void say_silence(SlaveState& told) const {
+    if (silence_.reason() == Reason::kNone) return;
+    for (Reason* reason : {&told.reason, &told.obstacle}) {
+      const bool plain = *reason == Reason::kRobotNotConnected || *reason == Reason::kRobotLost;
+      if (plain) *reason = silence_.reason();
+    }
   }
 
   static void say(bool bad, const std::string& line) {
@@ -157,6 +170,7 @@ class SlaveServer final : public IoServer {
   HoldCount holds_;
   Nanos last_tick_ = 0;
   ConnectionWatch connection_{options_.robot};
+  SilenceWatch silence_{options_.robot, options_.why_silent};
   std::function<void(Nanos, bool)> alive_;
   std::uint64_t said_halts_ = 0;
   Nanos next_halt_line_ = -kForever;

@@ -13,6 +13,7 @@
 #include "server/link/transport.h"
 #include "server/packets/packet_tap.h"
 #include "server/slave/mailboxes.h"
+#include "server/slave/silence_watch.h"
 
 namespace handrail {
 
@@ -25,7 +26,8 @@ struct SlaveServerOptions {
   // nothing moves, when the master's scene differs from the one in the robot loop. Must not wait:
   // asked again every tick while it gives nothing, as the disk takes its time.
   std::function<std::optional<Result<FollowSettings>>(const std::string& scene)> load_scene;
-  PacketTap* packets = nullptr;  // where the link's datagrams are left; null: nowhere
+  SilenceWatch::Ask why_silent = {};  // asks the controller, in the IO thread; empty: nobody does
+  PacketTap* packets = nullptr;       // where the link's datagrams are left; null: nowhere
 };
 
 // Mailboxes and sensor (null: none) must outlive the server.

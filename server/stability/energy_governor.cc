@@ -66,6 +66,13 @@ const Vec3& ToldForces::acting(int delay) const noexcept {
   return told_[(newest_ + told_.size() - back) % told_.size()];
 }
 
+Vec3 ToldForces::acting(const GovernorSettings& settings, bool missed) const noexcept {
+  const double late = missed ? 1.0 : std::clamp(settings.late, 0.0, 1.0);
+  const Vec3& newest = acting(settings.delay);
+  if (late == 0.0) return newest;
+  return newest + late * (acting(settings.delay + 1) - newest);
+}
+
 void EnergyGovernor::told(const Vec3& force) noexcept {
   told_.add(force);
   const double size = told_.acting(0).norm();
@@ -73,7 +80,7 @@ void EnergyGovernor::told(const Vec3& force) noexcept {
 }
 
 Governed EnergyGovernor::govern(const GovernorSettings& settings, const RenderedForce& force,
-                                const Vec3& moved, double dt) noexcept {
+                                const Vec3& moved, double dt, bool missed) noexcept {
   const bool known = is_finite(force.wanted) && is_finite(force.springs) && force.stiffness >= 0.0;
   Governed out{is_finite(force.wanted) ? force.wanted : Vec3(Vec3::Zero())};
   const Vec3 springs =
@@ -87,14 +94,15 @@ Governed EnergyGovernor::govern(const GovernorSettings& settings, const Rendered
   const double law =
       0.5 * pushed_part(before, springs, stiffness_, way) * (before + springs).dot(moved);
   const double taken = hand_.add(settings, moved, dt);
-  made_ = std::max(made_ + told_.acting(settings.delay).dot(moved) - law - taken, 0.0);
+  made_ = std::max(made_ + told_.acting(settings, missed).dot(moved) - law - taken, 0.0);
   // The next way is taken to be as this one was, and those after it until what is told now acts.
   const double push = way > 0.0 ? force.wanted.dot(moved) / way : 0.0;
   if (push > 0.0 && force.stiffness > 0.0) {
     const double left = made_ * force.stiffness / size;  // spread over size / stiffness
     // A wall's spring changes with the part of the way along its force alone.
     const double along = push / size;
-    const double made = (0.5 + settings.delay) * force.stiffness * way * along * along;
+    const double made =
+        (0.5 + settings.delay + settings.late) * force.stiffness * way * along * along;
     out = reduced(force.wanted, push, made + left - taken / way);
     asked_ = out.force.norm();
   }
@@ -103,7 +111,7 @@ Governed EnergyGovernor::govern(const GovernorSettings& settings, const Rendered
 }
 
 Governed EnergyTank::govern(const GovernorSettings& settings, const Vec3& wanted, double stiffness,
-                            const Vec3& moved, double dt) noexcept {
+                            const Vec3& moved, double dt, bool missed) noexcept {
   const bool known = is_finite(wanted) && stiffness > 0.0;
   Governed out{is_finite(wanted) ? wanted : Vec3(Vec3::Zero())};
   if (!settings.on || !known || !usable(moved, dt, settings.most_way)) {
@@ -111,7 +119,7 @@ Governed EnergyTank::govern(const GovernorSettings& settings, const Vec3& wanted
     return out;
   }
   const double size = wanted.norm(), had = energy_;
-  energy_ += hand_.add(settings, moved, dt) - told_.acting(settings.delay).dot(moved);
+  energy_ += hand_.add(settings, moved, dt) - told_.acting(settings, missed).dot(moved);
   // What was put in stays in a spring that is cut off. What the device takes of a hand that meets
   // no spring is not put in.
   if (size == 0.0) {

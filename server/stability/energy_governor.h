@@ -18,6 +18,7 @@ struct GovernorSettings {
   double period = 1e-3;    // of the loop, nominal, > 0 [s]
   double most_way = 0.05;  // a hand further away than this after a tick has jumped [m]
   int delay = 0;           // from a force to its acting on the device, 0 to kMostForceDelay [ticks]
+  double late = 0.0;       // and so much of a tick beside, 0 <= late < 1
 };
 
 // Longer than any device's own way from a position to a force that we know of (links are not among
@@ -46,6 +47,8 @@ class ToldForces {
   void add(const Vec3& force) noexcept;
   // The one that acted in the tick that has just passed; `delay` as in GovernorSettings.
   const Vec3& acting(int delay) const noexcept;
+  // The mean of it, where for so much of the tick the one before did; `missed`: for all of it.
+  Vec3 acting(const GovernorSettings& settings, bool missed) const noexcept;
   void clear() noexcept { told_.fill(Vec3::Zero()); }
 
  private:
@@ -100,9 +103,10 @@ class HandWay {
 class EnergyGovernor {
  public:
   // One tick. `moved`: of the hand since the last tick [M, m]; `dt` since then [s]. Values that are
-  // not finite count as none; a jump of the hand, or of the clock, credits nothing. Real-time safe.
+  // not finite count as none; a jump of the hand, or of the clock, credits nothing. `missed`: what
+  // was told last has not acted yet, what was told before went on. Real-time safe.
   Governed govern(const GovernorSettings& settings, const RenderedForce& force, const Vec3& moved,
-                  double dt) noexcept;
+                  double dt, bool missed = false) noexcept;
   // What the device was told of it in the end, within its limits; it acts until the next tick [N].
   void told(const Vec3& force) noexcept;
   // The hand is elsewhere, or is not heard: the way since the last tick is not known.
@@ -131,7 +135,7 @@ class EnergyTank {
  public:
   // One tick, as EnergyGovernor's.
   Governed govern(const GovernorSettings& settings, const Vec3& wanted, double stiffness,
-                  const Vec3& moved, double dt) noexcept;
+                  const Vec3& moved, double dt, bool missed = false) noexcept;
   void told(const Vec3& force) noexcept { told_.add(force); }
   void restart() noexcept { *this = EnergyTank(); }
 

@@ -28,11 +28,15 @@ std::optional<SampledWall> sampled(const DeviceDynamics& device, const Rendering
     if (!usable(value)) return std::nullopt;
   }
   if (!(loop.period > 0.0 && usable(loop.period) && loop.peak > 0.0)) return std::nullopt;
-  const double delay = std::ceil((device.delay + r.delay) / loop.period - kRounded);
-  if (delay > kLongestDelay) return std::nullopt;
+  // What a rendering is late by itself is taken to be whole periods, no shorter than it is.
+  const double own = std::max(std::ceil(r.delay / loop.period - kRounded), 0.0);
+  const double whole = std::floor(device.delay / loop.period + kRounded);
+  if (own + whole > kLongestDelay) return std::nullopt;
   SampledWall out{.mass = device.mass, .damping = device.damping, .period = loop.period};
   out.wall_damping = r.damping;
-  out.delay = static_cast<int>(std::max(delay, 0.0));
+  out.delay = static_cast<int>(own + whole);
+  const double part = device.delay / loop.period - whole;
+  out.late = part > kRounded ? part : 0.0;
   if (!r.own_velocity && loop.velocity_lag > 0.0) {
     out.velocity_pole = std::exp(-loop.period / loop.velocity_lag);
   }
@@ -83,14 +87,14 @@ bool damper_takes(const SampledWall& wall, const RenderingLoop& loop, double sti
   if (wall.wall_damping == 0.0) return true;
   const double w = std::sqrt(stiffness / wall.mass);
   const double filtered = wall.velocity_pole > 0.0 ? std::atan(w * loop.velocity_lag) : 0.0;
-  return filtered + w * wall.period * (1.0 + wall.delay) < 0.5 * std::numbers::pi;
+  return filtered + w * wall.period * (1.0 + wall.delay + wall.late) < 0.5 * std::numbers::pi;
 }
 
 // As margin_of(), for a spring of 1 N/m: the stiffness that friction holds [N/m].
 StabilityMargin held_by_friction(const DeviceDynamics& device, const RenderingLoop& loop,
                                  const SampledWall& wall) {
   if (device.resolution == 0.0) return {0.0, StabilityLimit::kFriction};
-  const double late = loop.period * (0.5 + wall.delay);
+  const double late = loop.period * (0.5 + wall.delay + wall.late);
   const double grown = stiffness_by_friction(device, loop.peak, late);
   const double counted = 2.0 * device.friction / device.resolution;
   const double held = std::min(grown, counted);

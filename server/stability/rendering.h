@@ -45,12 +45,12 @@ struct StabilityMargin {
   StabilityLimit by = StabilityLimit::kInvalid;
 };
 
-// Of one rendering. The linear loop is exact but for the delay, which is taken to be whole periods,
-// no shorter than it is. Or friction does, where what is rendered beside it that damps takes
-// energy: beyond the peak force F an oscillation makes less and less beside what friction takes of
-// it, and at no amplitude more while 0.860 F (K (T/2 + d) - b) <= f_c sqrt(K m); and while a count
-// D pushes no harder than friction holds, K D / 2 <= f_c (Diolaiti et al. 2006). A device that does
-// not declare its counts has no friction to count on. Allocates.
+// Of one rendering. The linear loop is exact, but that a rendering's own delay is taken to be whole
+// periods, no shorter than it is. Or friction does, where what is rendered beside it that damps
+// takes energy: beyond the peak force F an oscillation makes less and less beside what friction
+// takes of it, and at no amplitude more while 0.860 F (K (T/2 + d) - b) <= f_c sqrt(K m); and while
+// a count D pushes no harder than friction holds, K D / 2 <= f_c (Diolaiti et al. 2006). A device
+// that does not declare its counts has no friction to count on. Allocates.
 StabilityMargin margin_of(const DeviceDynamics& device, const RenderingLoop& loop,
                           const Rendering& rendering);
 

@@ -10,22 +10,38 @@ namespace {
 
 using std::numbers::pi;
 
-// How a force that is held for a period moves the device: by h F at its end and h_next F at the end
-// of the next, beside its own motion, whose speed falls by e (zero-order hold).
+// The way that the device goes in `time` by itself, from a speed of 1 m/s.
+double coast(const SampledWall& wall, double time) {
+  const double x = wall.damping * time / wall.mass;
+  return x > 0.0 ? -time * std::expm1(-x) / x : time;
+}
+
+// The way that it is pushed in `time`, from rest, by 1 N; its speed is then coast() / mass.
+double pushed(const SampledWall& wall, double time) {
+  const double x = wall.damping * time / wall.mass;
+  const double unit = time * time / wall.mass;
+  // A series where the closed form loses its digits: the next term is below 1e-14.
+  if (x < 1e-3) return unit * (1.0 / 2 - x / 6 + x * x / 24 - x * x * x / 120);
+  return unit * (x + std::expm1(-x)) / (x * x);
+}
+
+// How a force that is held for a period, and begins `late` into it, moves the device: by h F at its
+// end, h_next F at the end of the next, and h_last F at that of the one after, beside its own
+// motion, whose speed falls by e.
 struct Held {
-  double e, h, h_next;
+  double e, h, h_next, h_last;
 };
 
 Held hold(const SampledWall& wall) {
-  const double x = wall.damping * wall.period / wall.mass;
-  const double unit = wall.period * wall.period / wall.mass;
-  const double e = std::exp(-x);
-  // Series where the closed forms lose their digits: the next term is below 1e-14.
-  if (x < 1e-3) {
-    return {e, unit * (1.0 / 2 - x / 6 + x * x / 24 - x * x * x / 120),
-            unit * (1.0 / 2 - x / 3 + x * x / 8 - x * x * x / 30)};
-  }
-  return {e, unit * (x - 1.0 + e) / (x * x), unit * (1.0 - e - x * e) / (x * x)};
+  const double begins = wall.late * wall.period, lasts = wall.period - begins;
+  const double e = std::exp(-wall.damping * wall.period / wall.mass);
+  const double coasts = coast(wall, wall.period);
+  // The part in its own period, and the part in the next, which the device then coasts on from.
+  const double way = pushed(wall, lasts), speed = coast(wall, lasts) / wall.mass;
+  const double rest_speed = coast(wall, begins) / wall.mass;
+  const double rest_way = pushed(wall, begins) + rest_speed * coast(wall, lasts);
+  const double rest_end = rest_speed * std::exp(-wall.damping * lasts / wall.mass);
+  return {e, way, coasts * speed - e * way + rest_way, coasts * rest_end - e * rest_way};
 }
 
 // Whether all roots lie inside the unit circle (Schur and Cohn): the polynomial is brought down a
@@ -42,21 +58,22 @@ bool all_inside(std::vector<double> a) {
   return true;
 }
 
-// (z - 1) (z - e) (z - p) z^d + (h z + h_next) (K (z - p) + G (z - 1)), G = B (1 - p) / T: with p =
-// 0 a factor z and the law (K + B/T) z - B/T.
+// (z - 1) (z - e) (z - p) z^(d + 1) + (h z^2 + h_next z + h_last) (K (z - p) + G (z - 1)), G = B (1
+// - p) / T: with p = 0 a factor z and the law (K + B/T) z - B/T.
 std::vector<double> characteristic(const SampledWall& wall, double stiffness) {
   const Held held = hold(wall);
   const double p = wall.velocity_pole, gain = wall.wall_damping * (1.0 - p) / wall.period;
   const double now = stiffness + gain, past = stiffness * p + gain;
-  std::vector<double> a(static_cast<std::size_t>(wall.delay) + 4, 0.0);
+  std::vector<double> a(static_cast<std::size_t>(wall.delay) + 5, 0.0);
   a[0] = 1.0;
   a[1] = -(1.0 + held.e) - p;
   a[2] = held.e + p * (1.0 + held.e);
   a[3] = -p * held.e;
   const std::size_t last = a.size() - 1;
-  a[last - 2] += held.h * now;
-  a[last - 1] += held.h_next * now - held.h * past;
-  a[last] -= held.h_next * past;
+  a[last - 3] += held.h * now;
+  a[last - 2] += held.h_next * now - held.h * past;
+  a[last - 1] += held.h_last * now - held.h_next * past;
+  a[last] -= held.h_last * past;
   return a;
 }
 
@@ -80,15 +97,16 @@ double stiffness_onset(const SampledWall& wall) {
 }
 
 double passive_damping(const SampledWall& wall, double stiffness) noexcept {
-  const double late = 2.0 * wall.delay + 1.0;
+  const int delay = wall.delay + (wall.late > 0.0 ? 1 : 0);
+  const double late = 2.0 * delay + 1.0;
   const auto at = [&](double angle) {
     return 0.5 * stiffness * wall.period * std::sin(0.5 * late * angle) / std::sin(0.5 * angle) -
-           wall.wall_damping * std::cos((wall.delay + 1.0) * angle);
+           wall.wall_damping * std::cos((delay + 1.0) * angle);
   };
   // Its waves are no shorter than 2 pi / (delay + 1): of a hundred points a wave the highest is
   // within a thousandth of the wave's height, and a parabola through it and its neighbours far
   // nearer.
-  const int points = 100 * (wall.delay + 1);
+  const int points = 100 * (delay + 1);
   double most = 0.5 * stiffness * wall.period * late - wall.wall_damping;  // at angle 0
   for (int i = 1; i <= points; ++i) {
     const double step = pi / points, angle = i * step;
@@ -113,7 +131,7 @@ double energy_per_cycle(double stiffness, double amplitude, double frequency, do
 
 std::optional<double> speed_that_grows(const SampledWall& wall, double stiffness,
                                        double friction) noexcept {
-  const double made = stiffness * wall.period * (0.5 + wall.delay) - wall.damping;
+  const double made = stiffness * wall.period * (0.5 + wall.delay + wall.late) - wall.damping;
   if (!(made > 0.0)) return std::nullopt;
   return 4.0 / pi * friction / made;
 }

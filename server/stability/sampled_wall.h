@@ -19,6 +19,9 @@ struct SampledWall {
   // 1, v += (1 - p) (difference - v) a period; 0: none.
   double velocity_pole = 0.0;
   int delay = 0;  // from measuring to force beside that, >= 0 [periods]
+  // And so much of a period beside, 0 <= late < 1: so long into each period the force of the one
+  // before goes on.
+  double late = 0.0;
 };
 
 // Whether a wall of `stiffness` [N/m] on both sides of zero lets every motion die away. Exact for
@@ -32,8 +35,9 @@ bool is_stable(const SampledWall& wall, double stiffness);
 double stiffness_onset(const SampledWall& wall);
 
 // The viscous damping with which the device takes up all that the wall makes, whatever hand holds
-// it [N s/m]. Colgate and Schenkel (1997), worked out for whole periods of delay; without wall
-// damping it is K (T / 2 + delay), without delay K T / 2 + |B|. `stiffness` in N/m.
+// it [N s/m]. Colgate and Schenkel (1997), worked out for whole periods of delay, a part of one
+// counting as one; without wall damping it is K (T / 2 + delay), without delay K T / 2 + |B|.
+// `stiffness` in N/m.
 double passive_damping(const SampledWall& wall, double stiffness) noexcept;
 
 // What a spring of `stiffness` [N/m], without damping, makes in a cycle of x = amplitude sin(2 pi f

@@ -45,14 +45,15 @@ SampledLoop::SampledLoop(const SampledWall& wall, double stiffness, double frict
     : wall_(wall),
       stiffness_(stiffness),
       device_({wall.mass, wall.damping, friction}, {}, Vec2::Zero(), inner_step(wall, friction)),
-      forces_(static_cast<std::size_t>(wall.delay), 0.0) {}
+      forces_(static_cast<std::size_t>(wall.delay) + 1, 0.0) {}
 
 void SampledLoop::tick() {
   const double x = position();
   forces_.push_back(-stiffness_ * x - wall_.wall_damping * (x - last_) / wall_.period);
   last_ = x;
-  device_.advance(wall_.period, {forces_.front(), 0.0});
+  if (wall_.late > 0.0) device_.advance(wall_.late * wall_.period, {forces_.front(), 0.0});
   forces_.pop_front();
+  device_.advance((1.0 - wall_.late) * wall_.period, {forces_.front(), 0.0});
 }
 
 double growth_of(const std::function<double()>& next, int swing, int settle, double period) {

@@ -10,7 +10,7 @@
 namespace handrail {
 
 // A spring, and a damper of the backward difference, on both sides of zero; its force is held for a
-// period and late by whole periods. One line of BareDevice.
+// period and late by `delay` and `late` of the wall. One line of BareDevice.
 class SampledLoop {
  public:
   // `stiffness` [N/m], `friction` of the device, Coulomb [N]; at rest in the middle of the wall.

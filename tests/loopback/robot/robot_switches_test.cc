@@ -4,6 +4,7 @@
 #include <google/protobuf/util/json_util.h>
 
 #include "proto/devices.pb.h"
+#include "server/model/reason.h"
 #include "tests/loopback/whole_cell.h"
 
 namespace handrail {
@@ -80,6 +81,35 @@ TEST_F(RobotSwitches, NothingIsSwitchedOnWhileTheSlaveHoldsAStop) {
   ASSERT_TRUE(slave_reaches("fault"));
   expect_refused({"on"}, "the slave holds a stop: stop was requested",
                  "take its cause away, then handrail reset");
+}
+
+TEST_F(RobotSwitches, TheSlaveSaysWhyTheControllerIsSilentUntilItIsNot) {
+  start("off: true", true);
+  const auto says = [this](Reason reason) {
+    return eventually([&](const pb::Status& s) { return s.slave_reason() == describe(reason); });
+  };
+  ASSERT_TRUE(says(Reason::kRobotServosOff));
+  EXPECT_THAT(slave->after(" is silent: "), HasSubstr("the servos are off; handrail robot on"));
+  EXPECT_EQ(report("status", 0).before().servo_on(), false) << "it only looks";
+  EXPECT_EQ(robot({"on"}).first, 0);
+  ASSERT_TRUE(within(kPatience, [this] { return ask("engage: true").done(); }));
+  ASSERT_TRUE(slave_reaches("engaged"));
+  EXPECT_EQ(robot({"off"}).first, 0);
+  ASSERT_TRUE(slave_reaches("fault"));
+  EXPECT_TRUE(within(kPatience, [this] {
+    return handrail({"why"}).second.find("'handrail robot on'") != std::string::npos;
+  })) << handrail({"why"}).second;
+}
+
+TEST_F(RobotSwitches, TheSlaveNamesAnAlarmByItsNumber) {
+  start("", true, "mxttout_cycles: 50");
+  ASSERT_TRUE(within(kPatience, [this] { return ask("engage: true").done(); }));
+  ASSERT_TRUE(slave_reaches("engaged"));
+  slave->send(SIGSTOP);
+  EXPECT_TRUE(within(kPatience, [this] { return report("status", 0).before().alarm() == 6130; }));
+  slave->send(SIGCONT);
+  EXPECT_THAT(slave->after(" is silent: "),
+              HasSubstr("alarm 6130 (Network communication error) stands; take its cause away"));
 }
 
 TEST_F(RobotSwitches, TeachingModeIsNamed) {

@@ -54,18 +54,20 @@ void move_hand(HdStandIn& s) {
 void turn() {
   int tick = 0;
   while (!scheduler().stops.load()) {
-    int pause = 1000;
+    int pause = 1000, stalls = 0;
     bool turns = true;
     {
       const Lock lock(self().mutex);
       pause = self().pause_us;
       turns = self().turns;
+      stalls = self().stalls;
       ++self().ticks;
     }
     is_current = false;
     if (turns && scheduler().callback != nullptr) scheduler().callback(scheduler().data);
     // As measured at a Touch on USB: about 0.03 ms of jitter, now and then more than a millisecond.
-    const int late = ++tick % 500 == 0 ? 1400 : tick % 2 == 0 ? 30 : -30;
+    int late = ++tick % 500 == 0 ? 1400 : tick % 2 == 0 ? 30 : -30;
+    if (stalls != 0 && tick % stalls == 0) late += 20'000;
     std::this_thread::sleep_for(std::chrono::microseconds(pause + late));
   }
 }
@@ -119,6 +121,9 @@ void hdEndFrame(std::uint32_t) {
   const Lock lock(s.mutex);
   if (!in_frame) misuse("hdEndFrame outside a frame");
   in_frame = false;
+  const auto answers = [&s](double place) { return std::abs(s.force[0] - 0.1 * place) < 1e-9; };
+  ++(answers(s.told_place) ? s.answered : answers(s.place_before) ? s.answered_late : s.unanswered);
+  s.place_before = s.told_place;
   move_hand(s);
   if (s.tick_error == 0) return;
   s.errors.push_back(s.tick_error);
@@ -196,6 +201,7 @@ void hdGetDoublev(std::uint32_t what, double* out) {
                             p[2],
                             1};
       std::memcpy(out, m, sizeof m);
+      s.told_place = m[12];
       return;
     }
     case 0x2051:

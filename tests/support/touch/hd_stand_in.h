@@ -29,14 +29,21 @@ struct HdState {
   std::array<double, 4> turn = {1.0, 0.0, 0.0, 0.0};  // w x y z
   int pause_us = 1000;  // between two ticks, but for a jitter as measured
 
+  // A turn in so many begins 20 ms late; 0: none does.
+  int stalls = 0;
+
   // What became of it.
   std::array<double, 3> place{}, speed{};  // [mm], [mm/s]
   std::array<double, 3> force{};           // acting on the hand [N]
   double most_force = 0.0;                 // ever [N]
-  bool output = false;                     // the force is switched on
-  int enabled = 0;                         // times it was
-  int updates = 0;                         // of the calibration
-  std::uint32_t style = 0;                 // of the last one
+  // Of a loop that pushes by 0.1 N for a millimetre to the right: turns whose force was that of
+  // their own reading, that of the last, and any other.
+  std::uint64_t answered = 0, answered_late = 0, unanswered = 0;
+  double told_place = 0.0, place_before = 0.0;
+  bool output = false;      // the force is switched on
+  int enabled = 0;          // times it was
+  int updates = 0;          // of the calibration
+  std::uint32_t style = 0;  // of the last one
   int open_devices = 0, opened = 0;
   unsigned long rate = 0;
   std::uint16_t priority = 0;

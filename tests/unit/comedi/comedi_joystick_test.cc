@@ -184,7 +184,7 @@ TEST_F(ComediJoystickTest, ButtonsAreDigitalInputs) {
   ASSERT_NO_FATAL_FAILURE(open());
   ASSERT_TRUE(valid());
   EXPECT_EQ(device->capabilities().buttons, 3);
-  EXPECT_EQ(device->capabilities().dynamics.delay, 1e-3);
+  EXPECT_EQ(device->capabilities().dynamics.delay, 0.25e-3);
   EXPECT_EQ(read().buttons, 0u);
   card([](ComediState& s) { s.subdevices[2].values[5] = 0; });
   EXPECT_TRUE(becomes([&] { return read().buttons == 4u; }));
@@ -207,6 +207,28 @@ TEST_F(ComediJoystickTest, UnpluggedAHundredTimesItLetsGoAndComesBack) {
   ASSERT_TRUE(valid());
   EXPECT_EQ(device->tick().losses, 100u);
   EXPECT_TRUE(device->tick().there);
+}
+
+// A loop that waits for the thread's turns answers in them: what it pushes belongs to the counts
+// that it has just read.
+TEST_F(ComediJoystickTest, AForceActsInTheTurnOfItsReading) {
+  ASSERT_NO_FATAL_FAILURE(open());
+  ASSERT_TRUE(valid());
+  Nanos due = monotonic_now();
+  int in_turn = 0, missed = 0;
+  std::uint64_t turn_before = 0;
+  for (int i = 0; i < 1500; ++i) {
+    due = device->wait(due) + kMillisecond;
+    missed += read().force_missed ? 1 : 0;
+    // What acted in the last turn is what was written in it, not the one before.
+    const JoystickTick& tick = device->tick();
+    const bool next = tick.ticks == turn_before + 1;
+    turn_before = tick.ticks;
+    in_turn += next && i > 1000 && tick.force.x() == (i % 2 == 0 ? 2.0 : 1.0) ? 1 : 0;
+    device->write({Vec3(i % 2 == 0 ? 1.0 : 2.0, 0.0, 0.0), Vec3::Zero()});
+  }
+  EXPECT_GT(in_turn, 0);
+  EXPECT_GE(in_turn + 3 * missed, 400);
 }
 
 TEST_F(ComediJoystickTest, ReadingAndWritingDoNotAllocate) {

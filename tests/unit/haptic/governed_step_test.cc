@@ -66,6 +66,34 @@ TEST(GovernedStep, WhatItTakesIsInTheLedgerAndHasItsReason) {
   EXPECT_TRUE(said);
 }
 
+// What is said of it goes to where the work is reckoned: on the way out the force before was
+// larger.
+TEST(GovernedStep, AForceThatMissedItsTurnCountsAsTheOneBefore) {
+  double wall[2] = {}, tool[2] = {};
+  for (const int missed : {0, 1}) {
+    WallRig rig;
+    rig.settings.governor = governed(0.0, 25.3);
+    rig.in.hand.force_missed = missed == 1;
+    (void)through_the_wall(rig);
+    wall[missed] = rig.out.energy_made;
+    HapticRig arm;
+    arm.engage();
+    arm.settings.governor = governed(0.0, 3.3);
+    ToolCall line;
+    line.kind = ToolKind::kLine;
+    line.direction_S = Vec3::UnitX();
+    ASSERT_EQ(arm.call(line), Reason::kNone);
+    arm.in.hand.force_missed = missed == 1;
+    for (int i = 0; i < 200; ++i) {
+      arm.in.hand.X_MH.p.y() += i < 100 ? 2e-5 : -2e-5;
+      arm.tick();
+      tool[missed] = std::max(tool[missed], arm.out.energy_made);
+    }
+  }
+  EXPECT_GT(wall[1], 1.5 * wall[0]);
+  EXPECT_GT(tool[1], 1.5 * tool[0]);
+}
+
 TEST(GovernedStep, OnlyItsShareIsRendered) {
   WallRig rig;
   rig.settings.share = 0.25;

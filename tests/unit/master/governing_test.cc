@@ -108,6 +108,9 @@ TEST(Governing, ADevicesDelayLetsItHoldLessAndOneThatIsNoneNothing) {
   EXPECT_LT(share(), 0.3 * at_once);  // T / 2 + d: a fifth, by what is passive
   EXPECT_EQ(governor_settings(device, true).delay, 2);
   EXPECT_GT(governor_settings(device, true).friction, 0.0);
+  device.dynamics.delay = 1.35e-3;
+  EXPECT_EQ(governor_settings(device, true).delay, 1);
+  EXPECT_NEAR(governor_settings(device, true).late, 0.35, 1e-9);
   for (const double none : {-1e-3, std::nan(""), 1.0}) {
     device.dynamics.delay = none;
     EXPECT_EQ(share() == 0.0, !(none > 0.0)) << none;

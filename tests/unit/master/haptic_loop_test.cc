@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
+
 #include "tests/support/no_allocation.h"
 #include "tests/unit/master/loop_bench.h"
 
@@ -234,6 +236,40 @@ TEST_F(HapticLoopTest, TellsHowLateItsTicksCame) {
   EXPECT_NEAR(static_cast<double>(report.late_p50), 100e3, 7e3);
   EXPECT_EQ(report.late_max, 100 * kMicrosecond);
   EXPECT_EQ(report.overruns, 0u);
+}
+
+TEST_F(HapticLoopTest, ADeviceThatTurnsByItselfCallsTheTick) {
+  ticks(10);
+  // A turn each 1.02 ms, taken 50 us later: never late, though the loop's own clock would say so.
+  for (int i = 0; i < 240; ++i) {
+    now += 1020 * kMicrosecond;
+    loop->tick(now + 50 * kMicrosecond, now);
+  }
+  ticks(1);
+  EXPECT_EQ(report.overruns, 0u);
+  EXPECT_LE(report.late_max, 60 * kMicrosecond);
+  // When the device is silent, the loop's clock goes on from its last turn.
+  EXPECT_EQ(loop->due(), now + kMillisecond);
+}
+
+TEST_F(HapticLoopTest, ATurnBeforeTheLoopsOwnClockBeginsIsATickLikeAnother) {
+  const auto tap = std::make_unique<MasterTap>();
+  loop.emplace(device, LoopScene{settings}, boxes, now + 50 * kMillisecond, tap.get());
+  loop->tick(now, now);
+  KeptTick kept;
+  ASSERT_TRUE(tap->take(kept));
+  EXPECT_EQ(kept.given.in.unseen, 0);
+  EXPECT_GT(kept.given.dt, 0.0);
+  EXPECT_EQ(loop->due(), now + kMillisecond);
+}
+
+TEST_F(HapticLoopTest, AForceThatMissedItsTurnCountsAsAnOverrun) {
+  ticks(3);
+  device.sample.force_missed = true;
+  ticks(2);
+  device.sample.force_missed = false;
+  ticks(1);
+  EXPECT_EQ(report.overruns, 2u);
 }
 
 TEST_F(HapticLoopTest, TicksWithoutTouchingTheHeap) {

@@ -105,6 +105,44 @@ TEST(R3Switches, OnBeginsNothingWhileSomethingIsInTheWay) {
   }
 }
 
+TEST(R3Switches, WhyItIsSilentIsLookedForAndNothingIsTold) {
+  struct Row {
+    const char* state;
+    const char* program;
+    const char* fact;
+    Reason reason;
+  };
+  const Row rows[] = {
+      {"QoK1;10;100;0;08060;1;1", "1", "in TEACH (manual)", Reason::kRobotTeaching},
+      {"QoK1;10;100;0;00070;1;1", "1", "emergency stop", Reason::kRobotStopPressed},
+      {"Qok1;10;100;0;00066130;1;1", "1", "alarm 6130 (Network", Reason::kRobotAlarm},
+      {"QoK1;10;100;0;04060;1;1", "1", "machine lock", Reason::kRobotMachineLock},
+      {"QoKWELD;10;100;0;60000;1;1", "1", "program 'WELD' runs", Reason::kRobotProgram},
+      {"QoK1;10;100;0;20060;1;1", "1", "program '1' does not run", Reason::kRobotProgram},
+      {"QoK1;10;100;0;20060;1;1", "", "no program runs", Reason::kRobotProgram},
+      {"QoK1;10;100;0;00060;1;1", "1", "servos are off", Reason::kRobotServosOff},
+      // An override makes nobody silent: what does is named before it.
+      {"QoK1;10;25;0;00060;1;1", "1", "servos are off", Reason::kRobotServosOff},
+      {"QoK1;10;25;0;60000;1;1", "1", "speed override is 25 %", Reason::kRobotSlow},
+      {kReady, "1", "switches are as they should be, and program '1' runs", Reason::kNone},
+      {"Rubbish", "1", "", Reason::kNone},
+  };
+  for (const Row& r : rows) {
+    Scripted line;
+    line.answers["STATE"] = {r.state};
+    line.answers["ERRORMES6130"] = {"QokNetwork communication error"};
+    const Obstacle why = silence_of(line, r.program);
+    EXPECT_FALSE(why.none()) << r.state;
+    EXPECT_THAT(why.fact, HasSubstr(r.fact));
+    EXPECT_EQ(why.reason, r.reason) << r.state;
+    for (const std::string& order : line.orders) {
+      EXPECT_TRUE(order == "STATE" || order == "ERRORMES6130") << order;
+    }
+  }
+  Scripted mute;
+  EXPECT_THAT(silence_of(mute, "1").fact, HasSubstr("no answer to 1;1;STATE"));
+}
+
 TEST(R3Switches, OnStartsNoProgramThatNobodyNamed) {
   Scripted line = obedient();
   const SwitchesReport report = switch_on(line, {});

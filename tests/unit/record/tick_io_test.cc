@@ -109,6 +109,7 @@ TEST(TickIo, ATickComesBackToTheBit) {
     in.hand.clutch_button = coin(random);
     in.hand.drop_button = coin(random);
     in.hand.enable_button = coin(random);
+    in.hand.force_missed = coin(random);
     in.order = any_order(random);
     in.slave_known = coin(random);
     if (in.slave_known) in.slave = any_slave(random);
@@ -130,6 +131,7 @@ TEST(TickIo, ATickComesBackToTheBit) {
     EXPECT_EQ(is.given.in.hand.clutch_button, in.hand.clutch_button);
     EXPECT_EQ(is.given.in.hand.drop_button, in.hand.drop_button);
     EXPECT_EQ(is.given.in.hand.enable_button, in.hand.enable_button);
+    EXPECT_EQ(is.given.in.hand.force_missed, in.hand.force_missed);
     EXPECT_EQ(is.given.dt, was.given.dt);
     EXPECT_EQ(is.given.let_go, was.given.let_go);
     EXPECT_EQ(is.given.in.slave_age, in.slave_age);

@@ -96,6 +96,28 @@ TEST(EnergyGovernor, SeesTheEnergyThatAHeldSpringMakes) {
   }
 }
 
+// A force that is late by a part of a tick acts for the rest of it; one that missed its tick not at
+// all.
+TEST(EnergyGovernor, APartOfATickIsReckonedByTheForceThatGoesOnInIt) {
+  struct Row {
+    int delay;
+    double late;
+    bool missed;
+    double work;  // of the last way [J]
+  };
+  for (const Row& row :
+       {Row{0, 0.0, false, 3e-3}, Row{0, 0.25, false, 2.75e-3}, Row{1, 0.25, false, 1.75e-3},
+        Row{0, 0.25, true, 2e-3}, Row{1, 0.0, true, 1e-3}}) {
+    EnergyGovernor governor;
+    GovernorSettings settings = governed();
+    settings.delay = row.delay;
+    settings.late = row.late;
+    for (const double force : {1.0, 2.0, 3.0}) governor.told(Vec3(force, 0.0, 0.0));
+    const double made = governor.govern(settings, {}, Vec3(1e-3, 0.0, 0.0), kTick, row.missed).made;
+    EXPECT_NEAR(made, row.work, 1e-15) << row.delay << ", " << row.late << ", " << row.missed;
+  }
+}
+
 TEST(EnergyGovernor, SeesWhatAForceMakesThatIsLate) {
   for (const int late : {1, 3, 10, kMostForceDelay}) {
     Port port;

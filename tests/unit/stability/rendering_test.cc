@@ -54,6 +54,27 @@ TEST(Rendering, ADelayCountsAsNoLessThanItIs) {
             margin_of(kLinear, {}, spring(100.0, 0.0, 2e-3)).share);
 }
 
+// Friction holds what makes no more than it takes: K goes with 1 / (T / 2 + d)^2.
+TEST(Rendering, APartOfAPeriodOfTheDevicesDelayCountsAsWhatItIs) {
+  const auto held = [](double delay) {
+    DeviceDynamics device = kDry;
+    device.delay = delay;
+    return margin_of(device, {}, spring(1000.0)).share;
+  };
+  EXPECT_NEAR(held(0.35e-3) / held(0.0), 0.25 / (0.85 * 0.85), 1e-9);
+  EXPECT_NEAR(held(2.5e-3) / held(0.0), 0.25 / 9.0, 1e-9);
+  DeviceDynamics linear = kLinear;
+  linear.delay = 1.4e-3;
+  SampledWall wall{.mass = 0.1, .damping = 0.5, .delay = 1};
+  wall.late = 0.4;
+  EXPECT_NEAR(margin_of(linear, {}, spring(100.0)).share * 100.0, stiffness_onset(wall),
+              1e-5 * stiffness_onset(wall));
+  // A rendering's own is beside it.
+  wall.delay = 3;
+  EXPECT_NEAR(margin_of(linear, {}, spring(100.0, 0.0, 1.2e-3)).share * 100.0,
+              stiffness_onset(wall), 1e-5 * stiffness_onset(wall));
+}
+
 TEST(Rendering, ALowPassOfTheVelocityIsPartOfTheLoop) {
   RenderingLoop slow;
   slow.velocity_lag = 5e-3;

@@ -97,24 +97,48 @@ TEST(SampledWall, AnUndampedDeviceHasTheEdgeOfTheClosedForm) {
   EXPECT_EQ(edge(0.0, 0), 0.0) << "nothing takes up what the wall makes";
 }
 
+SampledWall later(SampledWall wall, double late) {
+  wall.late = late;
+  return wall;
+}
+
+TEST(SampledWall, APartOfAPeriodLiesBetweenNoneAndAWhole) {
+  for (const double damping : {0.1, 1.0, 5.0}) {
+    const SampledWall wall = small_mass(damping, 1);
+    double before = stiffness_onset(wall);
+    EXPECT_NEAR(stiffness_onset(later(wall, 1e-9)), before, 1e-6 * before);
+    for (const double late : {0.1, 0.35, 0.5, 0.9}) {
+      const double here = stiffness_onset(later(wall, late));
+      EXPECT_LT(here, before) << damping << ", " << late;
+      before = here;
+    }
+    const double whole = stiffness_onset(small_mass(damping, 2));
+    EXPECT_NEAR(stiffness_onset(later(wall, 1.0 - 1e-9)), whole, 1e-6 * whole);
+  }
+  EXPECT_EQ(passive_damping(later(small_mass(0.0, 1), 0.1), 1000.0),
+            passive_damping(small_mass(0.0, 2), 1000.0));
+}
+
 // The plant by small steps, the loop as it is run: a kick grows above the onset and dies away
 // below.
 double swing_after(const SampledWall& wall, double stiffness, double seconds) {
   constexpr int kFiner = 100;
   const double h = wall.period / kFiner;
   double x = 0.0, v = 1.0, last = 0.0, most = 0.0;
-  std::deque<double> forces(static_cast<std::size_t>(wall.delay) + 1, 0.0);
+  std::deque<double> forces(static_cast<std::size_t>(wall.delay) + 2, 0.0);
+  const auto late = static_cast<int>(std::lround(wall.late * kFiner));
   const auto ticks = static_cast<int>(seconds / wall.period);
   for (int i = 0; i < ticks; ++i) {
     forces.push_back(-stiffness * x - wall.wall_damping * (x - last) / wall.period);
     forces.pop_front();
     last = x;
     for (int j = 0; j < kFiner; ++j) {
+      const double force = forces[j < late ? 0 : 1];
       // Of the second order, and by no exponential.
-      const double a = (forces.front() - wall.damping * v) / wall.mass;
+      const double a = (force - wall.damping * v) / wall.mass;
       const double half = v + 0.5 * h * a;
       x += h * half;
-      v += h * (forces.front() - wall.damping * half) / wall.mass;
+      v += h * (force - wall.damping * half) / wall.mass;
     }
     if (i >= ticks / 2) most = std::max(most, std::abs(x));
   }
@@ -124,7 +148,9 @@ double swing_after(const SampledWall& wall, double stiffness, double seconds) {
 TEST(SampledWall, AStepByStepSimulationGrowsAboveAndDiesAwayBelow) {
   for (const SampledWall& wall :
        {small_mass(0.1, 0), small_mass(5.0, 0), small_mass(1.0, 2), small_mass(2.0, 10),
-        small_mass(0.1, 1, 5.0), small_mass(0.1, 10, 5.0), small_mass(0.1, 0, 50.0)}) {
+        small_mass(0.1, 1, 5.0), small_mass(0.1, 10, 5.0), small_mass(0.1, 0, 50.0),
+        later(small_mass(1.0, 0), 0.35), later(small_mass(0.1, 1, 5.0), 0.5),
+        later(small_mass(5.0, 0), 0.9), later(small_mass(2.0, 10), 0.1)}) {
     const double onset = stiffness_onset(wall);
     const auto grows = [&](double stiffness) {
       return swing_after(wall, stiffness, 40.0) > swing_after(wall, stiffness, 20.0);

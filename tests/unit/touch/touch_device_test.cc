@@ -59,7 +59,7 @@ TEST_F(TouchDeviceTest, OpensTheDefaultByEachOfItsNamesAndAsksForThousandTurns) 
   EXPECT_EQ(device->driver_version(), "4.2.122");
   EXPECT_FALSE(device->capabilities().simulated);
   EXPECT_EQ(device->capabilities().max_force, 3.3);
-  EXPECT_EQ(device->capabilities().dynamics.delay, 1e-3);
+  EXPECT_NEAR(device->capabilities().dynamics.delay, 0.35e-3, 1e-12);
   hd([](HdState& s) { s.name = "somebody's"; });
   device->close();
   EXPECT_TRUE(device->open());  // by no name at all
@@ -247,6 +247,61 @@ TEST_F(TouchDeviceTest, AThreadThatStandsStillIsNoticed) {
   EXPECT_TRUE(valid());
 }
 
+// The cable, or the vendor's scheduler; homing is asked anew each time.
+TEST_F(TouchDeviceTest, LostAHundredTimesItIsOpenedAgainByItself) {
+  options.lost_after = 40 * kMillisecond;
+  ASSERT_NO_FATAL_FAILURE(open());
+  for (int i = 0; i < 100; ++i) {
+    ASSERT_TRUE(valid()) << i;
+    hd([&](HdState& s) {
+      s.init_error = kHdCommError;
+      i % 2 == 0 ? s.tick_error = kHdCommError : s.turns = false;
+      s.calibration = kHdNeedsUpdate;
+      s.updates = 0;
+    });
+    ASSERT_TRUE(valid(false)) << i;
+    ASSERT_TRUE(becomes([&] { return hd([](HdState& s) { return s.open_devices; }) == 0; })) << i;
+    EXPECT_FALSE(hd([](HdState& s) { return s.output; }));
+    hd([](HdState& s) { s.init_error = s.tick_error = 0, s.turns = true; });
+    ASSERT_TRUE(valid()) << i;
+    EXPECT_EQ(hd([](HdState& s) { return s.updates; }), 1) << i;
+  }
+  EXPECT_EQ(device->tick().losses, 100u);
+}
+
+TEST_F(TouchDeviceTest, AfterALossTheForceComesBackSlowly) {
+  options.lost_after = 40 * kMillisecond;
+  ASSERT_NO_FATAL_FAILURE(open());
+  ASSERT_TRUE(pushes(1.0, 1.0));
+  hd([](HdState& s) { s.turns = false; });
+  ASSERT_TRUE(becomes([&] { return hd([](HdState& s) { return s.open_devices; }) == 0; }));
+  hd([](HdState& s) { s.turns = true; });
+  ASSERT_TRUE(valid());
+  const Nanos ended = monotonic_now();
+  double most_rise = 0.0, before = 0.0;
+  EXPECT_TRUE(becomes([&] {
+    device->write({Vec3(1.0, 0.0, 0.0), Vec3::Zero()});
+    const double now = force();
+    most_rise = std::max(most_rise, now - before);
+    before = now;
+    return now == 1.0;
+  }));
+  EXPECT_GE(monotonic_now() - ended, 900 * kMillisecond);
+  EXPECT_LT(most_rise, 0.5);
+}
+
+TEST_F(TouchDeviceTest, AShortDipIsNoLoss) {
+  ASSERT_NO_FATAL_FAILURE(open());
+  ASSERT_TRUE(valid());
+  hd([](HdState& s) { s.turns = false, s.opened = 0; });
+  sleep_until(monotonic_now() + 200 * kMillisecond);
+  EXPECT_FALSE(read().valid);
+  hd([](HdState& s) { s.turns = true; });
+  ASSERT_TRUE(valid());
+  EXPECT_EQ(device->tick().losses, 0u);
+  EXPECT_EQ(hd([](HdState& s) { return s.opened; }), 0);
+}
+
 TEST_F(TouchDeviceTest, ClosedItIsLetGoOfAndMayBeOpenedAgain) {
   ASSERT_NO_FATAL_FAILURE(open());
   ASSERT_TRUE(pushes(1.0, 1.0));
@@ -267,6 +322,7 @@ TEST_F(TouchDeviceTest, ReadingAndWritingDoNotAllocate) {
   ASSERT_NO_FATAL_FAILURE(open());
   test::NoAllocation guard("touch");
   for (int i = 0; i < 100; ++i) {
+    (void)device->wait(monotonic_now() + kMillisecond);
     (void)read();
     device->write({Vec3(0.1, 0.0, 0.0), Vec3::Zero()});
     sleep_until(monotonic_now() + kMillisecond);
