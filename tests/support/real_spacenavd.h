@@ -37,7 +37,12 @@ class RealSpacenavd {
                                            "/rc' -l '" + at + "/log'"},
         at + "/output");
     for (const Nanos until = monotonic_now() + patience; monotonic_now() < until;) {
-      if (magellan.answer() && ::access(socket().c_str(), F_OK) == 0) return true;
+      if (magellan.answer() && ::access(socket().c_str(), F_OK) == 0) {
+        // It listens a moment after its socket is there, and a client that only tries, and leaves,
+        // takes the device with it.
+        sleep_until(monotonic_now() + 100 * kMillisecond);
+        return true;
+      }
       if (!daemon_->running()) return false;
       sleep_until(monotonic_now() + 5 * kMillisecond);
     }
