@@ -103,23 +103,21 @@ TEST(TurnGate, TheForceOfATurnIsThatForItsReading) {
     }
   });
   Turner device{gate};
-  int in_turn = 0, behind = 0;
+  int in_turn = 0, behind = 0, behind_since = 0;  // since the loop first answered in a turn
   const test::NoAllocation guard("the gate");
   for (int i = 1; i <= 2000; ++i) {
     const double force = device.turn(i);
     ASSERT_LE(force, i);
     (force == i ? in_turn : behind) += 1;
+    behind_since += force != i && in_turn > 0 ? 1 : 0;
     sleep_until(monotonic_now() + 200 * kMicrosecond);
   }
   ends = true;
   loop.join();
   EXPECT_GT(in_turn, 0);
-  // Not counted are those before the loop first answered, the last one, and when it had stood
-  // still for long; more than one at a reading count once.
+  // Those between two readings that the loop takes count once, and the last may not be heard of.
   EXPECT_LE(late, behind);
-  if (in_turn > 1900) {
-    EXPECT_GE(late + 10, behind);
-  }
+  EXPECT_TRUE(late > 0 || behind_since <= 1) << behind_since;
 }
 
 TEST(TurnGate, WhileTheDeviceIsSilentTheLoopHasItsOwnClock) {
