@@ -67,7 +67,7 @@ class Watched final : public HapticDevice {
   Status open() override { return device_.open(); }
   HapticSample read(Nanos now) noexcept override {
     now_ = now;
-    const HapticSample sample = device_.read(now);
+    HapticSample sample = device_.read(now);
     valid = sample.valid;
     return sample;
   }

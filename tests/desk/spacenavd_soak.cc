@@ -80,7 +80,7 @@ class Soaking {
   explicit Soaking(const SpaceMouseOptions& options) : device_(options) {}
 
   Status begin(const std::string& socket) {
-    if (const Status opened = device_.open(); !opened) return opened;
+    if (Status opened = device_.open(); !opened) return opened;
     if (!plain_.connect(socket)) return Status::error("spacenavd takes no second client");
     // Both are known to the daemon before the first frame.
     return go(kLastFrames, [](Nanos) {}) ? Status::ok() : Status::error("spacenavd is gone");

@@ -29,10 +29,11 @@ class RecordedByUmockdev : public ::testing::Test {
   // What `handrail devices` says to a computer that has this device alone.
   std::string says(const std::string& device, std::vector<std::string> words, int code) {
     const std::string at = HANDRAIL_SOURCE_DIR "/tests/data/umockdev/" + device;
+    const std::string program_file = HANDRAIL_BIN_DIR "/handrail";
     std::vector<std::string> all = {"-d",     at + ".umockdev",
                                     "-i",     "/dev/input/event1=" + at + ".ioctl",
                                     "-e",     "/dev/input/event1=" + at + ".events",
-                                    "--",     HANDRAIL_BIN_DIR "/handrail",
+                                    "--",     program_file,
                                     "devices"};
     all.insert(all.end(), words.begin(), words.end());
     const TempFolder folder;
