@@ -15,7 +15,7 @@
 namespace handrail {
 namespace {
 
-constexpr int kFeedbackNice = 10;  // behind all that is not told otherwise
+constexpr int kFeedbackNice = 10;  // of 19, behind all that is not told otherwise; our choice
 
 // The thread that starts this one may be a real-time one, and is not to be kept waiting by it.
 void become_unimportant() {

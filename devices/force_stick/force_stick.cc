@@ -13,7 +13,7 @@ namespace handrail {
 namespace {
 
 constexpr std::array<int, 2> kStickCodes = {ABS_X, ABS_Y};
-// A plane, or a line, has no room across it [m].
+// A plane, or a line, has no room across it, and half extents are > 0; our choice [m].
 constexpr double kAcrossStick = 1e-3;
 
 bool has_grip(const EvdevOpened& device) {

@@ -14,8 +14,9 @@ constexpr std::array<std::uint16_t, 2> kDirections = {0xC000, 0x8000};
 // Drivers differ in whether a change begins an effect's time anew, so it is played anew.
 constexpr Nanos kPlayAgain = 40 * kMillisecond;
 constexpr Nanos kRefusedPause = 100 * kMillisecond;  // our choice
-constexpr int kFullGain = 0xFFFF;
-constexpr int kPusherPriority = 70;  // below who renders: a driver may take long
+constexpr int kFullGain = 0xFFFF;                    // all that the device makes (input/ff.rst)
+// SCHED_FIFO, below who renders: a driver may take long; our choice.
+constexpr int kPusherPriority = 70;
 
 }  // namespace
 

@@ -71,6 +71,7 @@ class Watched final : public HapticDevice {
     valid = sample.valid;
     return sample;
   }
+  Nanos wait(Nanos due) noexcept override { return device_.wait(due); }
   void write(const Wrench& f_H_M) noexcept override {
     pushes = f_H_M.force.norm() > 0.01;
     device_.write(f_H_M);
@@ -125,20 +126,19 @@ class LoopRun {
     const Nanos began = monotonic_now();
     const Nanos end = began + kSettling + from_seconds(seconds);
     for (std::uint64_t tick = 0; monotonic_now() < end; ++tick) {
-      const Nanos due = loop_->due();
-      sleep_until(due);
+      const Nanos turn = device_.wait(loop_->due());
       const Nanos woke = monotonic_now();
       slave_.tell(woke);
       drive(tick);
       const Nanos from = monotonic_now();
-      loop_->tick(woke);
+      loop_->tick(woke, turn);
       const Nanos till = monotonic_now();
       (void)boxes_->report.take(report_);
       slave_.follow(report_.out.link);
       OrderAnswer answer;
       while (boxes_->answers.pop(answer)) {
       }
-      if (woke - began >= kSettling) keep(woke - due, till - from);
+      if (woke - began >= kSettling) keep(woke - turn, till - from);
     }
   }
   // Engages as soon as it may, and calls a line.
