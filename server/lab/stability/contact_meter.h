@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <vector>
 
 #include "server/base/plane.h"
 
@@ -68,6 +69,19 @@ class Swing {
   Vec2 high_ = Vec2::Constant(-std::numeric_limits<double>::infinity());
   Vec2 sum_ = Vec2::Zero();
   int count_ = 0;
+};
+
+// The mean way from side to side in the first and in the second half of them, without the very
+// first; of an even number the one in the middle is in neither. At least three [m].
+struct SwingHalves {
+  explicit SwingHalves(const std::vector<Swing>& windows) noexcept {
+    const std::size_t half = (windows.size() - 1) / 2;
+    for (std::size_t i = 0; i < half; ++i) {
+      first += windows[1 + i].peak_to_peak() / static_cast<double>(half);
+      second += windows[windows.size() - 1 - i].peak_to_peak() / static_cast<double>(half);
+    }
+  }
+  double first = 0.0, second = 0.0;
 };
 
 }  // namespace handrail

@@ -45,21 +45,24 @@ struct WallCell {
   double most_softer = 100.0;  // chosen: softer than that, what a scene asks for is not there
 };
 
-// Runs the cell for six seconds, or for 24.
+// Runs the cell for six seconds, or longer.
 //
 //   over_mj      energy that a contact gave, less what the device took by itself, what ticks that
 //                came late may have made (most force times speed times the time they were late)
 //                and what a lock that opens lets go; with counts that are not the device's own, its
 //                largest force times a count, too, which nobody sees
-//   swing_mm     from side to side in the last two seconds; judged by the two before them, and with
+//   swing_mm     from side to side in two seconds, the mean over the second half of the time after
+//                the first two; judged by the first half, which is 2 to 4 s and 4 to 6 s, and with
 //                late ticks, which drive it anew, by twice that or the first kick's. Where it is
-//                larger and no tick is late, those from 22 to 24 s are judged in their place by
-//                the same two: a swing without loss may wander, and one that grows is larger yet
-//   drift_mm     of the middle of that swing
+//                larger and no tick is late, the run goes on to 24, 96 and 384 s: a swing without
+//                loss may wander, and one that grows is larger yet
+//   drift_mm     of the middle of that swing, from 2 to 4 s to the last two. Where the force is
+//                lowered to what the device can sustain, what it held back gives way: such a run
+//                goes on to 24 s, and the drift is that between its last two windows
 //   times_softer than the scene asks for, by the master's own governing
-//   rest_mm (the middle of that swing, into the wall), given_mj, contacts, change_n (largest change
-//   of the force from tick to tick) and governed_share (of the ticks with a force, those in which
-//   the governor made it smaller) are told
+//   seconds (that it was run), rest_mm (the middle of that swing, into the wall), given_mj,
+//   contacts, change_n (largest change of the force from tick to tick) and governed_share (of the
+//   ticks with a force, those in which the governor made it smaller) are told
 CaseFigures run_wall_cell(const WallCell& cell, std::uint64_t seed);
 
 }  // namespace handrail
