@@ -78,6 +78,23 @@ inline Vec3 rotation_log(const Quat& q) {
   return (2.0 * sign * std::atan2(s, std::abs(q.w())) / s) * q.vec();
 }
 
+// The smallest turn that takes the direction of `from` to that of `to`, both longer than 0. Of
+// opposite ones the half turn about what is nearest to X, or to Y for directions along X. Eigen's
+// FromTwoVectors does the same by a singular value decomposition, which each unit that names it
+// compiles for seconds. Real-time safe.
+inline Quat smallest_turn(const Vec3& from, const Vec3& to) {
+  const Vec3 a = from.normalized(), b = to.normalized(), across = a.cross(b);
+  // 1 + a b and a x b are cos and sin of half the angle, both times twice that cosine. Less of them
+  // than this is rounding, and the axis not known to 1e-6.
+  if (a.dot(b) < 0.0 && across.norm() < 1e-10) {
+    const Vec3 axis = std::abs(a.x()) < 0.7 ? Vec3::UnitX() : Vec3::UnitY();
+    const Vec3 square = (axis - axis.dot(a) * a).normalized();
+    return Quat(0.0, square.x(), square.y(), square.z());
+  }
+  // Written so, the first loses nothing where the two are nearly opposite.
+  return Quat(0.5 * (a + b).squaredNorm(), across.x(), across.y(), across.z()).normalized();
+}
+
 // From `from` to `to`, the shorter way round.
 inline Twist between(const Pose& from, const Pose& to) {
   return {to.p - from.p, rotation_log(to.q * from.q.conjugate())};

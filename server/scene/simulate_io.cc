@@ -66,9 +66,7 @@ Problem cylinder_from(const pb::RigEffect::Cylinder& in, RigEffectSpec& out) {
 }
 
 // Z out of the socket; X as near to the base's X as that allows.
-Quat socket_axes(const Vec3& axis) {
-  return Quat::FromTwoVectors(Vec3::UnitZ(), axis).normalized();
-}
+Quat socket_axes(const Vec3& axis) { return smallest_turn(Vec3::UnitZ(), axis); }
 
 Problem socket_from(const pb::RigEffect::HexSocket& in, RigEffectSpec& out) {
   if (in.key_mm() >= in.across_flats_mm()) {

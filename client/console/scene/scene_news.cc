@@ -23,9 +23,7 @@ void set_place(pb::PoseMm* out, const Pose& X) {
 }
 
 // At `at`, with Z along `axis`.
-Pose along(const Vec3& at, const Vec3& axis) {
-  return {at, Quat::FromTwoVectors(Vec3::UnitZ(), axis)};
-}
+Pose along(const Vec3& at, const Vec3& axis) { return {at, smallest_turn(Vec3::UnitZ(), axis)}; }
 
 struct BodyMaker {
   pb::SceneNews& out;

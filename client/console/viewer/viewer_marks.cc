@@ -25,7 +25,7 @@ constexpr double kLeastHand = 0.05, kLeastContact = 0.5;  // smaller ones are no
 
 // At `at`, with `own` along `way`, which is not zero.
 Pose along(const Vec3& at, const Vec3& own, const Vec3& way) {
-  return {at, Quat::FromTwoVectors(own, way)};
+  return {at, smallest_turn(own, way)};
 }
 
 void add_arrow(foxglove::SceneEntity& entity, const Vec3& from, const Vec3& way, double thick,

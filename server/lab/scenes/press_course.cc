@@ -38,7 +38,7 @@ struct Way {
 
 // The tool along `along`, turned from where it points at home as little as that takes.
 Quat looking(const Pose& home, const Vec3& along) {
-  return (Quat::FromTwoVectors(home.q * Vec3::UnitZ(), along) * home.q).normalized();
+  return (smallest_turn(home.q * Vec3::UnitZ(), along) * home.q).normalized();
 }
 
 Way onto(const char* what, const Pose& home, const Vec3& p, const Vec3& n) {

@@ -84,7 +84,7 @@ ToolCase circle(double tilt, double rounds_per_second, bool governor) {
   for (int i = 0; i < 3000; ++i) {
     const Vec3 next = step * axis;
     const Pose& X = rig.hand();
-    rig.tick({X.p, (Quat::FromTwoVectors(axis, next) * X.q).normalized()});
+    rig.tick({X.p, (smallest_turn(axis, next) * X.q).normalized()});
     axis = next;
   }
   rig.rest();

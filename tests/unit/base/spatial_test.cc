@@ -66,6 +66,33 @@ TEST(RotationLog, KeepsTheAxisOfTheVectorPartAtHalfATurn) {
   EXPECT_LT((rotation_log(Quat(0, 0, -1, 0)) - Vec3(0, -kPi, 0)).norm(), 1e-15);
 }
 
+TEST(SmallestTurn, IsThatOfEigen) {
+  std::mt19937_64 random(20);
+  for (int i = 0; i < 200; ++i) {
+    const Vec3 from = 3.0 * random_unit(random);
+    Vec3 to = random_unit(random);
+    if (i % 4 == 0) to = std::pow(10.0, -0.04 * i) * to - 2.0 * from;
+    const Quat q = smallest_turn(from, to);
+    EXPECT_TRUE(is_unit(q, 1e-12));
+    // The axis is as well known as the rounding of the two lets it be.
+    const double known = 3e-16 / from.normalized().cross(to.normalized()).norm();
+    EXPECT_LT((q * from.normalized() - to.normalized()).norm(), 1e-12 + known) << i;
+    if (i % 4 != 0) EXPECT_LT(angle_between(q, Quat::FromTwoVectors(from, to)), 1e-9) << i;
+  }
+}
+
+TEST(SmallestTurn, OfOppositeDirectionsIsAHalfTurn) {
+  for (const Vec3& from : {Vec3(0.0, 0.0, 2.0), Vec3(-1.0, 0.0, 0.0), Vec3(0.8, -0.1, 0.6)}) {
+    const Quat q = smallest_turn(from, -3.0 * from);
+    EXPECT_TRUE(is_unit(q, 1e-12));
+    EXPECT_LT((q * from + from).norm(), 1e-12);
+  }
+  EXPECT_LT((smallest_turn(Vec3::UnitZ(), -Vec3::UnitZ()) * Vec3::UnitX() - Vec3::UnitX()).norm(),
+            1e-12);
+  EXPECT_EQ(angle_between(smallest_turn(Vec3::UnitY(), 5.0 * Vec3::UnitY()), Quat::Identity()),
+            0.0);
+}
+
 TEST(AngleBetween, IsSymmetricAndBlindToSigns) {
   const Quat a = rotation_exp(Vec3(0.1, 0.2, 0.3)), b = rotation_exp(Vec3(-1.0, 0.5, 2.0));
   const Quat minus_b(-b.w(), -b.x(), -b.y(), -b.z());

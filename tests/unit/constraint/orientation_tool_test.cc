@@ -60,7 +60,7 @@ TEST(FRotation, KeepsItsAxisExactlyForRandomHands) {
   for (int run = 0; run < 50; ++run) {
     const Vec3 axis_T = dice.unit(), axis_S = dice.unit();
     OrientationTool tool = keeping_axis(axis_T, axis_S);
-    const Quat aligned = Quat::FromTwoVectors(axis_T, axis_S);
+    const Quat aligned = smallest_turn(axis_T, axis_S);
     tool.start(aligned);
     for (int i = 0; i < 200; ++i) {
       const Quat hand = dice.turn(170 * kDeg) * aligned;
@@ -86,7 +86,7 @@ TEST(FRotation, TurnsTheHandBackByTheSmallestRotation) {
 
 TEST(FRotation, PassesTurningAboutItsAxisOneToOne) {
   OrientationTool tool = keeping_axis(Vec3::UnitZ(), Vec3::UnitX());
-  const Quat aligned = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitX());
+  const Quat aligned = smallest_turn(Vec3::UnitZ(), Vec3::UnitX());
   tool.start(aligned);
   for (double angle = -3.0; angle < 3.0; angle += 0.01) {
     const Quat hand = rotation_exp(angle * Vec3::UnitX()) * aligned;
@@ -142,8 +142,8 @@ TEST(FRotation, TheHandsSignOfQuaternionDoesNotMatter) {
   for (int i = 0; i < 100; ++i) {
     OrientationTool a = keeping_axis(Vec3::UnitY(), Vec3::UnitX());
     OrientationTool b = a;
-    a.start(Quat::FromTwoVectors(Vec3::UnitY(), Vec3::UnitX()));
-    b.start(Quat::FromTwoVectors(Vec3::UnitY(), Vec3::UnitX()));
+    a.start(smallest_turn(Vec3::UnitY(), Vec3::UnitX()));
+    b.start(smallest_turn(Vec3::UnitY(), Vec3::UnitX()));
     const Quat hand = dice.turn(1.5), minus(-hand.w(), -hand.x(), -hand.y(), -hand.z());
     EXPECT_LT(angle_between(a.advance(hand), b.advance(minus)), 1e-12);
   }

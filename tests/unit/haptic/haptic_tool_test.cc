@@ -271,7 +271,7 @@ TEST(HapticTools, FRotationBesideHalfATurnNeverJumpsHoweverTheHandCircles) {
     const Quat step = rotation_exp(2.0 * std::numbers::pi * rounds_per_second * 1e-3 * kept_M);
     for (int i = 0; i < 3000; ++i) {
       const Vec3 next = step * axis;
-      turn(Quat::FromTwoVectors(axis, next));
+      turn(smallest_turn(axis, next));
       axis = next;
     }
     EXPECT_LT(turned, most + rig.settings.guide.catch_up_rotation * HapticRig::kTick);
