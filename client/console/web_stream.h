@@ -2,6 +2,10 @@
 // stream, and the head of a request.
 #pragma once
 
+#include <array>
+#include <functional>
+#include <memory>
+#include <type_traits>
 #include <utility>
 #include <variant>
 
@@ -43,16 +47,50 @@ class WebStream {
 
   template <typename Buffers, typename Handler>
   void async_read_some(const Buffers& to, Handler&& handler) {
-    std::visit([&](auto& s) { s.async_read_some(to, std::forward<Handler>(handler)); }, stream_);
+    read_some(List<boost::asio::mutable_buffer>(to), handler_of(std::forward<Handler>(handler)));
   }
   template <typename Buffers, typename Handler>
   void async_write_some(const Buffers& from, Handler&& handler) {
-    std::visit([&](auto& s) { s.async_write_some(from, std::forward<Handler>(handler)); }, stream_);
+    write_some(List<boost::asio::const_buffer>(from), handler_of(std::forward<Handler>(handler)));
   }
 
  private:
   using Plain = next_layer_type;
   using Tls = boost::beast::ssl_stream<next_layer_type>;
+  using Done = std::function<void(boost::beast::error_code, std::size_t)>;
+
+  // The first of a sequence of buffers; some of them is all that a call asks for.
+  template <typename Buffer>
+  class List {
+   public:
+    using value_type = Buffer;
+    using const_iterator = const Buffer*;
+    template <typename Buffers>
+    explicit List(const Buffers& from) {
+      auto each = boost::asio::buffer_sequence_begin(from);
+      const auto last = boost::asio::buffer_sequence_end(from);
+      for (; each != last && count_ < of_.size(); ++each) of_[count_++] = *each;
+    }
+    const_iterator begin() const noexcept { return of_.data(); }
+    const_iterator end() const noexcept { return of_.data() + count_; }
+
+   private:
+    std::array<Buffer, 8> of_{};
+    std::size_t count_ = 0;
+  };
+
+  // A handler of Beast's can only be moved.
+  template <typename Handler>
+  static Done handler_of(Handler&& handler) {
+    auto kept = std::make_shared<std::decay_t<Handler>>(std::forward<Handler>(handler));
+    return [kept](boost::beast::error_code e, std::size_t size) { (*kept)(e, size); };
+  }
+  void read_some(const List<boost::asio::mutable_buffer>& to, Done done) {
+    std::visit([&](auto& s) { s.async_read_some(to, std::move(done)); }, stream_);
+  }
+  void write_some(const List<boost::asio::const_buffer>& from, Done done) {
+    std::visit([&](auto& s) { s.async_write_some(from, std::move(done)); }, stream_);
+  }
 
   std::variant<Plain, Tls> stream_;
 };
