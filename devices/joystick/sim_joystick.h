@@ -33,6 +33,7 @@ class SimJoystick final : public HapticDevice, public SteerableHand {
   void write(const Wrench& f_H_M) noexcept override;
   void close() noexcept override;
   SteerableHand* hand() noexcept override { return recording_ ? nullptr : this; }
+  std::optional<Vec3> simulated_push() const noexcept override { return hand_.push(); }
   void simulate(const DeviceEffects& effects, const Vec3& home_M) noexcept override;
 
   // Moves in the plane only. Ends following.

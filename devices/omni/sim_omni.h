@@ -1,6 +1,8 @@
 // A simulated Phantom Omni in a simulated hand.
 #pragma once
 
+#include <optional>
+
 #include "devices/hand/hand_model.h"
 #include "devices/haptic_device.h"
 #include "devices/omni/omni_data.h"
@@ -26,6 +28,7 @@ class SimOmni final : public HapticDevice {
   void close() noexcept override;
   void simulate(const DeviceEffects& effects, const Vec3& home_M) noexcept override;
   SteerableHand* hand() noexcept override { return &hand_; }
+  std::optional<Vec3> simulated_push() const noexcept override { return hand_.push(); }
 
  private:
   void observe(double dt) noexcept;

@@ -1,6 +1,8 @@
 // A haptic device whose hand is a cursor on a page.
 #pragma once
 
+#include <optional>
+
 #include "devices/hand/hand_model.h"
 #include "devices/haptic_device.h"
 
@@ -28,6 +30,7 @@ class PageDevice final : public HapticDevice, public SteerableHand {
   // Not finite: ignored. A place outside the work space is taken for the nearest in it.
   void lead(const CursorSample& cursor) noexcept override;
   SteerableHand* hand() noexcept override { return this; }
+  std::optional<Vec3> simulated_push() const noexcept override { return hand_.push(); }
 
   // Moves that are ordered, such as home: until the next cursor.
   void steer(const HandIntent& intent) noexcept override;
