@@ -69,6 +69,10 @@ std::string NetFtDriver::taken_next() const {
   return "handrail doctor; or end the " + role_.side + " first";
 }
 
+Status NetFtDriver::none_configured() const {
+  return Status::error("force sensor: none is configured; " + role_.place());
+}
+
 // Why there is no record.
 Sighting NetFtDriver::look_at_page(const std::string& place) const {
   Sighting silent = {place, Readiness::kAbsent, "no record came in 0.3 s",
@@ -110,6 +114,7 @@ std::vector<Sighting> NetFtDriver::probe() {
 }
 
 StartedTest NetFtDriver::test(const TestWishes& wishes) {
+  if (options_.address.empty()) return none_configured();
   if (taken_) return Status::error("force sensor: " + taken_text() + "; " + taken_next());
   auto sensor = std::make_unique<NetFtSensor>(options_);
   if (const Status started = sensor->start(); !started) return started;
@@ -118,6 +123,7 @@ StartedTest NetFtDriver::test(const TestWishes& wishes) {
 }
 
 StartedTest NetFtDriver::calibrate() {
+  if (options_.address.empty()) return none_configured();
   if (options_.client.dialect != RdtDialect::kAti) {
     return Status::error(
         "force sensor: one of OnRobot has no page with its scale; what was not set anew is 10000 "

@@ -34,6 +34,7 @@ class NetFtDriver final : public Driver {
 
   std::string taken_text() const;
   std::string taken_next() const;
+  Status none_configured() const;
 
   NetFtOptions options_;
   FtRole role_;
