@@ -262,11 +262,11 @@ std::string status_text(const pb::Status& s, long most_rows) {
                                    tool_text("orientation:", s.orientation_tool(), false)}),
                     0, 2});
   if (s.named_tool_size() > 0) screen.push_back({line("", {names_text(s)}), 5});
-  screen.push_back(
-      {line("force [N]",
-            {share_text("tool", s.tool_force()), share_text("spring", s.spring_force()),
-             share_text("limits", s.limited_force()), share_text("device", s.device_force())})});
-  if (s.has_handle()) screen.push_back({handle_text(s), 3});
+  const std::string force =
+      line("force [N]",
+           {share_text("tool", s.tool_force()), share_text("spring", s.spring_force()),
+            share_text("limits", s.limited_force()), share_text("device", s.device_force())});
+  screen.push_back({force + (s.has_handle() ? handle_text(s) : ""), 3});
   const std::string touch =
       s.has_contact_force() ? vector_text(s.contact_force_n(), 2, 0) : "no sensor";
   screen.push_back({s.has_gripper() ? line("touch [N]", {touch, labelled("gripper", s.gripper())})
