@@ -120,7 +120,8 @@ class HapticDevice {
   // The simulated hand that holds the device, or null on real hardware and on recordings.
   virtual SteerableHand* hand() noexcept { return nullptr; }
   // Force of the simulated hand on the handle, as a sensor between them would feel it, mean of the
-  // model's last step, frame M [N]. None: no simulated hand holds it. Simulated; real-time safe.
+  // time between the last two readings, frame M [N]. None: no simulated hand holds it. Simulated;
+  // real-time safe.
   virtual std::optional<Vec3> simulated_push() const noexcept { return std::nullopt; }
 };
 

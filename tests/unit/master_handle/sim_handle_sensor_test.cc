@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "devices/joystick/joystick_data.h"
@@ -51,6 +52,28 @@ TEST(SimHandleSensor, BeyondItsPeakTheDevicePushesNoHarder) {
   SimOmni device(HandOptions{}, false);
   const double push = mean_push(device, Vec3(10.0, 0.0, 0.0)).x();
   EXPECT_NEAR(push, -device.capabilities().max_force, kOmniFriction + 0.1);
+}
+
+// A loop's turns are not a millisecond to the nanosecond: what is left of one is no step to divide
+// by.
+TEST(SimHandleSensor, TremorIsNoBlowWhenTurnsAreUneven) {
+  HandOptions hand = joystick_grip();
+  hand.tremor_rms = 0.05e-3;
+  hand.drift_rms = 0.97e-3;
+  SimJoystick joystick(hand);
+  SimOmni omni(HandOptions{}, false);
+  for (HapticDevice* device :
+       {static_cast<HapticDevice*>(&joystick), static_cast<HapticDevice*>(&omni)}) {
+    ASSERT_TRUE(device->open());
+    double most = 0.0;
+    Nanos now = 0;
+    for (int i = 0; i < 3000; ++i) {
+      now += kMillisecond + (i * 7919) % 3000 - 1000;  // from -1 to 2 us late
+      (void)device->read(now);
+      most = std::max(most, device->simulated_push()->norm());
+    }
+    EXPECT_LT(most, 5.0) << device->capabilities().name;
+  }
 }
 
 TEST(SimHandleSensor, GivesTheNewestAndTellsWhatIsNoForce) {
