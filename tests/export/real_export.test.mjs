@@ -128,5 +128,5 @@ test('numbers are those of the lab\'s table of the same trial', async () => {
     assert.ok(near, `frame ${k}: ${frame['observation.state'].slice(6, 9)}, table ${tips.map((tip) => tip[at])}`);
     assert.ok(frame.hand_wrench_felt_valid, `frame ${k}`);
   });
-  for (const force of felt) assert.ok(force.every(Number.isFinite));
+  for (const force of felt) assert.ok(force.some((value) => value !== 0)); // an empty field counts as 0
 });
