@@ -12,7 +12,8 @@
 namespace handrail {
 
 // The sensor's frame F, measured in axes of the flange with the origin at the tip T: where its
-// reference point is, and how it is turned. The default: F is T.
+// reference point is, and how it is turned. The default: F is T. On the handle of a haptic device
+// the handle takes the flange's place, and the hand's reference point H the tip's.
 struct FtMount {
   Pose X_TF;
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "server/base/pacer.h"
@@ -118,6 +119,10 @@ class HapticDevice {
   virtual void lead(const CursorSample&) noexcept {}
   // The simulated hand that holds the device, or null on real hardware and on recordings.
   virtual SteerableHand* hand() noexcept { return nullptr; }
+  // Force of the simulated hand on the handle, as a sensor between them would feel it, mean of the
+  // time between the last two readings, frame M [N]. None: no simulated hand holds it. Simulated;
+  // real-time safe.
+  virtual std::optional<Vec3> simulated_push() const noexcept { return std::nullopt; }
 };
 
 }  // namespace handrail

@@ -213,6 +213,21 @@ std::string pose_text(const char* label, const pb::PoseMm& pose) {
          vector_text(pose.quaternion(), 3, 6);
 }
 
+// Of the handle's sensor, under what the device was told.
+std::string handle_text(const pb::Status& s) {
+  const pb::HandleStatus& handle = s.handle();
+  const std::string from = handle.simulated() ? "simulated" : handle.sensor();
+  if (!handle.has_force()) return line("felt [N]", {handle.state(), from});
+  const bool stick = handle.stick_torque_n_m_size() == 3;
+  return line("felt [N]",
+              {share_text("handle", handle.force()),
+               stick ? "stick " + vector_text(handle.stick_torque_n_m(), 2, 0) + " N m" : "",
+               handle.has_felt_share()
+                   ? number(100.0 * handle.felt_share(), 0) + " % of what the device was told"
+                   : "",
+               from});
+}
+
 std::string walls_text(const pb::WallStatus& walls) {
   std::string stage = labelled("stage", std::to_string(walls.stage()));
   if (walls.has_stage_name()) stage += " '" + walls.stage_name() + "'";
@@ -247,10 +262,11 @@ std::string status_text(const pb::Status& s, long most_rows) {
                                    tool_text("orientation:", s.orientation_tool(), false)}),
                     0, 2});
   if (s.named_tool_size() > 0) screen.push_back({line("", {names_text(s)}), 5});
-  screen.push_back(
-      {line("force [N]",
-            {share_text("tool", s.tool_force()), share_text("spring", s.spring_force()),
-             share_text("limits", s.limited_force()), share_text("device", s.device_force())})});
+  const std::string force =
+      line("force [N]",
+           {share_text("tool", s.tool_force()), share_text("spring", s.spring_force()),
+            share_text("limits", s.limited_force()), share_text("device", s.device_force())});
+  screen.push_back({force + (s.has_handle() ? handle_text(s) : ""), 3});
   const std::string touch =
       s.has_contact_force() ? vector_text(s.contact_force_n(), 2, 0) : "no sensor";
   screen.push_back({s.has_gripper() ? line("touch [N]", {touch, labelled("gripper", s.gripper())})

@@ -28,6 +28,14 @@ void judge_devices(const DoctorFacts& facts, Findings& out) {
         {"device.hand", Level::kOk,
          "the master's device is " + s.device() + (s.device_simulated() ? ", simulated" : ""), ""});
   }
+  if (s.has_handle()) {
+    const bool sound = s.handle().has_force();
+    out.push_back({"device.handle", sound ? Level::kOk : Level::kNote,
+                   "the force sensor on the handle" +
+                       std::string(s.handle().simulated() ? ", simulated: " : ": ") +
+                       s.handle().state(),
+                   sound ? "" : "with the master ended: handrail devices test handle-ft"});
+  }
   // Of walls for the hand alone there is no sensor.
   if (!slave_is_heard(s) || s.has_walls()) return;
   const bool sound = s.has_contact_force();

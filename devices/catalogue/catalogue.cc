@@ -86,6 +86,16 @@ constexpr DriverRow kDrivers[] = {
     {"comedi-ft", false,
      [](const Settings& s) -> Made { return std::make_unique<ComediFtDriver>(s.card_sensor); },
      [](const Settings& s) { return s.slave_given && s.has_sensor && s.sensor_at_card; }},
+    {"handle-ft", false,
+     [](const Settings& s) -> Made {
+       if (s.has_handle && s.handle_at_card) {
+         return std::make_unique<ComediFtDriver>(s.card_handle, handle_role());
+       }
+       NetFtOptions options = s.handle;
+       if (!s.has_handle) options.address.clear();
+       return std::make_unique<NetFtDriver>(options, s.handle_taken, handle_role());
+     },
+     [](const Settings& s) { return s.master_given && s.has_handle; }},
     {"sim-omni", true,
      [](const Settings& s) {
        return simulated<Kind::kSimOmni>(s, "SIM_OMNI", "simulated Phantom Omni");

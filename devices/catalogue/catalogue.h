@@ -24,8 +24,13 @@ struct DeviceSettings {
   MelfaOptions robot;
   NetFtOptions sensor;
   ComediFtOptions card_sensor;
-  bool has_sensor = true;                          // the slave's file wants one
-  bool sensor_at_card = false;                     // and it is `card_sensor`
+  bool has_sensor = true;       // the slave's file wants one
+  bool sensor_at_card = false;  // and it is `card_sensor`
+  NetFtOptions handle;
+  ComediFtOptions card_handle;
+  bool has_handle = false;      // the master's file wants a real sensor on the handle
+  bool handle_at_card = false;  // and it is `card_handle`
+  bool handle_taken = false;
   bool master_given = false, slave_given = false;  // files, and not their defaults
   // A program of this computer speaks with it already: it is left alone.
   bool robot_taken = false, sensor_taken = false;

@@ -45,15 +45,15 @@ std::string analog_block(const ComediFtOptions& o) {
   return out;
 }
 
-std::string comedi_ft_block(const ComediFtOptions& o) {
+std::string comedi_ft_block(const ComediFtOptions& o, const FtRole& role) {
   const ComediFtOptions usual;
   std::string inner = comedi_place_block(o.place);
   if (o.subdevice) inner += "subdevice: " + std::to_string(*o.subdevice) + " ";
   if (o.rate != usual.rate) inner += "rate_hz: " + number_text(o.rate) + " ";
   if (o.filter != usual.filter) inner += "filter: " + std::to_string(o.filter) + " ";
   if (o.kind == ComediFtKind::kAnalog) inner += analog_block(o);
-  return "force_sensor { comedi { " + inner + "} " + mount_block(o.mount) +
-         "range_n: " + number_text(o.range_n) + " }";
+  return role.open + "comedi { " + inner + "} " + mount_block(o.mount) +
+         "range_n: " + number_text(o.range_n) + role.close;
 }
 
 bool comes(const FtSample& sample) { return (sample.status & (kFtSettling | kFtLost)) == 0; }
@@ -77,14 +77,14 @@ std::vector<Sighting> ComediFtDriver::probe() {
   return {comedi_library_there(place),
           {place.device, Readiness::kUnfinished,
            sensor.text() + "; it gives no readings yet: a sensor takes 12 s to settle",
-           "handrail devices test comedi-ft"}};
+           role_.test("comedi-ft")}};
 }
 
 StartedTest ComediFtDriver::test(const TestWishes& wishes) {
   auto sensor = std::make_unique<ComediFtSensor>(options_);
   if (const Status started = sensor->start(); !started) return started;
   return StartedTest(
-      std::make_unique<ComediFtTrial>(std::move(sensor), wishes, comedi_ft_block(options_)));
+      std::make_unique<ComediFtTrial>(std::move(sensor), wishes, comedi_ft_block(options_, role_)));
 }
 
 StartedTest ComediFtDriver::calibrate() {
@@ -94,7 +94,7 @@ StartedTest ComediFtDriver::calibrate() {
   plain.matrix.setIdentity();  // its readings are volts
   auto sensor = std::make_unique<ComediFtSensor>(plain);
   if (const Status started = sensor->start(); !started) return started;
-  return StartedTest(std::make_unique<ComediFtCalibration>(std::move(sensor), options_));
+  return StartedTest(std::make_unique<ComediFtCalibration>(std::move(sensor), options_, role_));
 }
 
 ComediFtTrial::ComediFtTrial(std::unique_ptr<ComediFtSensor> sensor, const TestWishes& wishes,
@@ -181,7 +181,7 @@ std::string ComediFtCalibration::block() const {
   } else if (enough()) {
     for (int i = 0; i < 6; ++i) found.bias[i] = std::round(1e5 * sum_[i] / count_) * 1e-5;
   }
-  return comedi_ft_block(found);
+  return comedi_ft_block(found, role_);
 }
 
 }  // namespace handrail

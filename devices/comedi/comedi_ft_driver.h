@@ -3,20 +3,26 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "devices/comedi/comedi_ft_sensor.h"
 #include "devices/driver.h"
+#include "devices/ft_role.h"
 #include "devices/self_test/ft_test.h"
 
 namespace handrail {
 
 class ComediFtDriver final : public Driver {
  public:
-  explicit ComediFtDriver(const ComediFtOptions& options) : options_(options) {}
+  explicit ComediFtDriver(const ComediFtOptions& options, FtRole role = {})
+      : options_(options), role_(std::move(role)) {}
 
-  std::string what() const override { return "force sensor at a card (JR3, or six voltages)"; }
-  std::string daemon() const override { return "handrail-slave"; }
+  std::string what() const override {
+    return role_.driver.empty() ? "force sensor at a card (JR3, or six voltages)"
+                                : "force sensor on the handle (RDT, JR3, or six voltages)";
+  }
+  std::string daemon() const override { return role_.daemon(); }
   // Opens the card, and waits for a reading for 0.3 s.
   std::vector<Sighting> probe() override;
   StartedTest test(const TestWishes& wishes) override;
@@ -25,6 +31,7 @@ class ComediFtDriver final : public Driver {
 
  private:
   ComediFtOptions options_;
+  FtRole role_;
 };
 
 // Waits up to 25 s until the sensor has settled; then an FtTest.
@@ -53,8 +60,9 @@ class ComediFtTrial final : public SelfTest {
 class ComediFtCalibration final : public SelfTest {
  public:
   // `sensor` is started: of a JR3; or one whose readings are the voltages themselves.
-  ComediFtCalibration(std::unique_ptr<ComediFtSensor> sensor, const ComediFtOptions& options)
-      : sensor_(std::move(sensor)), options_(options) {}
+  ComediFtCalibration(std::unique_ptr<ComediFtSensor> sensor, const ComediFtOptions& options,
+                      const FtRole& role = {})
+      : sensor_(std::move(sensor)), options_(options), role_(role) {}
 
   bool turn(Nanos now) override;
   std::string asks() const override;
@@ -66,6 +74,7 @@ class ComediFtCalibration final : public SelfTest {
 
   std::unique_ptr<ComediFtSensor> sensor_;
   ComediFtOptions options_;
+  FtRole role_;
   bool started_ = false, gave_up_ = false;
   Nanos began_ = 0;
   int count_ = 0;

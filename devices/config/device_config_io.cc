@@ -141,6 +141,17 @@ NetFtOptions sensor_options(const pb::FtConfig& config) {
   return out;
 }
 
+MadeSensor make_sensor(const pb::FtConfig& config, ComediFtSensor::Say say) {
+  if (!config.enabled()) return {};
+  if (config.has_comedi()) {
+    return {std::make_unique<ComediFtSensor>(comedi_sensor_options(config), std::move(say)),
+            nullptr};
+  }
+  auto net = std::make_unique<NetFtSensor>(sensor_options(config));
+  NetFtSensor* const known = net.get();
+  return {std::move(net), known};
+}
+
 std::optional<StopSwitchOptions> switch_options(const pb::SlaveConfig& config) {
   if (!config.has_stop_switch()) return std::nullopt;
   StopSwitchOptions out;

@@ -96,15 +96,19 @@ HapticSample SimJoystick::read(Nanos now) noexcept {
   }
   if (now <= last_) return sample_;
   Nanos left = std::min(now - last_, kLongestAdvance);
+  const double passed = to_seconds(left);
+  Vec3 impulse = Vec3::Zero();  // of the hand [N s]
   last_ = now;
   while (left > 0) {
     const Nanos part = std::min(left, kMillisecond);
     if (unrenewed_ >= kForceStands) wrench_ = Wrench{};
     unrenewed_ += part;
     advance(to_seconds(part));
+    impulse += to_seconds(part) * hand_.push();
     observe(to_seconds(part));
     left -= part;
   }
+  push_ = impulse / passed;
   return sample_;
 }
 

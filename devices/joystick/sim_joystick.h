@@ -33,6 +33,7 @@ class SimJoystick final : public HapticDevice, public SteerableHand {
   void write(const Wrench& f_H_M) noexcept override;
   void close() noexcept override;
   SteerableHand* hand() noexcept override { return recording_ ? nullptr : this; }
+  std::optional<Vec3> simulated_push() const noexcept override { return push_; }
   void simulate(const DeviceEffects& effects, const Vec3& home_M) noexcept override;
 
   // Moves in the plane only. Ends following.
@@ -68,7 +69,8 @@ class SimJoystick final : public HapticDevice, public SteerableHand {
   VectorMotion target_;
   Mode mode_ = Mode::kSteered;
   Wrench wrench_;
-  Nanos unrenewed_ = 0;  // how long wrench_ has acted
+  Vec3 push_ = Vec3::Zero();  // of the hand, mean of the last reading [N]
+  Nanos unrenewed_ = 0;       // how long wrench_ has acted
   HapticSample sample_;
   Nanos last_ = 0;
   bool open_ = false;

@@ -16,17 +16,13 @@ namespace handrail {
 namespace {
 
 constexpr Nanos kFirstRecord = 300 * kMillisecond;  // a way of 0.1 s, and some streams begin late
-constexpr char kSensorTaken[] =
-    "another program of this computer reads it, a slave most likely, and it streams to one reader";
-constexpr char kAskTheSlave[] = "handrail doctor; or end the slave first";
-
-constexpr Nanos kPagePatience = kSecond;  // its web server is slow
+constexpr Nanos kPagePatience = kSecond;            // its web server is slow
 // Of the smaller of two scales: what rounding on a page explains.
 constexpr double kSameScale = 1e-6;
 
-std::string sensor_block(const NetFtOptions& options) {
+std::string sensor_block(const NetFtOptions& options, const FtRole& role) {
   const RdtClientOptions& c = options.client;
-  std::string out = "force_sensor { address: \"" + options.address +
+  std::string out = role.open + "address: \"" + options.address +
                     "\" port: " + std::to_string(options.port) +
                     " counts_per_n: " + number_text(c.counts_per_n) +
                     " counts_per_n_m: " + number_text(c.counts_per_n_m) +
@@ -35,13 +31,14 @@ std::string sensor_block(const NetFtOptions& options) {
   if (c.period_ms) out += " rate_hz: " + std::to_string(1000 / *c.period_ms);
   if (c.filter) out += " sensor_filter_hz: " + number_text(kRdtFilters[*c.filter]);
   const std::string mount = mount_block(options.mount);
-  return out + (mount.empty() ? " }" : " " + mount + "}");
+  return out + (mount.empty() ? " " : " " + mount) + role.close.substr(1);
 }
 
 bool same_scale(double a, double b) { return std::abs(a - b) <= kSameScale * std::min(a, b); }
 
 // What a page says, beside what is configured.
-std::vector<TestItem> items_of(const NetFtPage& page, const RdtClientOptions& configured) {
+std::vector<TestItem> items_of(const NetFtPage& page, const RdtClientOptions& configured,
+                               const FtRole& role) {
   const bool same = same_scale(page.counts_per_n, configured.counts_per_n) &&
                     same_scale(page.counts_per_n_m, configured.counts_per_n_m);
   std::vector<TestItem> out;
@@ -58,17 +55,28 @@ std::vector<TestItem> items_of(const NetFtPage& page, const RdtClientOptions& co
                  page.streams ? "" : "enable RDT on the sensor's page Communications"});
   out.push_back({"health", page.status == 0 ? Verdict::kOk : Verdict::kBad,
                  page.status == 0 ? "it reports no fault" : "it reports a fault",
-                 page.status == 0 ? "" : "handrail devices test net-ft"});
+                 page.status == 0 ? "" : role.test("net-ft")});
   return out;
 }
 
 }  // namespace
 
+std::string NetFtDriver::taken_text() const {
+  return "another program of this computer reads it, a " + role_.side +
+         " most likely, and it streams to one reader";
+}
+std::string NetFtDriver::taken_next() const {
+  return "handrail doctor; or end the " + role_.side + " first";
+}
+
+Status NetFtDriver::none_configured() const {
+  return Status::error("force sensor: none is configured; " + role_.place());
+}
+
 // Why there is no record.
 Sighting NetFtDriver::look_at_page(const std::string& place) const {
-  Sighting silent = {
-      place, Readiness::kAbsent, "no record came in 0.3 s",
-      "is it powered and on this network? force_sensor { address } in the slave's file"};
+  Sighting silent = {place, Readiness::kAbsent, "no record came in 0.3 s",
+                     "is it powered and on this network? " + role_.place()};
   if (options_.client.dialect != RdtDialect::kAti) return silent;
   const auto xml = fetch_net_ft_page(options_.address, options_.page_port, kFirstRecord);
   if (!xml) return silent;
@@ -84,20 +92,21 @@ Sighting NetFtDriver::look_at_page(const std::string& place) const {
 }
 
 std::vector<Sighting> NetFtDriver::probe() {
+  if (options_.address.empty())
+    return {{"", Readiness::kAbsent, "none is configured", role_.place()}};
   const std::string place = options_.address + ":" + std::to_string(options_.port);
-  if (taken_) return {{place, Readiness::kReady, kSensorTaken, kAskTheSlave}};
+  if (taken_) return {{place, Readiness::kReady, taken_text(), taken_next()}};
   NetFtSensor sensor(options_);
   if (const Status started = sensor.start(); !started) {
-    return {{place, Readiness::kUnfinished, started.message(),
-             "force_sensor { address } in the slave's file"}};
+    return {{place, Readiness::kUnfinished, started.message(), role_.place()}};
   }
   const Nanos until = monotonic_now() + kFirstRecord;
   while (monotonic_now() < until) {
     FtSample sample;
     if (sensor.poll(monotonic_now(), sample)) {
       if (sample.status == 0) return {{place, Readiness::kReady, "it streams", ""}};
-      return {{place, Readiness::kUnfinished, "it streams, and reports a fault",
-               "handrail devices test net-ft"}};
+      return {
+          {place, Readiness::kUnfinished, "it streams, and reports a fault", role_.test("net-ft")}};
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
@@ -105,14 +114,16 @@ std::vector<Sighting> NetFtDriver::probe() {
 }
 
 StartedTest NetFtDriver::test(const TestWishes& wishes) {
-  if (taken_)
-    return Status::error(std::string("force sensor: ") + kSensorTaken + "; " + kAskTheSlave);
+  if (options_.address.empty()) return none_configured();
+  if (taken_) return Status::error("force sensor: " + taken_text() + "; " + taken_next());
   auto sensor = std::make_unique<NetFtSensor>(options_);
   if (const Status started = sensor->start(); !started) return started;
-  return StartedTest(std::make_unique<FtTest>(std::move(sensor), wishes, sensor_block(options_)));
+  return StartedTest(
+      std::make_unique<FtTest>(std::move(sensor), wishes, sensor_block(options_, role_)));
 }
 
 StartedTest NetFtDriver::calibrate() {
+  if (options_.address.empty()) return none_configured();
   if (options_.client.dialect != RdtDialect::kAti) {
     return Status::error(
         "force sensor: one of OnRobot has no page with its scale; what was not set anew is 10000 "
@@ -128,8 +139,8 @@ StartedTest NetFtDriver::calibrate() {
   NetFtOptions found = options_;
   found.client.counts_per_n = page->counts_per_n;
   found.client.counts_per_n_m = page->counts_per_n_m;
-  return StartedTest(
-      std::make_unique<FinishedTest>(items_of(*page, options_.client), sensor_block(found)));
+  return StartedTest(std::make_unique<FinishedTest>(items_of(*page, options_.client, role_),
+                                                    sensor_block(found, role_)));
 }
 
 }  // namespace handrail

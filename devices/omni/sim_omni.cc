@@ -57,15 +57,19 @@ HapticSample SimOmni::read(Nanos now) noexcept {
   }
   if (now <= last_) return sample_;
   Nanos left = std::min(now - last_, kLongestAdvance);
+  const double passed = to_seconds(left);
+  Vec3 impulse = Vec3::Zero();  // of the hand [N s]
   last_ = now;
   while (left > 0) {
     const Nanos part = std::min(left, kMillisecond);
     if (unrenewed_ >= kForceStands) wrench_ = Wrench{};
     unrenewed_ += part;
     hand_.step(to_seconds(part), wrench_);
+    impulse += to_seconds(part) * hand_.push();
     observe(to_seconds(part));
     left -= part;
   }
+  push_ = impulse / passed;
   return sample_;
 }
 

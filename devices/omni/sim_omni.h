@@ -1,6 +1,8 @@
 // A simulated Phantom Omni in a simulated hand.
 #pragma once
 
+#include <optional>
+
 #include "devices/hand/hand_model.h"
 #include "devices/haptic_device.h"
 #include "devices/omni/omni_data.h"
@@ -26,6 +28,7 @@ class SimOmni final : public HapticDevice {
   void close() noexcept override;
   void simulate(const DeviceEffects& effects, const Vec3& home_M) noexcept override;
   SteerableHand* hand() noexcept override { return &hand_; }
+  std::optional<Vec3> simulated_push() const noexcept override { return push_; }
 
  private:
   void observe(double dt) noexcept;
@@ -33,7 +36,8 @@ class SimOmni final : public HapticDevice {
   HapticCapabilities capabilities_;
   HandModel hand_;
   Wrench wrench_;
-  Nanos unrenewed_ = 0;  // how long wrench_ has acted
+  Vec3 push_ = Vec3::Zero();  // of the hand, mean of the last reading [N]
+  Nanos unrenewed_ = 0;       // how long wrench_ has acted
   HapticSample sample_;
   Nanos last_ = 0;
   bool open_ = false;

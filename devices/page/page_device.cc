@@ -75,6 +75,8 @@ HapticSample PageDevice::read(Nanos now) noexcept {
   }
   if (now <= last_) return sample_;
   Nanos left = std::min(now - last_, kLongestPageAdvance);
+  const double passed = to_seconds(left);
+  Vec3 impulse = Vec3::Zero();  // of the hand [N s]
   last_ = now;
   while (left > 0) {
     const Nanos part = std::min(left, kMillisecond);
@@ -82,8 +84,10 @@ HapticSample PageDevice::read(Nanos now) noexcept {
     unrenewed_ += part;
     left -= part;
     advance(now - left, to_seconds(part));
+    impulse += to_seconds(part) * hand_.push();
     observe(to_seconds(part));
   }
+  push_ = impulse / passed;
   return sample_;
 }
 

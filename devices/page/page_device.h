@@ -1,6 +1,8 @@
 // A haptic device whose hand is a cursor on a page.
 #pragma once
 
+#include <optional>
+
 #include "devices/hand/hand_model.h"
 #include "devices/haptic_device.h"
 
@@ -28,6 +30,7 @@ class PageDevice final : public HapticDevice, public SteerableHand {
   // Not finite: ignored. A place outside the work space is taken for the nearest in it.
   void lead(const CursorSample& cursor) noexcept override;
   SteerableHand* hand() noexcept override { return this; }
+  std::optional<Vec3> simulated_push() const noexcept override { return push_; }
 
   // Moves that are ordered, such as home: until the next cursor.
   void steer(const HandIntent& intent) noexcept override;
@@ -47,7 +50,8 @@ class PageDevice final : public HapticDevice, public SteerableHand {
   Quat turned_ = Quat::Identity();
   std::uint32_t buttons_ = 0;
   Wrench wrench_;
-  Nanos unrenewed_ = 0;  // how long wrench_ has acted
+  Vec3 push_ = Vec3::Zero();  // of the hand, mean of the last reading [N]
+  Nanos unrenewed_ = 0;       // how long wrench_ has acted
   HapticSample sample_;
   Nanos last_ = 0;
   bool open_ = false;

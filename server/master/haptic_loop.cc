@@ -23,13 +23,14 @@ constexpr Nanos kFarewell = 150 * kMillisecond;
 }  // namespace
 
 HapticLoop::HapticLoop(HapticDevice& device, const LoopScene& scene, MasterMailboxes& boxes,
-                       Nanos start, MasterTap* tap)
+                       Nanos start, MasterTap* tap, const HandleSetup& handle)
     : device_(device),
       run_(scene),
       boxes_(boxes),
       pacer_(kPeriod, start),
       tap_(tap),
       begins_(random_session_id()),
+      handle_(handle),
       last_tick_(start) {
   place_device(run_.scene(), device_);
   run_.begin(begins_);
@@ -50,6 +51,7 @@ void HapticLoop::tick(Nanos now, Nanos turn) noexcept {
   take_slave(now);
   if (boxes_.cursor.take(cursor_)) device_.lead(cursor_);
   read_hand(now);
+  read_handle();
   const OrderTicket ticket = next_order();
   tick_.in.order = ticket.order;
   tick_.ends = stop_requested_.load(std::memory_order_relaxed);
@@ -98,6 +100,22 @@ void HapticLoop::read_hand(Nanos now) noexcept {
   missed_ += tick_.in.hand.force_missed ? 1 : 0;
 }
 
+// Beside the force that the device was told in the tick before: that is what the hand feels now.
+void HapticLoop::read_handle() noexcept {
+  const Quat& q_MH = tick_.in.hand.X_MH.q;
+  if (handle_.simulated != nullptr) {
+    if (const auto push = device_.simulated_push()) {
+      handle_.simulated->feel(q_MH.conjugate() * *push);
+    }
+  }
+  (void)boxes_.handle.take(handle_reading_);
+  HandleForce& handle = report_.handle;
+  handle = handle_force(handle_reading_, q_MH, handle_.lever_M);
+  felt_share_.step(report_.out.f_H_M.force, handle.sound() ? &handle.f_H_M.force : nullptr,
+                   tick_.dt);
+  handle.felt_share = felt_share_.value();
+}
+
 void HapticLoop::keep_image(Nanos now) noexcept {
   tap_->image_before(++kept_.number, now, run_.scene().number, begins_,
                      [this](auto& bytes) { return run_.save(bytes); });
@@ -110,6 +128,7 @@ void HapticLoop::keep_tick(Nanos now) noexcept {
   kept_.timing = {news_.link.received_at, news_.link.peer_sent, news_.link.round_trip};
   kept_.came = run_.result();
   kept_.turned = report_.walls.turned;
+  kept_.handle = report_.handle;
   tap_->keep(kept_);
 }
 

@@ -3,6 +3,7 @@
 
 #include <atomic>
 
+#include "devices/hand/sim_handle_sensor.h"
 #include "devices/haptic_device.h"
 #include "server/base/pacer.h"
 #include "server/master/mailboxes.h"
@@ -10,15 +11,22 @@
 
 namespace handrail {
 
+// Of the handle's sensor, for the loop: it shows and keeps what is felt, and nothing else changes.
+struct HandleSetup {
+  Vec3 lever_M = Vec3::Zero();  // as in handle_force
+  SimHandleSensor* simulated =
+      nullptr;  // told what the simulated hand does; null: another, or none
+};
+
 // One tick at a time; who calls it decides when. Real-time safe after construction.
 class HapticLoop {
  public:
   static constexpr Nanos kPeriod = kMillisecond;
 
-  // Device, mailboxes and tap must outlive the loop; the device is open. `tap`: where each tick is
-  // left for who records; null: nobody does.
+  // Device, mailboxes, tap and sensor must outlive the loop; the device is open. `tap`: where each
+  // tick is left for who records; null: nobody does.
   HapticLoop(HapticDevice& device, const LoopScene& scene, MasterMailboxes& boxes, Nanos start,
-             MasterTap* tap = nullptr);
+             MasterTap* tap = nullptr, const HandleSetup& handle = {});
 
   // When the next tick should run.
   Nanos due() const noexcept { return pacer_.due(); }
@@ -36,6 +44,7 @@ class HapticLoop {
   void take_scene() noexcept;
   void take_slave(Nanos now) noexcept;
   void read_hand(Nanos now) noexcept;
+  void read_handle() noexcept;
   // For who records: what the loop remembers, when that is due, and each tick.
   void keep_image(Nanos now) noexcept;
   void keep_tick(Nanos now) noexcept;
@@ -56,6 +65,9 @@ class HapticLoop {
   SlaveNews news_;
   LoopScene next_scene_;
   CursorSample cursor_;
+  HandleSetup handle_;
+  HandleReading handle_reading_;
+  FeltShare felt_share_;
   Nanos last_tick_;
   Nanos stop_since_ = -1;
   std::atomic<bool> stop_requested_{false};

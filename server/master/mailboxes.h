@@ -10,6 +10,7 @@
 #include "server/constraint/wall_proxy.h"
 #include "server/haptic/haptic_run.h"
 #include "server/link/peer.h"
+#include "server/model/handle_force.h"
 
 namespace handrail {
 
@@ -56,6 +57,7 @@ struct HapticReport {
   HapticOutput out;
   Pose X_MH;
   WallReport walls;
+  HandleForce handle;
   bool hand_moving = false;
   bool scene_pending = false;     // a scene waits for the session to be off
   std::uint64_t scene_epoch = 0;  // scenes taken over so far
@@ -76,6 +78,7 @@ struct MasterMailboxes {
   Ring<OrderTicket, 64> orders;              // IO to haptic
   Mailbox<CursorSample> cursor;              // IO to haptic: of a device that one leads
   Ring<OrderAnswer, 64> answers;             // haptic to IO
+  Mailbox<HandleReading> handle;             // IO to haptic: of the sensor on the handle
   std::atomic<Nanos> hold_heard{-kForever};  // IO to haptic: newest sign of `engage --hold`
   Mailbox<HapticReport> report;              // haptic to IO
   Doorbell doorbell;                         // haptic to IO: an order was answered

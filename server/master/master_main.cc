@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "devices/config/device_config_io.h"
+#include "devices/config/handle_sensor.h"
 #include "devices/registry.h"
 #include "proto/config.pb.h"
 #include "server/base/clock.h"
@@ -61,8 +62,10 @@ void log_line(bool bad, const std::string& line) {
 // The thread that ticks the loop until it has finished; then the device is closed.
 class HapticThread {
  public:
-  HapticThread(HapticDevice& device, const LoopScene& scene, MasterMailboxes& boxes, MasterTap* tap)
-      : loop_(std::make_unique<HapticLoop>(device, scene, boxes, monotonic_now() + kSetUp, tap)) {
+  HapticThread(HapticDevice& device, const LoopScene& scene, MasterMailboxes& boxes, MasterTap* tap,
+               const HandleSetup& handle)
+      : loop_(std::make_unique<HapticLoop>(device, scene, boxes, monotonic_now() + kSetUp, tap,
+                                           handle)) {
     const SignalsBlocked blocked;
     thread_ = std::thread([this, &device] { run(device); });
   }
@@ -175,6 +178,8 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
     }
     return out;
   };
+  const HandleSensor handle = make_handle_sensor(config, log_line);
+  if (handle.real.net && packets) handle.real.net->keep(packets.get());
   const Result<TransportMaker> link = link_of(config);
   if (!link) return fail(link.message());
   const auto remote = remote_operators_of(config);
@@ -197,6 +202,8 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
   auto boxes = std::make_unique<MasterMailboxes>();
   OrderDeskOptions desk_options = desk_of(config, capabilities);
   desk_options.identity.log_lost = [&log] { return log.lost(); };
+  desk_options.identity.handle_sensor = handle.name();
+  desk_options.identity.handle_simulated = handle.simulated != nullptr;
   desk_options.load_scene = [&scenes, library, records](const std::string& name) {
     return scenes.poll([library, records, name] { return records->load(*library, name); });
   };
@@ -204,21 +211,28 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
   desk_options.recorder = recorder.get();
   if (recorder) desk_options.record_folder = recorder->folder();
   OrderDesk desk(*boxes, *scene, desk_options);
-  const auto server =
-      make_master_server(*boxes, desk,
-                         {*link, config.operator_socket(), desk_options.identity.slave_at, *remote,
-                          recorder.get(), packets.get()});
+  const auto server = make_master_server(*boxes, desk,
+                                         {*link,
+                                          config.operator_socket(),
+                                          desk_options.identity.slave_at,
+                                          *remote,
+                                          recorder.get(),
+                                          packets.get(),
+                                          handle.any(),
+                                          {handle.q_HF, !handle.simulated}});
   hold_endings();
   if (const Status opened = server->open(); !opened) return fail(opened.message());
   if (const Status opened = (*device)->open(); !opened) return fail(opened.message());
+  handle.start(log_line);
 
-  HapticThread haptic(**device, first, *boxes, tap.get());
+  HapticThread haptic(**device, first, *boxes, tap.get(), {handle.lever_M, handle.simulated.get()});
   const RealtimeGrant realtime = haptic.realtime();
   desk.set_realtime(realtime.report);
   news.serve(
       *server,
       fmt::format("READY link={} operator_socket={}", server->place(), config.operator_socket()),
       {"haptic", realtime, [&] { haptic.request_stop(); }, [&] { return haptic.finished(); }});
+  handle.stop();
   return 0;
 }
 

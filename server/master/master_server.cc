@@ -14,12 +14,16 @@ namespace {
 
 // Who starts the programs by hand one after the other takes as long.
 constexpr Nanos kAlone = 3 * kSecond;
+// What counts as no force asked for, so that what a viscous effect makes of tremor does not keep
+// the handle's sensor from being taken as zero. A fifth of the friction of a good device [N].
+constexpr double kQuietForce = 0.05;
 
 class MasterServer final : public IoServer {
  public:
   MasterServer(MasterMailboxes& mailboxes, OrderDesk& order_desk, MasterServerOptions opts)
       : boxes_(mailboxes), desk_(order_desk), options_(std::move(opts)) {
     desk_.set_link([this](Nanos now) { return link_.identity(now); });
+    if (options_.handle != nullptr) handle_.emplace(*options_.handle, options_.handle_watch);
   }
   ~MasterServer() override { desk_.set_link({}); }
 
@@ -55,6 +59,7 @@ class MasterServer final : public IoServer {
   void tick(Nanos now) {
     remote_.tick(now);
     loop_.take(boxes_);
+    poll_handle(now);
     desk_.tick(now, loop_, link_.newest(), link_.snapshot());
     if (!loop_.report()) return;
     const HapticReport& report = *loop_.report();
@@ -70,6 +75,17 @@ class MasterServer final : public IoServer {
     MasterState told = report.out.link;
     told.record = options_.recorder != nullptr && options_.recorder->asked();
     link_.send(now, told, report.sent_until, report.good_until);
+  }
+
+  void poll_handle(Nanos now) {
+    if (!handle_) return;
+    bool quiet = false;
+    if (loop_.report()) {
+      const HapticOutput& out = loop_.report()->out;
+      quiet = out.link.state == SessionState::kOff && out.f_H_M.force.norm() <= kQuietForce;
+    }
+    if (handle_->step(now, quiet)) boxes_.handle.publish(handle_->reading());
+    if (const auto line = handle_->line(now)) say(line->bad, line->text);
   }
 
   // Once, where nothing else says why.
@@ -94,6 +110,7 @@ class MasterServer final : public IoServer {
   OperatorServer operators_{link_.io(), desk_};
   RemoteOperatorServer remote_{link_.io(), operators_};
   LoopNews loop_;
+  std::optional<HandleWatch> handle_;
   SessionWatch session_;
   Nanos alone_since_ = kForever;
   bool said_alone_ = false;

@@ -7,6 +7,7 @@
 
 #include "server/daemon/io_thread.h"
 #include "server/link/transport.h"
+#include "server/master/handle/handle_watch.h"
 #include "server/master/mailboxes.h"
 #include "server/master/order_desk.h"
 #include "server/master/remote_operator_server.h"
@@ -21,6 +22,8 @@ struct MasterServerOptions {
   std::optional<RemoteOperatorOptions> remote_operators;  // none: this computer's only
   const Recorder* recorder = nullptr;  // the slave records when it is asked to; not owned
   PacketTap* packets = nullptr;        // where the link's datagrams are left; null: nowhere
+  FtSensor* handle = nullptr;          // on the device's handle, started; null: none; not owned
+  HandleWatchOptions handle_watch = {};
 };
 
 // Mailboxes and desk must outlive the server.

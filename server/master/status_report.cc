@@ -253,6 +253,23 @@ void set_haptic(const MasterIdentity& identity, pb::DeviceStatus& out) {
   out.set_has_rotation(identity.device_turns);
 }
 
+// Without a name in `identity` the sensor is one of a recording.
+void set_handle(const MasterIdentity& identity, const HandleForce& handle, pb::Status& s) {
+  if (handle.state == HandleState::kNone && identity.handle_sensor.empty()) return;
+  pb::HandleStatus& out = *s.mutable_handle();
+  if (!identity.handle_sensor.empty()) {
+    out.set_sensor(identity.handle_sensor);
+    out.set_simulated(identity.handle_simulated);
+  }
+  out.set_state(
+      describe(handle.state == HandleState::kNone ? HandleState::kWaiting : handle.state));
+  if (handle.felt_share) out.set_felt_share(*handle.felt_share);
+  if (!handle.sound()) return;
+  set_share(out.mutable_force(), handle.f_H_M.force);
+  set_vector(out.mutable_torque_n_m(), handle.f_H_M.torque, 1.0);
+  if (handle.has_stick) set_vector(out.mutable_stick_torque_n_m(), handle.stick_torque_M, 1.0);
+}
+
 void set_joints(google::protobuf::RepeatedField<double>* out, const JointVector& q) {
   for (const double angle : q) out->Add(angle / kDeg);
 }
@@ -295,6 +312,7 @@ pb::Status status_report(const MasterIdentity& identity, const HapticReport& rep
   set_share(s.mutable_spring_force(), out.shares.spring);
   set_share(s.mutable_limited_force(), out.shares.limited);
   set_share(s.mutable_device_force(), out.shares.device);
+  set_handle(identity, report.handle, s);
   if (out.link.has_command) set_pose(s.mutable_command(), out.link.X_SU);
   set_pose(s.mutable_hand(), report.X_MH);
   set_desired(out.motion, slave, s);

@@ -30,6 +30,9 @@ struct MasterIdentity {
   double max_force = 0.0;              // [N]
   bool device_turns = false;           // it says how the hand is turned
   bool led_by_cursor = false;
+  // Of the sensor on its handle; empty: there is none.
+  std::string handle_sensor = {};
+  bool handle_simulated = false;
 };
 
 // Everything `handrail status` shows, at `now`. Without news from the slave its fields are "none".

@@ -164,6 +164,11 @@ Status take_all(const pb::RecordedTick& in, KeptTick& out) {
   came.deviation_angle = in.deviation_angle();
   came.blending = in.blending();
   came.turning = in.turning();
+  if (in.handle_size() > 0) {
+    if (Status taken = check_numbers("handle", in.handle(), 6); !taken) return taken;
+    out.handle.state = HandleState::kSound;
+    out.handle.f_H_M = {vec3_at(in.handle(), 0), vec3_at(in.handle(), 1)};
+  }
   out.came.has_walls = in.has_walls();
   if (!in.has_walls()) return Status::ok();
   out.turned = in.walls().turned();

@@ -13,6 +13,7 @@
 #include "server/base/time.h"
 #include "server/follow/follow_step.h"
 #include "server/haptic/haptic_run.h"
+#include "server/model/handle_force.h"
 
 namespace handrail {
 
@@ -37,6 +38,7 @@ struct KeptTick {
   KeptTiming timing;
   HapticResult came;
   double turned = 0.0;  // of what is progressive among the walls [rad]
+  HandleForce handle;   // as measured; of no use to the step
 };
 
 // One cycle of the slave.

@@ -69,7 +69,6 @@ constexpr Reason kLastReason = static_cast<Reason>(static_cast<int>(Reason::kCou
 
 // Of two times sum and difference are numbers, too.
 constexpr Nanos kLongestTime = 2 * kForever;
-
 using NamedTime = std::pair<const char*, Nanos>;
 Status check_times(const pb::RecordedLink& link, std::initializer_list<NamedTime> more) {
   const auto of_link = {NamedTime("link.loop_age_ns", link.loop_age_ns()),
@@ -256,6 +255,7 @@ void put(const KeptTick& tick, pb::RecordedTick& out) {
   put_given(tick.given, tick.timing, out);
   put_came(tick.came.out, out);
   if (tick.came.has_walls) put_walls(tick.came.walls, tick.turned, *out.mutable_walls());
+  if (tick.handle.sound()) append(tick.handle.f_H_M, out.mutable_handle());
 }
 
 Status take(const pb::RecordedTick& in, KeptTick& out) {

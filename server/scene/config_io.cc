@@ -16,17 +16,12 @@
 #include "server/base/plain_text.h"
 #include "server/scene/cards/card_check.h"
 #include "server/scene/cards/pad_check.h"
+#include "server/scene/cards/sensor_check.h"
 #include "server/scene/field_check.h"
 #include "server/scene/text_io.h"
 
 namespace handrail {
 namespace {
-
-Problem check_ipv4(const char* field, const std::string& address) {
-  in_addr parsed{};
-  if (::inet_pton(AF_INET, address.c_str(), &parsed) == 1) return std::nullopt;
-  return FieldProblem{field, "'" + address + "' is not an IPv4 address such as 127.0.0.1"};
-}
 
 // `field`: of an address to listen at.
 Problem check_own_address(const char* field, const std::string& address) {
@@ -40,12 +35,6 @@ Problem check_own_address(const char* field, const std::string& address) {
   return FieldProblem{field, "'" + address +
                                  "': expected any, or an address of this computer, IPv4 such "
                                  "as 192.0.2.7 or IPv6 such as 2001:db8::7"};
-}
-
-// The other end of a connection; port 0 would mean "any", which nobody can be reached at.
-Problem check_peer_port(const char* field, std::uint32_t port) {
-  if (port != 0) return std::nullopt;
-  return FieldProblem{field, "0 is no port to send to, expected 1 to 65535"};
 }
 
 struct Endpoint {
@@ -157,7 +146,7 @@ Problem check(const pb::MasterConfig& c) {
   }
   return first({slave, check_link(c, c.has_slave(), "slave"), socket, operators, recording,
                 check_device(c.device()), check_pads(c.device()), check_joystick(c.device()),
-                check_recording_folder(c), check_scene_name(c.scene())});
+                check_handle_sensor(c), check_recording_folder(c), check_scene_name(c.scene())});
 }
 
 Problem check_payload(const pb::SlaveConfig& c) {
@@ -199,30 +188,6 @@ Problem check_program(const char* field, const std::string& name) {
   return FieldProblem{field, "'" + shown(name) + "', expected 1 to 32 letters, digits, _ or -"};
 }
 
-// What OnRobot's sensors can be told, and others cannot.
-Problem check_dialect(const pb::FtConfig& c) {
-  const bool told = c.has_rate_hz() || c.has_sensor_filter_hz();
-  if (told && c.dialect() != pb::FtConfig::ONROBOT) {
-    return FieldProblem{c.has_rate_hz() ? "force_sensor.rate_hz" : "force_sensor.sensor_filter_hz",
-                        "only used with dialect: ONROBOT; others are told on their own page"};
-  }
-  if (c.has_rate_hz() && 1000 % c.rate_hz() != 0) {
-    return FieldProblem{"force_sensor.rate_hz",
-                        std::to_string(c.rate_hz()) +
-                            " has no period of whole milliseconds, expected 1000, 500, 250, 200, "
-                            "125, 100 and so on"};
-  }
-  // As the sensor has them (devices/net_ft/rdt_packet.h).
-  constexpr double kCutoffs[] = {0.0, 500.0, 150.0, 50.0, 15.0, 5.0, 1.5};
-  if (!c.has_sensor_filter_hz() || std::find(std::begin(kCutoffs), std::end(kCutoffs),
-                                             c.sensor_filter_hz()) != std::end(kCutoffs)) {
-    return std::nullopt;
-  }
-  return FieldProblem{
-      "force_sensor.sensor_filter_hz",
-      number_text(c.sensor_filter_hz()) + " is none of 0, 500, 150, 50, 15, 5 and 1.5"};
-}
-
 Problem check(const pb::SlaveConfig& c) {
   Problem stop;
   if (c.has_stop_switch() && !c.stop_switch().device().starts_with("/")) {
@@ -237,11 +202,8 @@ Problem check(const pb::SlaveConfig& c) {
   }
   std::vector<Endpoint> ends = {{"robot.port", c.robot().address(), c.robot().port()}};
   Problem sensor;
-  if (c.force_sensor().enabled()) sensor = check_comedi_sensor(c.force_sensor());
-  if (!sensor && c.force_sensor().enabled() && !c.force_sensor().has_comedi()) {
-    sensor = first({check_ipv4("force_sensor.address", c.force_sensor().address()),
-                    check_peer_port("force_sensor.port", c.force_sensor().port()),
-                    check_dialect(c.force_sensor())});
+  if (c.force_sensor().enabled()) sensor = check_sensor(c.force_sensor(), "force_sensor");
+  if (c.force_sensor().enabled() && !c.force_sensor().has_comedi()) {
     ends.push_back({"force_sensor.port", c.force_sensor().address(), c.force_sensor().port()});
   }
   Problem address, program;
@@ -363,6 +325,9 @@ Result<pb::MasterConfig> load_master_config(const std::string& path, const std::
     mouse.set_socket(from_folder_of(path, mouse.socket()));
   }
   if (config->has_device()) resolve_libraries(path, *config->mutable_device());
+  if (config->handle_sensor().has_sensor()) {
+    resolve_libraries(path, *config->mutable_handle_sensor()->mutable_sensor());
+  }
   if (config->device().has_recording()) {
     config->mutable_device()->set_recording(from_folder_of(path, config->device().recording()));
   }

@@ -12,7 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include "devices/comedi/comedi_ft_sensor.h"
 #include "devices/config/device_config_io.h"
 #include "proto/config.pb.h"
 #include "server/base/output.h"
@@ -158,25 +157,6 @@ SettingsOf settings_of(const pb::SlaveConfig& config, Nanos period, bool has_sen
   };
 }
 
-// The one that is configured; `net` where it is on the network.
-struct SlaveSensor {
-  std::unique_ptr<FtSensor> any;  // null: none
-  NetFtSensor* net = nullptr;
-};
-
-SlaveSensor sensor_of(const pb::FtConfig& config) {
-  if (!config.enabled()) return {};
-  if (config.has_comedi()) {
-    const auto say = [](bool bad, const std::string& line) {
-      spdlog::log(bad ? spdlog::level::warn : spdlog::level::info, line);
-    };
-    return {std::make_unique<ComediFtSensor>(comedi_sensor_options(config), say), nullptr};
-  }
-  auto net = std::make_unique<NetFtSensor>(sensor_options(config));
-  NetFtSensor* const known = net.get();
-  return {std::move(net), known};
-}
-
 void say_counters(const MelfaRobot& robot, const NetFtSensor* sensor) {
   const MxtCounters& packets = robot.counters();
   spdlog::info("controller: {} replies taken, {} rejected, {} late; {} packets sent",
@@ -206,7 +186,10 @@ Result<TransportMaker> link_of(const pb::SlaveConfig& config) {
 int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
   const auto taps = config.has_recording() && !check_only ? std::make_unique<SlaveTaps>() : nullptr;
   MelfaRobot robot(robot_options(config.robot()));
-  const auto [sensor, net_sensor] = sensor_of(config.force_sensor());
+  const auto [sensor, net_sensor] =
+      make_sensor(config.force_sensor(), [](bool bad, const std::string& line) {
+        spdlog::log(bad ? spdlog::level::warn : spdlog::level::info, line);
+      });
   const Nanos period = robot.capabilities().period;
   const auto recorder = taps ? make_recorder(config, period, sensor != nullptr, *taps) : nullptr;
   if (taps) robot.keep(&taps->robot);

@@ -125,6 +125,8 @@ function compare(set, side) {
     assert.deepEqual(frame.link_age, ages);
     assert.equal(frame.energy_margin, f32(0 - tick.energy_made));
     assert.deepEqual(frame.hand_wrench, floats(tick.wrench));
+    assert.deepEqual(frame.hand_wrench_felt, floats(tick.handle?.length ? tick.handle : new Array(6).fill(0)));
+    assert.equal(frame.hand_wrench_felt_valid, Boolean(tick.handle?.length));
     assert.deepEqual([frame.command_valid, frame.pose_valid, frame.wrench_valid, frame.payload_removed],
       [command.command_valid, state.pose_valid, state.wrench_valid, state.payload_removed]);
   });

@@ -50,7 +50,7 @@ before(async () => {
   const recording = "recording { folder: 'rec' }";
   await start('rig', `robot_port: ${robot} sensor_port: ${sensor}`);
   await start('slave', `link_socket: 'link.sock' scene: 'linear-movement' robot { port: ${robot} } force_sensor { port: ${sensor} } ${recording}`);
-  await start('master', `link_socket: 'link.sock' scene: 'linear-movement' operator_socket: '${SOCKET}' device { kind: PAGE } ${recording}`);
+  await start('master', `link_socket: 'link.sock' scene: 'linear-movement' operator_socket: '${SOCKET}' device { kind: PAGE } handle_sensor { simulated: true } ${recording}`);
   for (const end = Date.now() + READY_MS; Date.now() < end; await wait(100)) {
     try {
       if (handrail('status').includes('tip')) break;
@@ -117,6 +117,7 @@ test('numbers are those of the lab\'s table of the same trial', async () => {
   };
   const time = column(head[0]);
   const tips = ['x', 'y', 'z'].map((axis) => column(`tip_${axis}_mm`));
+  const felt = ['x', 'y', 'z'].map((axis) => column(`felt_${axis}_n`));
   const own = frames.filter((frame) => frame.episode_index === episode.episode_index);
   assert.ok(own.length > 100 && own.length > 0.98 * 100 * (time.at(-1) - time[0]));
   own.forEach((frame, k) => {
@@ -125,5 +126,7 @@ test('numbers are those of the lab\'s table of the same trial', async () => {
     // The table's times are rounded: the tick beside is as good.
     const near = [at - 1, at, at + 1].some((row) => tips.every((tip, i) => Math.abs(tip[row] / 1000 - frame['observation.state'][6 + i]) < 2e-6));
     assert.ok(near, `frame ${k}: ${frame['observation.state'].slice(6, 9)}, table ${tips.map((tip) => tip[at])}`);
+    assert.ok(frame.hand_wrench_felt_valid, `frame ${k}`);
   });
+  for (const force of felt) assert.ok(force.some((value) => value !== 0)); // an empty field counts as 0
 });

@@ -62,8 +62,10 @@ Table program_rows() {
   const Folders task = text + Folders{"server/task", "client/api"};
   const Folders study = {"devices/hand", "server/lab/study", "server/lab/study/screw"};
   return {
-      {"server/master", daemons + Folders{"server/haptic", "server/stability", "server/constraint",
-                                          "server/kinematics"}},
+      {"server/master",
+       daemons + Folders{"server/haptic", "server/stability", "server/constraint",
+                         "server/kinematics", "server/master/handle", "devices/hand"}},
+      {"server/master/handle", kModel + Folders{"devices"}},
       {"server/slave", daemons + Folders{"server/follow", "server/kinematics", "devices/melfa",
                                          "devices/net_ft", "devices/evdev", "devices/comedi"}},
       {"client/api", kBase + Folders{"proto", "server/keys", "server/link/secure"}},
@@ -172,7 +174,8 @@ Table device_rows() {
            kBase + Folders{"devices", "devices/udp", "devices/self_test", "server/packets"}},
           {"devices/catalogue",
            kModel + kHands + kDesk + kDrivers + Folders{"devices", "devices/self_test"}},
-          {"devices/config", kModel + kDesk + kDrivers + Folders{"devices", "proto"}},
+          {"devices/config", kModel + kDesk + kDrivers +
+                                 Folders{"devices", "devices/hand", "devices/joystick", "proto"}},
           {"devices/hand", sim},
           {"devices/omni", sim},
           {"devices/joystick", sim},

@@ -138,6 +138,13 @@ Result<DeviceSettings> device_settings(const DevicesWords& words) {
   out.card_sensor = comedi_sensor_options(slave->force_sensor());
   out.has_sensor = slave->force_sensor().enabled();
   out.sensor_at_card = slave->force_sensor().has_comedi();
+  const pb::FtConfig& handle = master->handle_sensor().sensor();
+  out.handle = sensor_options(handle);
+  out.card_handle = comedi_sensor_options(handle);
+  out.has_handle = master->handle_sensor().has_sensor() && handle.enabled();
+  out.handle_at_card = handle.has_comedi();
+  out.handle_taken =
+      out.has_handle && udp_speaks_with(kUdpTable, out.handle.address, out.handle.port);
   out.master_given = !words.master_config.empty();
   out.slave_given = !words.slave_config.empty();
   out.robot_taken = udp_speaks_with(kUdpTable, out.robot.address, out.robot.port);

@@ -130,6 +130,7 @@ Result<pb::Status> status_of(const pb::RecordedStart& start, const pb::RecordedT
   report.out = tick.came.out;
   report.X_MH = in.hand.X_MH;
   report.walls = walls_of(tick, scene);
+  report.handle = tick.handle;
   report.ticks = tick.number;
   const LinkSnapshot link = link_of(in.link, tick.timing, in.slave_known, in.slave_age, tick.at);
   pb::Status out = status_report(identity_of(start), report, in.slave, link, tick.at);

@@ -115,6 +115,8 @@ class Frames {
   takeTick(at, tick) {
     const place = `${this.found.path}: tick ${tick.number}`;
     checkLengths(place, tick, LENGTHS.tick);
+    // Of older recordings there is no such field; without a sensor it is empty.
+    if (tick.handle?.length) checkLengths(place, tick, [['handle', 6]]);
     if (!tick.command || !tick.link) throw new ExportError(`${place}: has no ${tick.command ? 'link' : 'command'}, expected one`);
     checkLengths(place, tick.command, LENGTHS.command);
     this.upTo(at);

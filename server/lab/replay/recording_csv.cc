@@ -19,7 +19,7 @@ constexpr char kMasterColumns[] =
     "t_s,state,hand_x_mm,hand_y_mm,hand_z_mm,force_x_n,force_y_n,force_z_n,command_x_mm,"
     "command_y_mm,command_z_mm,tip_x_mm,tip_y_mm,tip_z_mm,off_tool_mm,off_tool_deg,"
     "tool_force_n,spring_force_n,wall_hand_x_mm,wall_hand_y_mm,proxy_x_mm,proxy_y_mm,stage,"
-    "locked,turned_deg\n";
+    "locked,turned_deg,felt_x_n,felt_y_n,felt_z_n\n";
 constexpr char kSlaveColumns[] =
     "t_s,state,target_1_deg,target_2_deg,target_3_deg,target_4_deg,target_5_deg,target_6_deg,"
     "joint_1_deg,joint_2_deg,joint_3_deg,joint_4_deg,joint_5_deg,joint_6_deg,tip_x_mm,tip_y_mm,"
@@ -46,11 +46,14 @@ std::string row(const pb::RecordedTick& tick, double t, const Numbers& tip) {
   out +=
       fmt::format(",{:.9g},{:.9g},{:.9g},{:.9g}", tick.deviation() / kMm,
                   tick.deviation_angle() / kDeg, length(tick.force(), 0), length(tick.force(), 6));
-  if (!tick.has_walls()) return out + ",,,,,,,\n";
+  const std::string felt = fields(tick.handle(), 3, 1.0) + "\n";
+  if (!tick.has_walls()) return out + ",,,,,,," + felt;
   const pb::RecordedWalls& walls = tick.walls();
   out += fields(walls.hand(), 2, kMm) + fields(walls.proxy(), 2, kMm);
-  return out + fmt::format(",{},{},{:.9g}\n", walls.stage(), walls.locked() ? 1 : 0,
-                           walls.turned() / kDeg);
+  return out +
+         fmt::format(",{},{},{:.9g}", walls.stage(), walls.locked() ? 1 : 0,
+                     walls.turned() / kDeg) +
+         felt;
 }
 
 std::string row(const pb::RecordedCycle& cycle, double t) {

@@ -47,19 +47,19 @@ CardProblem check_not_small(const google::protobuf::RepeatedField<double>& value
 }
 
 // A row of zeros is an axis that never feels anything.
-CardProblem check_matrix(const pb::ComediFtConfig& c) {
+CardProblem check_matrix(const pb::ComediFtConfig& c, const std::string& block) {
   if (c.matrix_size() == 0) {
     return FieldProblem{
-        "force_sensor.comedi.matrix",
+        block + ".matrix",
         "missing, but kind ANALOG needs the 36 numbers of the sensor's calibration"};
   }
   for (int row = 0; row < 6; ++row) {
     bool any = false;
     for (int i = 0; i < 6; ++i) any = any || c.matrix(6 * row + i) != 0.0;
     if (any) continue;
-    return FieldProblem{"force_sensor.comedi.matrix", "row " + std::to_string(row) +
-                                                          " (of 0 to 5) is all 0: that axis would "
-                                                          "feel nothing"};
+    return FieldProblem{block + ".matrix", "row " + std::to_string(row) +
+                                               " (of 0 to 5) is all 0: that axis would "
+                                               "feel nothing"};
   }
   return std::nullopt;
 }
@@ -98,14 +98,14 @@ std::optional<FieldProblem> check_joystick(const pb::DeviceConfig& config) {
   return check_none_twice(c.encoder_channel(), block + ".encoder_channel");
 }
 
-std::optional<FieldProblem> check_comedi_sensor(const pb::FtConfig& config) {
+std::optional<FieldProblem> check_comedi_sensor(const pb::FtConfig& config,
+                                                const std::string& sensor) {
   const pb::FtMountConfig& mount = config.mount();
   if (mount.turn_deg_size() == 3) {
     const double turn = std::hypot(mount.turn_deg(0), mount.turn_deg(1), mount.turn_deg(2));
     if (turn > 180.0 * (1.0 + 1e-12)) {
-      return FieldProblem{
-          "force_sensor.mount.turn_deg",
-          number_text(std::round(10.0 * turn) / 10.0) + " deg long, expected at most 180"};
+      return FieldProblem{sensor + ".mount.turn_deg", number_text(std::round(10.0 * turn) / 10.0) +
+                                                          " deg long, expected at most 180"};
     }
   }
   if (!config.has_comedi()) return std::nullopt;
@@ -116,17 +116,17 @@ std::optional<FieldProblem> check_comedi_sensor(const pb::FtConfig& config) {
                               : config.has_dialect()        ? "dialect"
                                                             : nullptr;
   if (network != nullptr) {
-    return FieldProblem{std::string("force_sensor.") + network,
+    return FieldProblem{sensor + "." + network,
                         "is for a sensor on the network, but comedi is one at a card: expected one "
                         "of them"};
   }
   const pb::ComediFtConfig& c = config.comedi();
-  const std::string block = "force_sensor.comedi";
+  const std::string block = sensor + ".comedi";
   if (CardProblem p = check_place(c, block)) return p;
   if (c.kind() == pb::ComediFtConfig::ANALOG) {
     if (c.has_filter()) return FieldProblem{block + ".filter", "only used with kind: JR3"};
     if (CardProblem p = check_none_twice(c.channel(), block + ".channel")) return p;
-    return check_matrix(c);
+    return check_matrix(c, block);
   }
   const char* const analog = c.channel_size() > 0  ? ".channel"
                              : c.has_input_range() ? ".input_range"

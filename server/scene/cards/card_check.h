@@ -12,8 +12,9 @@
 namespace handrail {
 
 std::optional<FieldProblem> check_joystick(const pb::DeviceConfig& config);
-// The sensor's blocks `comedi` and `mount`.
-std::optional<FieldProblem> check_comedi_sensor(const pb::FtConfig& config);
+// The blocks `comedi` and `mount` of the field `sensor`.
+std::optional<FieldProblem> check_comedi_sensor(const pb::FtConfig& config,
+                                                const std::string& sensor);
 
 // Libraries whose name is a path, from the folder of `file` on. Without a slash it is a name for
 // the loader.

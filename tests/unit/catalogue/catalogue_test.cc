@@ -152,6 +152,24 @@ TEST(Catalogue, WhatTheFilesThatWereGivenWantIsWanted) {
   EXPECT_EQ(wanted(), (Names{"spacemouse", "stop-switch", "melfa"}));
 }
 
+TEST(Catalogue, TheSensorOnTheHandleIsAskedForByTheMastersFile) {
+  const TempFolder folder;
+  DeviceSettings settings = nowhere(folder);
+  const DriverRow* const row = find_driver("handle-ft");
+  EXPECT_EQ(row->make(settings)->probe().at(0).fact, "none is configured");
+  EXPECT_THAT(row->make(settings)->test({}).message(),
+              HasSubstr("handle_sensor { sensor { address } } in the master's file"));
+  settings.master_given = true;
+  EXPECT_FALSE(row->wanted(settings));
+  settings.has_handle = true;
+  EXPECT_TRUE(row->wanted(settings));
+  settings.handle_taken = true;
+  EXPECT_THAT(row->make(settings)->test({}).message(), HasSubstr("end the master first"));
+  settings.handle_at_card = true;
+  settings.card_handle.place.library = folder.path() + "/libcomedi.so.0";
+  EXPECT_THAT(row->make(settings)->probe().at(0).place, HasSubstr("libcomedi"));
+}
+
 TEST(Catalogue, WhatAnotherProgramSpeaksWithIsLeftAlone) {
   const TempFolder folder;
   DeviceSettings settings = nowhere(folder);

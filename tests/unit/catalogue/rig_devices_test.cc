@@ -9,6 +9,8 @@
 #include "devices/rig/rig_server.h"
 #include "server/base/clock.h"
 #include "server/base/pacer.h"
+#include "server/scene/config_io.h"
+#include "tests/support/temp_folder.h"
 
 namespace handrail {
 namespace {
@@ -97,6 +99,20 @@ TEST_F(RigDevices, TheSensorStreamsAndItsRecordsAreCounted) {
   EXPECT_THAT(item(**test, "records").fact, HasSubstr("records a second by its own counter"));
   EXPECT_EQ(item(**test, "status").verdict, Verdict::kOk);
   EXPECT_THAT((*test)->block(), HasSubstr("counts_per_n: 1000000"));
+}
+
+TEST_F(RigDevices, OnTheHandleItsBlockIsTheMasters) {
+  settings.handle = settings.sensor;
+  settings.has_handle = true;
+  const auto driver = find_driver("handle-ft")->make(settings);
+  EXPECT_EQ(driver->daemon(), "handrail-master");
+  EXPECT_EQ(driver->probe().at(0).readiness, Readiness::kReady) << driver->probe().at(0).fact;
+  auto test = driver->test({.alone = true});
+  ASSERT_TRUE(test) << test.message();
+  const TempFolder folder;
+  const auto config = load_master_config(folder.write("block.conf", (*test)->block()), "", "");
+  ASSERT_TRUE(config) << config.message();
+  EXPECT_EQ(config->handle_sensor().sensor().port(), settings.sensor.port);
 }
 
 }  // namespace

@@ -93,6 +93,12 @@ pb::Status usual() {
 // Everything at once, each as long as it can be: of a scene with an arm.
 pb::Status fullest() {
   pb::Status s = usual();
+  pb::HandleStatus& handle = *s.mutable_handle();
+  handle.set_sensor("simulated handle sensor");
+  handle.set_state("sound");
+  handle.mutable_force()->set_magnitude_n(12.345);
+  for (const double x : {-1.234, -12.345, 1.234}) handle.add_stick_torque_n_m(x);
+  handle.set_felt_share(-1.0);
   const std::string longest = describe(Reason::kEncoderInvalid);
   s.set_state("fault");
   s.set_reason(std::string(describe(Reason::kPeerFault)) + ": " + longest);
@@ -165,6 +171,23 @@ TEST(StatusView, WhereRowsAreShortTheMostImportantStayAndItSaysWhatIsCut) {
   EXPECT_THAT(status_text(fullest_walls(), kTerminalRows),
               HasSubstr("walls      stage 0 'a stage"));
   EXPECT_EQ(status_text(usual(), 60), status_text(usual())) << "nothing is cut where there is room";
+}
+
+TEST(StatusView, ShowsWhatIsFeltBesideWhatIsAskedFor) {
+  pb::Status s = engaged();
+  EXPECT_THAT(status_text(s), testing::Not(HasSubstr("felt")));
+  pb::HandleStatus& handle = *s.mutable_handle();
+  handle.set_sensor("ATI Net F/T");
+  handle.set_state("silent");
+  EXPECT_THAT(status_text(s), HasSubstr("felt [N]   silent  ATI Net F/T\n"));
+  handle.set_state("sound");
+  handle.mutable_force()->set_magnitude_n(2.0);
+  for (const double x : {0.0, -0.3, 0.0}) handle.add_stick_torque_n_m(x);
+  EXPECT_THAT(status_text(s), HasSubstr("felt [N]   handle 2.000  stick 0.00 -0.30 0.00 N m  ATI"));
+  handle.set_felt_share(0.874);
+  handle.set_simulated(true);
+  EXPECT_THAT(status_text(s), HasSubstr("87 % of what the device was told"));
+  EXPECT_THAT(status_text(s), HasSubstr("simulated"));
 }
 
 TEST(StatusView, NamesEverySectionThatDiffers) {

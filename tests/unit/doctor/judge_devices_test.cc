@@ -42,6 +42,20 @@ TEST(DoctorDevices, TheMastersDeviceIsNamedAndWhetherItIsSimulated) {
   EXPECT_FALSE(says(facts, "device.hand"));
 }
 
+TEST(DoctorDevices, ASensorOnTheHandleIsNamedAndWhyItHasNoReading) {
+  DoctorFacts facts = healthy();
+  EXPECT_FALSE(says(facts, "device.handle"));
+  pb::HandleStatus& handle = *status(facts).mutable_handle();
+  handle.set_state("silent");
+  expect_found(facts, "device.handle", Level::kNote, "the force sensor on the handle: silent",
+               "handrail devices test handle-ft");
+  handle.set_state("sound");
+  handle.set_simulated(true);
+  handle.mutable_force()->set_magnitude_n(0.0);
+  expect_found(facts, "device.handle", Level::kOk,
+               "the force sensor on the handle, simulated: sound", "");
+}
+
 TEST(DoctorDevices, ASensorWithoutSoundReadingsIsANoteWhereThereIsASlave) {
   DoctorFacts facts = healthy();
   EXPECT_EQ(found(facts, "device.sensor").level, Level::kOk);
