@@ -195,6 +195,7 @@ TEST_F(ComediJoystickTest, ButtonsAreDigitalInputs) {
 }
 
 TEST_F(ComediJoystickTest, UnpluggedAHundredTimesItLetsGoAndComesBack) {
+  options.reopen_pause = kMillisecond;
   ASSERT_NO_FATAL_FAILURE(open());
   for (int i = 0; i < 100; ++i) {
     ASSERT_TRUE(valid()) << i;
