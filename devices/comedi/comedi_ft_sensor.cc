@@ -12,7 +12,6 @@
 namespace handrail {
 namespace {
 
-constexpr Nanos kReopenPause = 100 * kMillisecond;
 constexpr Nanos kSaysNothing = 10 * kMillisecond;  // between two records that say there is none
 // The kernel's driver takes about 12 s to find a sensor and its offsets.
 constexpr Nanos kLongestSettling = 20 * kSecond;
@@ -94,7 +93,7 @@ void ComediFtSensor::run() {
 void ComediFtSensor::open_again(bool already) {
   std::string last;
   while (!already) {
-    if (!waits_until(monotonic_now() + kReopenPause)) return;
+    if (!waits_until(monotonic_now() + options_.reopen_pause)) return;
     const Status opened = source_->open(api_);
     if (opened) break;
     if (opened.message() != last) say(true, opened.message());

@@ -13,7 +13,6 @@ namespace {
 // Above 1 kHz in the dissertation, as the loop that renders is here.
 constexpr Nanos kStickPeriod = kMillisecond;
 constexpr Nanos kStickPatience = 20 * kMillisecond;  // a thread that is so late stands still
-constexpr Nanos kRetryPause = 100 * kMillisecond;
 constexpr Nanos kFirstTick = kSecond;
 constexpr int kStickPriority = 80;  // as who renders; it does less
 
@@ -130,14 +129,14 @@ void ComediJoystick::lose() noexcept {
   now_.there = now_.homed = now_.too_far = false;
   now_.sample = HapticSample();
   now_.force.setZero();
-  retry_at_ = monotonic_now() + kRetryPause;
+  retry_at_ = monotonic_now() + options_.reopen_pause;
 }
 
 // Its counters may have been without power: it is homed anew.
 void ComediJoystick::try_again(Nanos now) {
   (void)force_.step(Vec2::Zero(), -kForever, false, now, kStickPeriod);
   if (now < retry_at_) return;
-  retry_at_ = now + kRetryPause;
+  retry_at_ = now + options_.reopen_pause;
   auto card = JoystickCard::open(*api_, options_);
   if (!card) return;
   card_ = std::move(*card);

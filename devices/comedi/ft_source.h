@@ -9,6 +9,7 @@
 #include "devices/comedi/comedi_card.h"
 #include "devices/comedi/ft_scale.h"
 #include "devices/ft_mount.h"
+#include "devices/input/reopen_pause.h"
 
 namespace handrail {
 
@@ -30,6 +31,7 @@ struct ComediFtOptions {
   double range_n = 1000.0;     // |force| per axis the sensor can measure [N]
   double range_n_m = 100.0;    // |torque| per axis [N m]
   FtMount mount;
+  Nanos reopen_pause = kReopenPause;  // from a millisecond on
 };
 
 enum class FtTaken : std::uint8_t {

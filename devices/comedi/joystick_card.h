@@ -8,6 +8,7 @@
 #include "devices/comedi/comedi_card.h"
 #include "devices/comedi/encoder_count.h"
 #include "devices/comedi/joystick_homing.h"
+#include "devices/input/reopen_pause.h"
 #include "devices/joystick/joystick_data.h"
 
 namespace handrail {
@@ -36,6 +37,7 @@ struct ComediJoystickOptions {
   std::optional<unsigned int> button_subdevice;  // none: the first with digital inputs
   std::vector<unsigned int> button_channels;     // clutch, drop, dead-man; at most three
   bool button_low = true;                        // pressed is low
+  Nanos reopen_pause = kReopenPause;             // from a millisecond on
 };
 
 struct StickReading {

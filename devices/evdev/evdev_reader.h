@@ -17,7 +17,8 @@ enum class EvdevTurn : std::uint8_t { kAway, kThere, kCame, kLeft };
 // Opened anew whenever it is lost. Of one thread; listen() and what it left are real-time safe.
 class EvdevReader {
  public:
-  explicit EvdevReader(Reopener<EvdevOpened>::Open open) : reopener_(std::move(open)) {}
+  // `pause`: between two attempts to open it, from a millisecond on.
+  EvdevReader(Reopener<EvdevOpened>::Open open, Nanos pause) : reopener_(std::move(open), pause) {}
   ~EvdevReader() { stop(); }
 
   // With what was opened, from here on its own.

@@ -32,7 +32,7 @@ GamepadDevice::GamepadDevice(const GamepadOptions& options, EvdevKernel& kernel)
     : options_(options),
       kernel_(kernel),
       capabilities_(deflection_capabilities(options.motion)),
-      reader_([this] { return open_device(); }),
+      reader_([this] { return open_device(); }, options.reopen_pause),
       rumble_(kernel, options.rumble_share),
       hand_(options.motion) {
   capabilities_.name = "gamepad";

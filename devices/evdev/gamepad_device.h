@@ -23,6 +23,7 @@ struct GamepadOptions {
   // Of what its motors do at most, with which cues and contact are told; 0: they are not.
   double rumble_share = 0.5;
   std::string input_folder = kInputFolder;
+  Nanos reopen_pause = kReopenPause;  // from a millisecond on
 };
 
 // One with two axes, and buttons of a gamepad or joystick.

@@ -5,7 +5,9 @@
 namespace handrail {
 
 StopSwitch::StopSwitch(const StopSwitchOptions& options, EvdevKernel& kernel)
-    : options_(options), kernel_(kernel), reader_([this] { return open_device(); }) {}
+    : options_(options),
+      kernel_(kernel),
+      reader_([this] { return open_device(); }, options.reopen_pause) {}
 
 Result<EvdevOpened> StopSwitch::open_device() const {
   Result<EvdevOpened> opened = open_evdev(kernel_, options_.path, EvdevUse::kGrab);

@@ -13,6 +13,7 @@ namespace handrail {
 struct StopSwitchOptions {
   std::string path;        // such as /dev/input/by-id/...-event-kbd
   std::optional<int> key;  // the kernel's code, 1 to KEY_MAX; none: any key of the device
+  Nanos reopen_pause = kReopenPause;  // from a millisecond on
 };
 
 // Open while the key is down, while the device is unplugged, and while that is not known, as after

@@ -82,7 +82,7 @@ ForceStick::ForceStick(const ForceStickOptions& options, EvdevKernel& kernel)
     : options_(options),
       kernel_(kernel),
       capabilities_(stick_capabilities(options)),
-      reader_([this] { return open_device(); }),
+      reader_([this] { return open_device(); }, options.reopen_pause),
       pusher_(kernel, force_options(options)) {}
 
 Result<EvdevOpened> ForceStick::open_device() const {

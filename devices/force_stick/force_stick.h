@@ -36,6 +36,7 @@ struct ForceStickOptions {
   double damping = 0.0;   // [N s/m]
   double friction = 0.0;  // [N]
   std::string input_folder = kInputFolder;
+  Nanos reopen_pause = kReopenPause;  // from a millisecond on
 };
 
 // A joystick with two axes, or a wheel, that takes constant forces.

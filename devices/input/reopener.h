@@ -9,6 +9,7 @@
 #include <thread>
 #include <utility>
 
+#include "devices/input/reopen_pause.h"
 #include "server/base/clock.h"
 #include "server/base/doorbell.h"
 #include "server/base/mailbox.h"
@@ -29,7 +30,7 @@ class Reopener {
   using Open = std::function<Result<Opened>()>;
 
   // `pause`: between two attempts, from a millisecond on.
-  explicit Reopener(Open open, Nanos pause = 100 * kMillisecond)
+  explicit Reopener(Open open, Nanos pause = kReopenPause)
       : open_(std::move(open)), pause_(pause) {}
   ~Reopener() { stop(); }
   Reopener(const Reopener&) = delete;

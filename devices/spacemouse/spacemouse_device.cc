@@ -18,7 +18,8 @@ constexpr std::size_t kMostEvents = 128;
 SpaceMouseDevice::SpaceMouseDevice(const SpaceMouseOptions& options)
     : options_(options),
       capabilities_(deflection_capabilities(options.motion)),
-      reopener_([path = options.socket] { return connect_spnav(spnav_socket_path(path)); }),
+      reopener_([path = options.socket] { return connect_spnav(spnav_socket_path(path)); },
+                options.reopen_pause),
       hand_(options.motion) {
   capabilities_.name = "SpaceMouse";
   capabilities_.buttons = options.enable_button ? 3 : 2;

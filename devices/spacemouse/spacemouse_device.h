@@ -26,6 +26,7 @@ struct SpaceMouseOptions {
   int clutch_button = 0;
   int drop_button = 1;
   std::optional<int> enable_button;
+  Nanos reopen_pause = kReopenPause;  // from a millisecond on
 };
 
 // Through spacenavd, so that other programs may have the device as well. Makes no force. The cap's

@@ -105,9 +105,14 @@ TEST_F(CardConfigTest, WhatASensorsBlockSaysIsWhatItsDriverWritesAgain) {
 
 TEST_F(CardConfigTest, ASensorOnTheNetworkHasTheMountToo) {
   const auto config = load_slave_config(
-      folder.write("s.conf", "force_sensor { mount { offset_mm: [0, 0, -184] } }"), "");
+      folder.write("s.conf",
+                   "force_sensor { mount { offset_mm: [1, 2, -184] turn_deg: [0, 180, 0] } }"),
+      "");
   ASSERT_TRUE(config) << config.message();
-  EXPECT_NEAR(sensor_options(config->force_sensor()).mount.X_TF.p.z(), -0.184, 1e-12);
+  const Pose mount = sensor_options(config->force_sensor()).mount.X_TF;
+  EXPECT_TRUE(mount.p.isApprox(Vec3(0.001, 0.002, -0.184), 1e-12));
+  EXPECT_TRUE((mount.q * Vec3::UnitX()).isApprox(-Vec3::UnitX(), 1e-9));
+  EXPECT_TRUE((mount.q * Vec3::UnitY()).isApprox(Vec3::UnitY(), 1e-9));
 }
 
 TEST_F(CardConfigTest, ALibraryWithASlashIsFoundFromTheFilesFolderOn) {
@@ -159,6 +164,8 @@ TEST_F(CardConfigTest, WhatASensorAtACardCannotBeIsNamed) {
   EXPECT_THAT(slave_error("comedi { filter: 7 }"), HasSubstr("7 is outside 0 to 6"));
   EXPECT_THAT(slave_error("mount { turn_deg: [150, 150, 0] }"),
               HasSubstr("force_sensor.mount.turn_deg': 212.1 deg long, expected at most 180"));
+  EXPECT_THAT(slave_error("mount { turn_deg: [150, 0, 150] }"), HasSubstr("212.1 deg long"));
+  EXPECT_THAT(slave_error("mount { turn_deg: [0, 180, 1] }"), HasSubstr("180 deg long"));
 }
 
 // The sensor's own trial and calibrations.

@@ -125,6 +125,7 @@ TEST_F(ComediFtSensorTest, AChangedSensorIsAFaultAndItsNewScaleIsTaken) {
 }
 
 TEST_F(ComediFtSensorTest, UnpluggedAHundredTimesItSaysSoAndGoesOn) {
+  options.reopen_pause = kMillisecond;
   ASSERT_NO_FATAL_FAILURE(start());
   ASSERT_TRUE(reads());
   std::uint32_t newest = sample.sequence;

@@ -195,6 +195,7 @@ TEST_F(ComediJoystickTest, ButtonsAreDigitalInputs) {
 }
 
 TEST_F(ComediJoystickTest, UnpluggedAHundredTimesItLetsGoAndComesBack) {
+  options.reopen_pause = kMillisecond;
   ASSERT_NO_FATAL_FAILURE(open());
   for (int i = 0; i < 100; ++i) {
     ASSERT_TRUE(valid()) << i;
@@ -315,10 +316,12 @@ class JoystickTrialTest : public ComediJoystickTest {
     }
     return {"", Verdict::kNotSeen, "", ""};
   }
-  // Virtual time runs ahead of the thread's: a turn each real millisecond is `pace` of them.
-  bool run(const std::function<bool()>& what, Nanos pace = kMillisecond) {
+  // Virtual time runs ahead of the thread's: a turn each real millisecond is `pace` of them, and
+  // three at most where it pushes.
+  bool run(const std::function<bool()>& what, Nanos pace = 10 * kMillisecond) {
     for (int i = 0; i < 20'000; ++i) {
-      if (!test->turn(now += pace)) return true;
+      const bool pushes = test->asks().starts_with("hold it loosely");
+      if (!test->turn(now += pushes ? 3 * kMillisecond : pace)) return true;
       if (what()) return false;
       sleep_until(monotonic_now() + kMillisecond);
     }
@@ -381,14 +384,12 @@ TEST_F(JoystickTrialTest, CalibrationFindsTheTravel) {
   opened = true;
   test = std::move(*started);
   int step = 0;
-  EXPECT_TRUE(run(
-      [&] {
-        ++step;
-        turn(0, step < 30 ? -1100 : step < 60 ? 1100 : 0);
-        turn(1, step < 90 ? 0 : step < 120 ? -1130 : step < 150 ? 1130 : 0);
-        return false;
-      },
-      10 * kMillisecond));
+  EXPECT_TRUE(run([&] {
+    ++step;
+    turn(0, step < 30 ? -1100 : step < 60 ? 1100 : 0);
+    turn(1, step < 90 ? 0 : step < 120 ? -1130 : step < 150 ? 1130 : 0);
+    return false;
+  }));
   EXPECT_EQ(item("travel.right").verdict, Verdict::kOk);
   EXPECT_THAT(item("travel.up").fact, HasSubstr("from stop to stop 213.0 mm"));
   // 2200 counts are 207.3 mm.

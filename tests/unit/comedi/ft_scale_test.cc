@@ -88,5 +88,22 @@ TEST(FtScale, AMountTurnsTheWrenchAndMovesItToTheTip) {
   EXPECT_EQ(mount_block({}), "");
 }
 
+// Turned about no axis of its own: x is the flange's y, y its z, z its x.
+TEST(FtScale, AMountsLeverIsInTheFlangesAxesAndItsWrenchInTheSensors) {
+  const FtMount mount{{Vec3(0.01, 0.02, -0.03), Quat(0.5, 0.5, 0.5, 0.5)}};
+  const Wrench at = at_tip(mount, {Vec3(10.0, 20.0, 30.0), Vec3(1.0, 2.0, 3.0)});
+  EXPECT_TRUE(at.force.isApprox(Vec3(30.0, 10.0, 20.0), 1e-12));
+  // (0.01, 0.02, -0.03) x (30, 10, 20) = (0.7, -1.1, -0.5), beside (3, 1, 2).
+  EXPECT_TRUE(at.torque.isApprox(Vec3(3.7, -0.1, 1.5), 1e-12));
+  EXPECT_EQ(mount_block(mount),
+            "mount { turn_deg: [69.282032, 69.282032, 69.282032] offset_mm: [10, 20, -30] } ");
+  EXPECT_EQ(mount_block({{Vec3::Zero(), mount.X_TF.q}}),
+            "mount { turn_deg: [69.282032, 69.282032, 69.282032] } ");
+  EXPECT_EQ(mount_block({{Vec3(0.0, 0.0, 1e-3), Quat::Identity()}}),
+            "mount { offset_mm: [0, 0, 1] } ");
+  EXPECT_EQ(mount_block({{Vec3(1e-6, 0.0, 0.0), Quat::Identity()}}),
+            "mount { offset_mm: [0.001, 0, 0] } ");
+}
+
 }  // namespace
 }  // namespace handrail

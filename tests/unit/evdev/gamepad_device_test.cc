@@ -158,6 +158,7 @@ TEST_F(GamepadDeviceTest, WithoutAPathTheFirstOfTheFolderIsTaken) {
 }
 
 TEST_F(GamepadDeviceTest, PulledOutAndPluggedInAHundredTimes) {
+  options.reopen_pause = kMillisecond;
   ASSERT_NO_FATAL_FAILURE(open());
   kernel.axis(ABS_X, kFull);
   const double x = after(0.5).X_MH.p.x();

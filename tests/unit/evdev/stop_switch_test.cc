@@ -38,7 +38,7 @@ class StopSwitchTest : public ::testing::Test {
   }
 
   FakeSwitch kernel;
-  StopSwitch stop{{"/dev/input/foot", KEY_A}, kernel};
+  StopSwitch stop{{"/dev/input/foot", KEY_A, kMillisecond}, kernel};
 };
 
 TEST_F(StopSwitchTest, ItIsOpenWhileTheKeyIsDown) {

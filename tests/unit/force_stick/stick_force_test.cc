@@ -204,6 +204,7 @@ TEST_F(StickForceTest, AnUploadThatTookLongerThanItMayIsOneThatWasMade) {
 }
 
 TEST_F(StickForceTest, PulledOutAndPluggedInAHundredTimes) {
+  options.reopen_pause = kMillisecond;
   options.upload_period = 1e-3;
   ASSERT_NO_FATAL_FAILURE(open());
   for (int i = 0; i < 100; ++i) {

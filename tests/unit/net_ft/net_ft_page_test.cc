@@ -162,10 +162,13 @@ TEST(NetFtPageSocket, WhateverElseAnswersIsNamed) {
 
 TEST(NetFtDriverPage, CalibrationTakesTheScaleFromThePage) {
   MadeUpPage server(kFound + page("lbf", "lbf-in", "<comrdte>Disabled</comrdte>"));
-  NetFtDriver driver(sensor_at(server), false);
+  NetFtOptions options = sensor_at(server);
+  options.mount.X_TF.p = Vec3(0.001, 0.002, -0.03);
+  NetFtDriver driver(options, false);
   auto found = driver.calibrate();
   ASSERT_TRUE(found) << found.message();
   EXPECT_THAT((*found)->block(), HasSubstr("counts_per_n: 224808.9"));
+  EXPECT_THAT((*found)->block(), HasSubstr(" mount { offset_mm: [1, 2, -30] } }"));
   const std::vector<TestItem> items = (*found)->items();
   ASSERT_EQ(items.size(), 3u);
   EXPECT_THAT(items[0].fact, HasSubstr("configured is another"));

@@ -174,6 +174,7 @@ TEST_F(SpaceMouse, AHundredTimesTheCapIsPulledOutAndPluggedIn) {
 }
 
 TEST_F(SpaceMouse, AHundredTimesTheDaemonEndsAndIsThereAgain) {
+  options.reopen_pause = kMillisecond;
   SpaceMouseDevice device(options);
   open(device);
   tick(device);
