@@ -316,8 +316,7 @@ class JoystickTrialTest : public ComediJoystickTest {
     }
     return {"", Verdict::kNotSeen, "", ""};
   }
-  // Virtual time runs ahead of the thread's: a turn each real millisecond is `pace` of them, and
-  // three at most where it pushes.
+  // Time runs ahead of the thread's: a turn each millisecond is `pace`, or three where it pushes.
   bool run(const std::function<bool()>& what, Nanos pace = 10 * kMillisecond) {
     for (int i = 0; i < 20'000; ++i) {
       const bool pushes = test->asks().starts_with("hold it loosely");

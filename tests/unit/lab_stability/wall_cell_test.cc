@@ -127,8 +127,8 @@ TEST(WallCases, WhatTheDeviceCannotSustainGivesWayAndIsThenAtRest) {
   EXPECT_NEAR(figure(figures, "rest_mm"), 1.22, 0.05) << "it was 1.84 before";
 }
 
-// Its swing is 0.70 mm with a deviation of 0.065 from window to window, for as long as one looks. In
-// 6 and in 24 s it seems to grow.
+// Its swing is 0.70 mm with a deviation of 0.065 from window to window, for as long as one looks.
+// In 6 and in 24 s it seems to grow.
 TEST(WallCases, ASwingThatWandersBetweenTwoWallsIsWatchedUntilThatIsKnown) {
   const CaseFigures figures = run_case("undeclared/linear/none/corner/K1/on", 24643730);
   EXPECT_TRUE(all_hold(figures));

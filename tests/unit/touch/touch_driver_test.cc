@@ -23,8 +23,8 @@ class TouchDriverTest : public test::TouchBench {
     folder.write("usb/1-2/idProduct", "0302\n");
     folder.write("usb/1-2/product", "Touch\n");
   }
-  // Until the test ends, or `what` holds after a turn. The test's time runs ahead of the stand-in's,
-  // and less where it pushes.
+  // Until the test ends, or `what` holds after a turn. The test's time runs ahead of the
+  // stand-in's, and less where it pushes.
   bool run(const std::function<bool()>& what = [] { return false; }) {
     for (Nanos now = monotonic_now();;) {
       const bool pushes = test->asks().starts_with("hold it loosely");
