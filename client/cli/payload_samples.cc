@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <string_view>
 
 #include "server/base/plain_text.h"
@@ -112,7 +113,9 @@ class Reader {
       std::snprintf(text, sizeof text, "qw,qx,qy,qz has length %.3g, expected 1", length);
       return error(cells[0].column, text);
     }
-    s.q_ST.normalize();
+    // Left as it is where only rounding is missing: a recording gives the same bits again.
+    constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
+    if (std::abs(length - 1.0) > kRounding) s.q_ST.normalize();
     s.raw_T = {{v[4], v[5], v[6]}, {v[7], v[8], v[9]}};
     s.force_noise = v[10];
     s.torque_noise = v[11];
@@ -144,11 +147,10 @@ std::string payload_samples_text(const std::vector<PayloadSample>& samples) {
   for (const PayloadSample& s : samples) {
     const Quat& q = s.q_ST;
     const Vec3 &f = s.raw_T.force, &t = s.raw_T.torque;
-    char row[400];
-    std::snprintf(row, sizeof row, "%.9f,%.9f,%.9f,%.9f,%.6f,%.6f,%.6f,%.7f,%.7f,%.7f,%.6f,%.7f\n",
-                  q.w(), q.x(), q.y(), q.z(), f.x(), f.y(), f.z(), t.x(), t.y(), t.z(),
-                  s.force_noise, s.torque_noise);
-    out += row;
+    const double cells[kLong] = {q.w(), q.x(), q.y(), q.z(), f.x(),         f.y(),
+                                 f.z(), t.x(), t.y(), t.z(), s.force_noise, s.torque_noise};
+    for (std::size_t i = 0; i < kLong; ++i)
+      out += number_text(cells[i]) + (i + 1 < kLong ? ',' : '\n');
   }
   return out;
 }

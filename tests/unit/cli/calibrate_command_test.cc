@@ -66,10 +66,20 @@ TEST(Calibrate, ARecordingGivesTheSameAgain) {
   const TempFolder folder;
   auto samples = samples_of(half_a_kilogram(), leaning(5, 0.6));
   samples[2].force_noise = 0.01;
+  samples[3].raw_T.torque.x() += 1.0 / 3.0e7;
   const std::string first = folder.write("a.csv", payload_samples_text(samples));
   const std::string second = folder.path() + "/b.csv";
   EXPECT_EQ(CalibrateRun({"--from", first, "--record", second}).code, kExitDone);
   EXPECT_EQ(text_in(second), text_in(first));
+  // To the last bit: a payload that is found live and one of its recording round alike.
+  const auto again = load_payload_samples(first);
+  ASSERT_TRUE(again.is_ok()) << again.message();
+  ASSERT_EQ(again->size(), samples.size());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    EXPECT_EQ((*again)[i].q_ST.coeffs(), samples[i].q_ST.coeffs());
+    EXPECT_EQ((*again)[i].raw_T.force, samples[i].raw_T.force);
+    EXPECT_EQ((*again)[i].raw_T.torque, samples[i].raw_T.torque);
+  }
 }
 
 TEST(Calibrate, JsonHasPayloadResidualsAndSamples) {
