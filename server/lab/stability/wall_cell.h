@@ -53,9 +53,9 @@ struct WallCell {
 //                largest force times a count, too, which nobody sees
 //   swing_mm     from side to side in two seconds, the mean over the second half of the time after
 //                the first two; judged by the first half, which is 2 to 4 s and 4 to 6 s, and with
-//                late ticks, which drive it anew, by twice that or the first kick's. Where it is
-//                larger and no tick is late, the run goes on to 24, 96 and 384 s: a swing without
-//                loss may wander, and one that grows is larger yet
+//                late ticks, which drive it anew, by the first kick's too. Where it is larger, the
+//                run goes on to 24, 96 and 384 s: a swing without loss may wander, one that late
+//                ticks drive comes and goes, and one that grows is larger yet
 //   drift_mm     of the middle of that swing, from 2 to 4 s to the last two. Where the force is
 //                lowered to what the device can sustain, what it held back gives way: such a run
 //                goes on to 24 s, and the drift is that between its last two windows

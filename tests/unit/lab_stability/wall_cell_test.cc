@@ -136,6 +136,13 @@ TEST(WallCases, ASwingThatWandersBetweenTwoWallsIsWatchedUntilThatIsKnown) {
   EXPECT_NEAR(figure(figures, "swing_mm"), 0.70, 0.02);
 }
 
+// Late ticks throw it off the wall by 69 mm in the fifth second, and then hardly again for seconds.
+TEST(WallCases, ASwingThatLateTicksDriveIsWatchedUntilItIsKnownThatItComesAndGoes) {
+  const CaseFigures figures = run_case("late-ticks/linear/none/periodic/20ms/on", 10587441);
+  EXPECT_TRUE(all_hold(figures));
+  EXPECT_EQ(figure(figures, "seconds"), 24.0);
+}
+
 Swing swing_of(double wide) {
   Swing out;
   out.add({0.0, 5.0});
