@@ -29,6 +29,7 @@ struct HapticCapabilities {
   double continuous_force = 0.0;  // sustainable [N]
   double max_torque = 0.0;        // peak [N m]; 0 without torque
   DeviceDynamics dynamics;        // what stability is reckoned with
+  DeviceDynamics turning;         // the same of a device with torque, of turning the stylus
   Vec3 workspace_half =
       Vec3::Zero();  // half extents of the nominal work space about M's origin [m]
   int buttons = 0;

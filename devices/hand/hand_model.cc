@@ -26,10 +26,12 @@ HandModel::HandModel(const HandOptions& options, const HeldBody& held) noexcept
       damping_(hand_damping_ + held.viscosity),
       wander_is_meant_(options.wander_is_meant),
       turn_lever_(options.turn_lever),
-      inertia_(options.rotation_inertia),
+      hand_inertia_(options.rotation_inertia),
+      inertia_(hand_inertia_ + held.inertia),
       rotation_stiffness_(options.rotation_stiffness),
-      rotation_damping_(2.0 * options.rotation_damping_ratio *
-                        std::sqrt(options.rotation_stiffness * options.rotation_inertia)),
+      hand_turn_damping_(2.0 * options.rotation_damping_ratio *
+                         std::sqrt(options.rotation_stiffness * options.rotation_inertia)),
+      rotation_damping_(hand_turn_damping_ + held.turn_viscosity),
       motion_(options.reaction),
       wander_(options.seed, options.tremor_rms, options.drift_rms, options.drift_rotation_rms) {}
 
@@ -43,6 +45,8 @@ void HandModel::hold(const HeldBody& held) noexcept {
   held_ = held;
   mass_ = hand_mass_ + held.mass;
   damping_ = hand_damping_ + held.viscosity;
+  inertia_ = hand_inertia_ + held.inertia;
+  rotation_damping_ = hand_turn_damping_ + held.turn_viscosity;
 }
 
 void HandModel::step(double dt, const Wrench& f_H_M) noexcept {

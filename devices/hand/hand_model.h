@@ -44,6 +44,8 @@ struct HeldBody {
   double mass = 0.0;                     // [kg]
   double friction = 0.0;                 // Coulomb, in any direction [N]
   double viscosity = 0.0;                // [N s/m]
+  double inertia = 0.0;                  // of turning, in any direction [kg m^2]
+  double turn_viscosity = 0.0;           // [N m s/rad]
   Vec3 stop_half = Vec3::Constant(1e3);  // the stops' distance from M's origin [m]
   double stop_stiffness = 0.0;           // [N/m]
   double stop_damping = 0.0;             // [N s/m]
@@ -58,7 +60,8 @@ struct HeldBody {
 // people learn the mass and the friction of what they move (Shadmehr and Mussa-Ivaldi 1994). Tremor
 // and drift add to the body's motion at the fingertips, past the friction of the device's joints,
 // and so does straying when the stylus, held like a pen (pointing half forward, half down), turns
-// about the grip. Rotation deviates from the intent by a spring-damper under the device's torque.
+// about the grip. Rotation deviates from the intent by inertia, spring and damper of hand and body
+// under the device's torque.
 //
 // Pure: fixed state, no allocation, no clock; the same seed and calls give the same bits.
 class HandModel final : public SteerableHand {
@@ -108,9 +111,10 @@ class HandModel final : public SteerableHand {
   double stiffness_;               // [N/m]
   double hand_damping_, damping_;  // of the hand; of hand and body [N s/m]
   bool wander_is_meant_;
-  double turn_lever_;                             // [m]
-  double inertia_;                                // [kg m^2]
-  double rotation_stiffness_, rotation_damping_;  // [N m/rad], [N m s/rad]
+  double turn_lever_;                            // [m]
+  double hand_inertia_, inertia_;                // of the hand; of hand and body [kg m^2]
+  double rotation_stiffness_;                    // [N m/rad]
+  double hand_turn_damping_, rotation_damping_;  // of the hand; of both [N m s/rad]
   HandMotion motion_;
   HandWander wander_;
   Vec3 x_ = Vec3::Zero();               // the body [m]

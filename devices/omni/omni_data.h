@@ -19,6 +19,13 @@ inline constexpr double kOmniVelocityCutoff = 30.0;
 // The torque variant does not exist as a product; our choice, between a fingertip's comfort and
 // what larger devices of the family give [N m].
 inline constexpr double kOmniTorque = 0.2;
+// Of turning the stylus. The inertia is that of a rod of 15 cm, the stylus' length, as heavy as the
+// apparent mass, about its middle: m l^2 / 12. The damping is chosen: held for a period of 1 ms it
+// holds springs of 2 b / T = 1 N m/rad, twice what orientation tools are unless a scene says more.
+inline constexpr double kOmniInertia = kOmniMass * 0.15 * 0.15 / 12.0;  // [kg m^2]
+inline constexpr double kOmniTurnDamping = 5e-4;                        // [N m s/rad]
+// The orientation is read as it is: as good as without counts [rad].
+inline constexpr double kOmniTurnResolution = 1e-9;
 
 // Half of the nominal 160 x 120 x 70 mm [m].
 inline Vec3 omni_workspace_half() { return {0.080, 0.060, 0.035}; }
@@ -38,6 +45,12 @@ inline HapticCapabilities omni_capabilities(bool torque) {
                 .friction = kOmniFriction,
                 .resolution = kOmniResolution,
                 .source = "data sheet; viscous damping not published"};
+  if (torque) {
+    c.turning = {.mass = kOmniInertia,
+                 .damping = kOmniTurnDamping,
+                 .resolution = kOmniTurnResolution,
+                 .source = "chosen, no such product exists"};
+  }
   c.workspace_half = omni_workspace_half();
   c.buttons = 2;
   c.velocity_lag = 1.0 / (2.0 * std::numbers::pi * kOmniVelocityCutoff);

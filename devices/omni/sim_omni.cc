@@ -16,6 +16,8 @@ HeldBody omni_body() noexcept {
   HeldBody body;
   body.mass = kOmniMass;
   body.friction = kOmniFriction;
+  body.inertia = kOmniInertia;
+  body.turn_viscosity = kOmniTurnDamping;
   body.stop_half = omni_workspace_half() + Vec3::Constant(kStopMargin);
   body.stop_stiffness = kStopStiffness;
   body.stop_damping = kStopDamping;

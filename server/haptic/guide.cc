@@ -252,8 +252,9 @@ double Guide::stiffness(const GuideSettings& settings) const noexcept {
 }
 
 double Guide::torque_stiffness(const GuideSettings& settings) const noexcept {
-  return std::max(kSoftest, orientation_.active() ? orientation_.definition().stiffness
-                                                  : settings.torque_stiffness);
+  const double wanted =
+      orientation_.active() ? orientation_.definition().stiffness : settings.torque_stiffness;
+  return std::max(kSoftest, std::min(wanted, settings.most_torque_stiffness));
 }
 
 }  // namespace handrail

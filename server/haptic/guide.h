@@ -12,14 +12,15 @@ namespace handrail {
 
 struct GuideSettings {
   GuidanceMethod method = GuidanceMethod::kExact;
-  double delta = 2e-4;               // published method's step in S [m]
-  double stiffness = 800.0;          // K_t where a tool does not say [N/m]
-  double most_stiffness = 1e9;       // no tool is rendered stiffer, whatever it says [N/m]
-  double torque_stiffness = 0.5;     // K_N, K_F where a tool does not say [N m/rad]
-  double catch_up = 0.060;           // bound on letting go of a position offset [m/s]
-  double catch_up_rotation = 0.262;  // the same for orientation [rad/s]
-  bool chase = false;                // a released orientation goes to the hand at most so fast
-  double reach = 0.020;              // furthest that a change of position tools moves the arm [m]
+  double delta = 2e-4;                 // published method's step in S [m]
+  double stiffness = 800.0;            // K_t where a tool does not say [N/m]
+  double most_stiffness = 1e9;         // no tool is rendered stiffer, whatever it says [N/m]
+  double torque_stiffness = 0.5;       // K_N, K_F where a tool does not say [N m/rad]
+  double most_torque_stiffness = 1e9;  // as most_stiffness [N m/rad]
+  double catch_up = 0.060;             // bound on letting go of a position offset [m/s]
+  double catch_up_rotation = 0.262;    // the same for orientation [rad/s]
+  bool chase = false;                  // a released orientation goes to the hand at most so fast
+  double reach = 0.020;                // furthest that a change of position tools moves the arm [m]
   // Bound on easing a tool's pull in after a change, at the hand, times the mapping's scale: the
   // pull is in S [N/s]. With the arbiter's step limit (0.05 N a millisecond) it leaves room for the
   // spring.

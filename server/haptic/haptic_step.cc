@@ -50,10 +50,12 @@ Vec3 torque_of(const HapticSettings& settings, const HapticState& s, const Vec3&
   return s.command.engagement.turn_to_hand(twist_pull) * (size / angle);
 }
 
-// Torque comes and goes at most at full scale per fade time, as force does.
-Vec3 limited_torque(const HapticSettings& settings, const Vec3& last, Vec3 wanted, double dt) {
+// Torque comes and goes at most at full scale per fade time, as force does. Beside it, it follows
+// the hand by `follows` [N m]: a spring that came after the hand would make energy.
+Vec3 limited_torque(const HapticSettings& settings, const Vec3& last, Vec3 wanted, double follows,
+                    double dt) {
   if (!is_finite(wanted)) wanted.setZero();
-  const double allowed = settings.max_torque * dt / settings.force.fade_out;
+  const double allowed = settings.max_torque * dt / settings.force.fade_out + follows;
   const Vec3 change = wanted - last;
   const double size = change.norm();
   return size > allowed ? Vec3(last + change * (allowed / size)) : wanted;
@@ -85,14 +87,21 @@ void fill_link(const HapticSettings& settings, const HapticState& s, MasterState
   link.scene = settings.scene;
 }
 
-// Takes over the hand's reading if it is one; how far the hand moved since the last [M, m].
-Vec3 hear_hand(const HandReading& hand, bool ok, double dt, HandTrack& track) {
-  Vec3 moved = Vec3::Zero();
+// How far the hand moved since the last tick, frame M.
+struct Moved {
+  Vec3 by = Vec3::Zero();    // [m]
+  Vec3 turn = Vec3::Zero();  // rotation vector [rad]
+};
+
+// Takes over the hand's reading if it is one. `turns`: the turn is asked for, too.
+Moved hear_hand(const HandReading& hand, bool ok, bool turns, double dt, HandTrack& track) {
+  Moved moved;
   if (!ok) {
     track.gap = std::min(track.gap + dt, 1.0);
     return moved;
   }
-  if (track.known) moved = hand.X_MH.p - track.X_MH.p;
+  if (track.known) moved.by = hand.X_MH.p - track.X_MH.p;
+  if (track.known && turns) moved.turn = rotation_log(hand.X_MH.q * track.X_MH.q.conjugate());
   track.X_MH = hand.X_MH;
   track.known = true;
   track.gap = 0.0;
@@ -141,6 +150,7 @@ void decide(const HapticSettings& settings, const HapticInput& in, const LadderS
 struct Wanted {
   Vec3 tool = Vec3::Zero(), spring = Vec3::Zero(), torque = Vec3::Zero();
   Vec3 tool_spring = Vec3::Zero();  // of `tool`, without its damper
+  double torque_stiffness = 0.0;    // [N m/rad]
   Vec3 surface = Vec3::Zero();      // that the tip touches
   double stiffness = 0.0;           // of tool and surface together, at most [N/m]
   double surface_stiffness = 0.0;   // [N/m]
@@ -182,8 +192,8 @@ void render_surface(const HapticSettings& settings, const HapticInput& in, const
 }
 
 // The command by the hand, and what that is to feel like.
-Wanted lead_tip(const HapticSettings& settings, const HapticInput& in, bool hand_ok,
-                double force_share, double dt, HapticState& s, HapticOutput& out) {
+Wanted lead_tip(const HapticSettings& settings, const HapticInput& in, bool hand_ok, double dt,
+                HapticState& s, HapticOutput& out) {
   Wanted wanted;
   out.deviation = out.deviation_angle = 0.0;
   out.blending = false;
@@ -209,7 +219,8 @@ Wanted lead_tip(const HapticSettings& settings, const HapticInput& in, bool hand
   wanted.spring =
       settings.spring_stiffness * command.engagement.to_hand(in.slave.X_ST.p - command.X_SU.p);
   render_surface(settings, in, guidance, dt, s, wanted, out);
-  wanted.torque = force_share * torque_of(settings, s, guidance.twist_pull);
+  wanted.torque = torque_of(settings, s, guidance.twist_pull);
+  wanted.torque_stiffness = command.guide.torque_stiffness(settings.guide);
   out.blending = guidance.blending;
   out.deviation = command.guide.position().active() ? pull_M.norm() : 0.0;
   if (in.slave.has_pose) account(X_SH, guidance, in.slave, out.motion);
@@ -218,34 +229,38 @@ Wanted lead_tip(const HapticSettings& settings, const HapticInput& in, bool hand
   return wanted;
 }
 
-// What the governor makes of tool and spring, and what it says.
+// What the governor makes of tool, spring and torque, and what it says.
 struct GovernedForces {
-  Governed tool, spring;
+  Governed tool, spring, torque;
 };
 
 GovernedForces govern(const HapticSettings& settings, const HapticInput& in, const Wanted& wanted,
-                      double force_share, const Vec3& motion, double dt, ForceState& s) {
+                      double force_share, const Moved& moved, double dt, ForceState& s) {
   const bool missed = in.hand.force_missed;
   const RenderedForce tool{force_share * (wanted.tool + wanted.surface),
                            force_share * (wanted.tool_spring + wanted.surface),
                            force_share * wanted.stiffness};
-  return {s.governor.govern(settings.governor, tool, motion, dt, missed),
+  const Vec3 torque = force_share * wanted.torque;
+  return {s.governor.govern(settings.governor, tool, moved.by, dt, missed),
           s.tank.govern(settings.governor, force_share * wanted.spring, settings.spring_stiffness,
-                        motion, dt, missed)};
+                        moved.by, dt, missed),
+          s.turn_governor.govern(settings.turn_governor,
+                                 {torque, torque, force_share * wanted.torque_stiffness},
+                                 moved.turn, dt, missed)};
 }
 
-// The device's force and torque. `motion`: of the hand in this tick [M, m]; `trust`: in what is
+// The device's force and torque. `moved`: of the hand in this tick; `trust`: in what is
 // wanted, the rest leaves fast; `before`: the session in the last tick.
 void give_force(const HapticSettings& settings, const HapticInput& in, const Wanted& wanted,
-                double force_share, const Vec3& motion, bool hand_ok, Trust trust,
+                double force_share, const Moved& moved, bool hand_ok, Trust trust,
                 SessionState before, double dt, HapticState& s, HapticOutput& out) {
   if (!hand_ok) s.force.cut();
   const bool trusted = trust == Trust::kBoth;
   const Wanted given = trusted ? wanted : wanted.in_doubt(trust == Trust::kTool);
-  const GovernedForces governed = govern(settings, in, given, force_share, motion, dt, s.force);
-  out.energy_made = governed.tool.made;
+  const GovernedForces governed = govern(settings, in, given, force_share, moved, dt, s.force);
+  out.energy_made = governed.tool.made + governed.torque.made;
   out.shares = s.force.arbiter.share(settings.force, governed.tool.force, governed.spring.force,
-                                     given.stiffness * motion.norm(), trust, dt);
+                                     given.stiffness * moved.by.norm(), trust, dt);
   // What the step limit left of a force that was to be gone counts where it can be taken back.
   const Vec3 spring = governed.tool.force.isZero(0.0) ? out.shares.device : out.shares.spring;
   s.force.governor.told(out.shares.device - spring);
@@ -258,8 +273,11 @@ void give_force(const HapticSettings& settings, const HapticInput& in, const Wan
   out.force = account(out.shares, wanted.tool, wanted.surface, wanted.spring, taken, cue);
   out.f_H_M.force = out.shares.device;
   out.f_H_M.torque = s.force.torque =
-      limited_torque(settings, s.force.torque, trusted ? wanted.torque : Vec3(Vec3::Zero()), dt);
-  if (governed.tool.acted || governed.spring.acted) out.reasons.add(Reason::kForceEnergy);
+      limited_torque(settings, s.force.torque, governed.torque.force,
+                     given.torque_stiffness * moved.turn.norm(), dt);
+  s.force.turn_governor.told(s.force.torque);
+  if (governed.tool.acted || governed.spring.acted || governed.torque.acted)
+    out.reasons.add(Reason::kForceEnergy);
   if (out.shares.clamped) out.reasons.add(Reason::kForceClamped);
   if (out.shares.thermal) out.reasons.add(Reason::kForceContinuous);
   if (out.shares.budget) out.reasons.add(Reason::kForceBudget);
@@ -276,7 +294,7 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
   const bool hand_ok = in.hand.valid && is_place(in.hand.X_MH) && is_finite(in.hand.v_MH) &&
                        in.hand.v_MH.cwiseAbs().maxCoeff() <= kFastestHand;
   if (!hand_ok) out.reasons.add(Reason::kDeviceInvalid);
-  const Vec3 motion = hear_hand(in.hand, hand_ok, dt, s.hand);
+  const Moved moved = hear_hand(in.hand, hand_ok, settings.has_torque, dt, s.hand);
   const Nanos slave_age = age_after(in.unseen, in.slave_age);
   const LadderStep ladder = ladder_step(settings.ladder, in.slave_known, slave_age, in.link,
                                         std::max(dt, to_seconds(in.unseen)), s.ladder);
@@ -284,7 +302,7 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
   out.link_window = settings.ladder.good_for;
   const SessionState before = s.lead.session;
   decide(settings, in, ladder, dt, s, out);
-  const Wanted wanted = lead_tip(settings, in, hand_ok, ladder.force_share, dt, s, out);
+  const Wanted wanted = lead_tip(settings, in, hand_ok, dt, s, out);
   // No force while the hand does not drive; and where its reading, the link or the slave's state is
   // not to be trusted, what there is leaves fast.
   const bool engaged = s.lead.session == SessionState::kEngaged;
@@ -294,7 +312,7 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
                       : holds                                                     ? Trust::kTool
                                                                                   : Trust::kBoth;
   out.turning = s.command.guide.turning();
-  give_force(settings, in, wanted, ladder.force_share, motion, hand_ok, trust, before, dt, s, out);
+  give_force(settings, in, wanted, ladder.force_share, moved, hand_ok, trust, before, dt, s, out);
 
   out.reason = s.lead.reason;
   if (engaged && !s.command.driving) out.reason = Reason::kDeviceInvalid;

@@ -25,9 +25,10 @@ struct HapticSettings {
   double spring_stiffness = 200.0;  // K_s of (3.3) at the hand [N/m]
   bool local_surface = false;  // what is touched is rendered here, not through the spring alone
   ForceLimits force;
-  GovernorSettings governor;  // of the energy at the hand; off unless set
-  bool has_torque = false;    // the device can make torque
-  double max_torque = 0.0;    // [N m]
+  GovernorSettings governor;       // of the energy at the hand; off unless set
+  GovernorSettings turn_governor;  // the same of turning it, in N m and rad
+  bool has_torque = false;         // the device can make torque
+  double max_torque = 0.0;         // [N m]
   LadderSettings ladder;
   Presence presence = Presence::kNone;
   SectionHashes hashes;  // of mapping, limits and robot; tools are hashed as they change
@@ -148,7 +149,8 @@ struct ForceState {
   EnergyGovernor governor;  // of the force of tool and surface
   EnergyTank tank;          // of the spring to the tip, which is told over the link
   Arbiter arbiter;
-  Vec3 torque = Vec3::Zero();  // last torque on the hand, frame M [N m]
+  EnergyGovernor turn_governor;  // of the torque of an orientation tool
+  Vec3 torque = Vec3::Zero();    // last torque on the hand, frame M [N m]
   KeptBack kept_back;
   CuePlayer cue;
 
@@ -156,6 +158,7 @@ struct ForceState {
   void cut() noexcept {
     arbiter.cut();
     governor.restart();
+    turn_governor.restart();
     tank.restart();
   }
 };

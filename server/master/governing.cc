@@ -14,28 +14,68 @@ std::string times(double share) {
   return std::isfinite(share) ? fmt::format("{:.3g} times", share) : std::string("any");
 }
 
+// With its unit.
+std::string stiffness_text(const Rendering& r, double share) {
+  return r.turns ? fmt::format("{:.3g} N m/rad", share * r.stiffness)
+                 : fmt::format("{:.3g} N/mm", share * r.stiffness / kNewtonPerMm);
+}
+
 std::string what(const Rendering& r) {
-  std::string out = fmt::format("{}: {:g} N/mm", r.name, r.stiffness / kNewtonPerMm);
+  std::string out = r.turns ? fmt::format("{}: {:g} N m/rad", r.name, r.stiffness)
+                            : fmt::format("{}: {:g} N/mm", r.name, r.stiffness / kNewtonPerMm);
   if (r.damping > 0.0) out += fmt::format(", {:.3g} N s/m", r.damping);
   if (r.delay > 0.0) out += fmt::format(", {:g} ms late", 1e3 * r.delay);
   return out;
 }
 
+const char* source_of(const DeviceDynamics& d) { return *d.source ? d.source : "no source given"; }
+
 // What it declares, and by whom.
-std::string declared(const HapticCapabilities& device) {
+std::vector<std::string> declared(const HapticCapabilities& device) {
   if (device.max_force <= 0.0)
-    return device.name + ": makes no force, walls and tools are not felt";
-  const DeviceDynamics& d = device.dynamics;
-  return fmt::format(
+    return {device.name + ": makes no force, walls and tools are not felt"};
+  const DeviceDynamics &d = device.dynamics, &t = device.turning;
+  std::vector<std::string> out = {fmt::format(
       "{}: mass {:g} kg, damping {:g} N s/m, friction {:g} N, counts {:.3g} mm, delay {:g} ms ({})",
-      device.name, d.mass, d.damping, d.friction, d.resolution / kMm, 1e3 * d.delay,
-      *d.source ? d.source : "no source given");
+      device.name, d.mass, d.damping, d.friction, d.resolution / kMm, 1e3 * d.delay, source_of(d))};
+  if (!device.actuates_torque) return out;
+  out.push_back(fmt::format(
+      "{}, turned: inertia {:.3g} kg m^2, damping {:g} N m s/rad, friction {:g} N m, counts {:.3g} "
+      "deg, delay {:g} ms ({})",
+      device.name, t.mass, t.damping, t.friction, t.resolution / kDeg, 1e3 * t.delay,
+      source_of(t)));
+  return out;
 }
 
 std::string done(const CheckedRendering& c) {
   if (c.bounded) return "rendered as it is, its energy bounded";
   if (c.share >= 1.0) return "rendered as it is";
-  return fmt::format("rendered at {:.3g} N/mm", c.share * c.rendering.stiffness / kNewtonPerMm);
+  return "rendered at " + stiffness_text(c.rendering, c.share);
+}
+
+GovernorSettings governor_of(const DeviceDynamics& device, double peak, bool on) {
+  GovernorSettings out;
+  out.on = on && peak > 0.0;
+  out.peak = peak;
+  // What a device takes up whose mass, counts or delay are not known is not known either.
+  const double late = device.delay / out.period;
+  const bool known = device.mass > 0.0 && device.resolution > 0.0;
+  if (!(known && late >= 0.0 && late <= kMostForceDelay)) return out;
+  out.delay = static_cast<int>(late);
+  out.late = late - out.delay;
+  out.friction = std::max(device.friction, 0.0);
+  out.damping = std::max(device.damping, 0.0);
+  return out;
+}
+
+CheckedRendering checked_on(const DeviceDynamics& device, const RenderingLoop& loop,
+                            const Rendering& rendering) {
+  CheckedRendering out;
+  out.rendering = rendering;
+  out.margin = margin_of(device, loop, rendering);
+  out.bounded = rendering.delay > 0.0;
+  if (!out.bounded) out.share = std::min(1.0, kGoverned * out.margin.share);
+  return out;
 }
 
 }  // namespace
@@ -48,19 +88,18 @@ RenderingLoop rendering_loop(const HapticCapabilities& device) {
   return out;
 }
 
-GovernorSettings governor_settings(const HapticCapabilities& device, bool on) {
-  GovernorSettings out;
-  out.on = on && device.max_force > 0.0;
-  out.peak = device.max_force;
-  // What a device takes up whose mass, counts or delay are not known is not known either.
-  const double late = device.dynamics.delay / out.period;
-  const bool known = device.dynamics.mass > 0.0 && device.dynamics.resolution > 0.0;
-  if (!(known && late >= 0.0 && late <= kMostForceDelay)) return out;
-  out.delay = static_cast<int>(late);
-  out.late = late - out.delay;
-  out.friction = std::max(device.dynamics.friction, 0.0);
-  out.damping = std::max(device.dynamics.damping, 0.0);
+RenderingLoop turning_loop(const HapticCapabilities& device) {
+  RenderingLoop out;
+  out.peak = device.max_torque;
   return out;
+}
+
+GovernorSettings governor_settings(const HapticCapabilities& device, bool on) {
+  return governor_of(device.dynamics, device.max_force, on);
+}
+
+GovernorSettings turn_governor_settings(const HapticCapabilities& device, bool on) {
+  return governor_of(device.turning, device.max_torque, on && device.actuates_torque);
 }
 
 std::vector<CheckedRendering> check_renderings(const Scene& scene,
@@ -68,12 +107,12 @@ std::vector<CheckedRendering> check_renderings(const Scene& scene,
   std::vector<CheckedRendering> out;
   if (device.max_force <= 0.0) return out;  // nothing is rendered at it
   const RenderingLoop loop = rendering_loop(device);
-  for (const Rendering& rendering : renderings_of(scene, loop)) {
-    CheckedRendering& c = out.emplace_back();
-    c.rendering = rendering;
-    c.margin = margin_of(device.dynamics, loop, rendering);
-    c.bounded = rendering.delay > 0.0;
-    if (!c.bounded) c.share = std::min(1.0, kGoverned * c.margin.share);
+  for (const Rendering& r : renderings_of(scene, loop)) {
+    out.push_back(checked_on(device.dynamics, loop, r));
+  }
+  if (!device.actuates_torque) return out;
+  for (const Rendering& r : turnings_of(scene)) {
+    out.push_back(checked_on(device.turning, turning_loop(device), r));
   }
   return out;
 }
@@ -81,24 +120,18 @@ std::vector<CheckedRendering> check_renderings(const Scene& scene,
 double governed_share(const std::vector<CheckedRendering>& checked) {
   double share = 1.0;
   for (const CheckedRendering& c : checked) {
-    if (!c.bounded) share = std::min(share, c.share);
+    if (!c.bounded && !c.rendering.turns) share = std::min(share, c.share);
   }
   return share;
 }
 
 std::vector<std::string> stability_lines(const std::vector<CheckedRendering>& checked,
                                          const HapticCapabilities& device, bool governor) {
-  std::vector<std::string> out{declared(device)};
+  std::vector<std::string> out = declared(device);
   for (const CheckedRendering& c : checked) {
     out.push_back(fmt::format("{}; {} holds {} that, by its {}; {}", what(c.rendering), device.name,
                               times(c.margin.share), name_of(c.margin.by),
                               governor ? done(c) : "governor off: rendered as it is"));
-  }
-  if (device.actuates_torque) {
-    out.push_back(
-        fmt::format("orientation tools: not checked, {} declares no rotational inertia; "
-                    "rendered as they are",
-                    device.name));
   }
   return out;
 }
@@ -108,9 +141,9 @@ std::vector<std::string> stability_warnings(const std::vector<CheckedRendering>&
   std::vector<std::string> out;
   for (const CheckedRendering& c : checked) {
     if (c.margin.share >= 1.0 || c.bounded) continue;
-    out.push_back(fmt::format("{}: {} holds {:.3g} N/mm, by its {}: {}", what(c.rendering),
-                              device.name, c.margin.share * c.rendering.stiffness / kNewtonPerMm,
-                              name_of(c.margin.by), governor ? done(c) : "it may buzz"));
+    out.push_back(fmt::format("{}: {} holds {}, by its {}: {}", what(c.rendering), device.name,
+                              stiffness_text(c.rendering, c.margin.share), name_of(c.margin.by),
+                              governor ? done(c) : "it may buzz"));
   }
   return out;
 }

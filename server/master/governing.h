@@ -26,17 +26,22 @@ struct CheckedRendering {
 };
 
 RenderingLoop rendering_loop(const HapticCapabilities& device);
+// The same of turning the stylus, for a device with torque.
+RenderingLoop turning_loop(const HapticCapabilities& device);
 
 GovernorSettings governor_settings(const HapticCapabilities& device, bool on);
+// In N m and rad; off for a device without torque.
+GovernorSettings turn_governor_settings(const HapticCapabilities& device, bool on);
 
+// Forces, and of a device with torque what turns.
 std::vector<CheckedRendering> check_renderings(const Scene& scene,
                                                const HapticCapabilities& device);
 
-// The least share of those that are not bounded.
+// The least share of the forces that are not bounded.
 double governed_share(const std::vector<CheckedRendering>& checked);
 
 // The device's declared data and their source, then a line for each: margin, what limits it, and
-// what the governor does; and of torque, where there is any, that it is not checked.
+// what the governor does.
 std::vector<std::string> stability_lines(const std::vector<CheckedRendering>& checked,
                                          const HapticCapabilities& device, bool governor);
 

@@ -37,7 +37,12 @@ HapticSettings haptic_settings(const Scene& scene, const HapticCapabilities& dev
     out.damping *= governed_share(check_renderings(scene, device));
     out.guide.most_stiffness = kGoverned * most_stiffness(device.dynamics, loop, out.damping);
   }
+  if (governor && device.actuates_torque) {
+    out.guide.most_torque_stiffness =
+        kGoverned * most_stiffness(device.turning, turning_loop(device), 0.0);
+  }
   out.governor = governor_settings(device, governor);
+  out.turn_governor = turn_governor_settings(device, governor);
   out.spring_stiffness = scene.guidance.spring;
   out.local_surface = scene.guidance.local_surface;
   out.force.peak = device.max_force;

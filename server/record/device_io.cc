@@ -6,6 +6,26 @@
 
 namespace handrail {
 
+namespace {
+
+constexpr int kDynamics = 5;  // mass, damping, friction, resolution, delay
+
+template <typename Field>
+void put(const DeviceDynamics& d, Field& out) {
+  for (const double v : {d.mass, d.damping, d.friction, d.resolution, d.delay}) out.Add(v);
+}
+
+template <typename Field>
+void take(const Field& in, DeviceDynamics& out) {
+  int next = 0;
+  for (double* v : {&out.mass, &out.damping, &out.friction, &out.resolution, &out.delay}) {
+    *v = in.Get(next++);
+  }
+  out.source = "the recording";
+}
+
+}  // namespace
+
 void put(const HapticCapabilities& device, pb::RecordedDevice& out) {
   out.set_name(device.name);
   out.set_simulated(device.simulated);
@@ -19,14 +39,11 @@ void put(const HapticCapabilities& device, pb::RecordedDevice& out) {
   out.set_velocity_lag(device.velocity_lag);
   out.set_led_by_cursor(device.led_by_cursor);
   out.set_least_mass(device.least_mass);
-  const DeviceDynamics& d = device.dynamics;
-  for (const double v : {d.mass, d.damping, d.friction, d.resolution, d.delay}) {
-    out.add_dynamics(v);
-  }
+  put(device.dynamics, *out.mutable_dynamics());
+  if (device.actuates_torque) put(device.turning, *out.mutable_turning());
 }
 
 Status take(const pb::RecordedDevice& in, HapticCapabilities& out) {
-  constexpr int kDynamics = 5;  // mass, damping, friction, resolution, delay
   if (in.workspace_half_size() != 3) {
     return Status::error("device.workspace_half has " + std::to_string(in.workspace_half_size()) +
                          " numbers, expected 3");
@@ -34,6 +51,10 @@ Status take(const pb::RecordedDevice& in, HapticCapabilities& out) {
   if (in.dynamics_size() != kDynamics) {
     return Status::error("device.dynamics has " + std::to_string(in.dynamics_size()) +
                          " numbers, expected " + std::to_string(kDynamics));
+  }
+  if (in.turning_size() != 0 && in.turning_size() != kDynamics) {
+    return Status::error("device.turning has " + std::to_string(in.turning_size()) +
+                         " numbers, expected none or " + std::to_string(kDynamics));
   }
   // A device may make no force.
   for (const auto& [field, value] : {std::pair("max_force", in.max_force()),
@@ -58,12 +79,8 @@ Status take(const pb::RecordedDevice& in, HapticCapabilities& out) {
   out.velocity_lag = in.velocity_lag();
   out.led_by_cursor = in.led_by_cursor();
   out.least_mass = in.least_mass();
-  int next = 0;
-  for (double* v : {&out.dynamics.mass, &out.dynamics.damping, &out.dynamics.friction,
-                    &out.dynamics.resolution, &out.dynamics.delay}) {
-    *v = in.dynamics(next++);
-  }
-  out.dynamics.source = "the recording";
+  take(in.dynamics(), out.dynamics);
+  if (in.turning_size() == kDynamics) take(in.turning(), out.turning);
   return Status::ok();
 }
 

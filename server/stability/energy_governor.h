@@ -9,7 +9,8 @@
 
 namespace handrail {
 
-// What the device takes up by itself. All >= 0.
+// What the device takes up by itself. All >= 0. Of turning it, here and below, the same in kg m^2,
+// N m and rad.
 struct GovernorSettings {
   bool on = false;
   double friction = 0.0;   // of the device, Coulomb [N]

@@ -256,4 +256,16 @@ std::vector<Rendering> renderings_of(const Scene& scene, const RenderingLoop& lo
   return scene.walls ? of_walls(scene, loop) : of_tools(scene, loop);
 }
 
+std::vector<Rendering> turnings_of(const Scene& scene) {
+  std::vector<Rendering> out;
+  if (scene.walls) return out;
+  out.push_back(make("orientation tools", scene.guidance.torque_stiffness, 0.0));
+  for (const ToolCall& call : scene.tools) {
+    if (is_position_tool(call.kind) || call.stiffness == 0.0) continue;
+    out.push_back(make(std::string("tool '") + name_of(call.kind) + "'", call.stiffness, 0.0));
+  }
+  for (Rendering& r : out) r.turns = true;
+  return out;
+}
+
 }  // namespace handrail

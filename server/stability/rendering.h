@@ -16,13 +16,14 @@ struct Rendering {
   double damping = 0.0;       // [N s/m]
   bool own_velocity = false;  // damps by differences of its own, not by the device's velocity
   double delay = 0.0;         // between measuring and force, beside the period that it is held [s]
+  bool turns = false;         // of turning: [N m/rad], [N m s/rad], and torque in place of force
 };
 
 // How the loop renders it. > 0 unless said otherwise.
 struct RenderingLoop {
   double period = 1e-3;       // [s]
   double velocity_lag = 0.0;  // of the low-pass of the device's velocity, >= 0 [s]
-  double peak = 3.3;          // largest force of the device [N]
+  double peak = 3.3;          // largest force of the device [N], of turning its torque [N m]
   double least_mass = 0.05;   // of device and a light hand together [kg]
 };
 
@@ -60,7 +61,11 @@ double most_stiffness(const DeviceDynamics& device, const RenderingLoop& loop, d
 
 // All that `scene` renders: each tool, wall and spring, and last, where several can act at the same
 // place, all of them together. What makes up by itself for being held for a period counts with the
-// damper by which it does. The torque of orientation tools is not among them.
+// damper by which it does.
 std::vector<Rendering> renderings_of(const Scene& scene, const RenderingLoop& loop);
+
+// The torque springs of the orientation tools of `scene`, none of a scene of walls. They give less
+// beyond 2.6 rad, nowhere more.
+std::vector<Rendering> turnings_of(const Scene& scene);
 
 }  // namespace handrail

@@ -26,6 +26,12 @@ double stiffness_of(const HapticSettings& settings, const ToolDefinition& tool) 
   return std::min(wanted, settings.guide.most_stiffness);
 }
 
+double torque_stiffness_of(const HapticSettings& settings, const ToolDefinition& tool) {
+  const double wanted =
+      tool.kind == ToolKind::kNone ? settings.guide.torque_stiffness : tool.stiffness;
+  return std::min(wanted, settings.guide.most_torque_stiffness);
+}
+
 bool trusted(const HapticInput& in, SessionState session) {
   if (session == SessionState::kHold || session == SessionState::kFault) return false;
   return session != SessionState::kEngaged || (in.slave.has_pose && is_place(in.slave.X_ST));
@@ -103,15 +109,20 @@ void Watch::see(const HapticInput& in, double dt, const HapticState& state,
   // As the step says itself.
   const bool hand_ok = in.hand.valid && is_place(in.hand.X_MH) && is_finite(in.hand.v_MH) &&
                        in.hand.v_MH.cwiseAbs().maxCoeff() <= kFastestHand;
-  double moved = 0.0;
+  double moved = 0.0, turned = 0.0;
   if (hand_ok) {
-    if (hand_known_) moved = (in.hand.X_MH.p - hand_).norm();
-    hand_ = in.hand.X_MH.p;
+    if (hand_known_) {
+      moved = (in.hand.X_MH.p - hand_.p).norm();
+      turned = angle_between(in.hand.X_MH.q, hand_.q);
+    }
+    hand_ = in.hand.X_MH;
     hand_known_ = true;
   }
   judge(Bound::kFinite, not_finite(out), 0.0);
   judge(Bound::kUnit, std::abs(out.link.X_SU.q.norm() - 1.0), kUnitTolerance);
   see_force(in, dt, hand_ok, moved, state.force.surface.known(), out);
+  see_torque(in, dt, hand_ok, turned, out);
+  wrench_ = out.f_H_M;
   see_command(dt, moved, state, out);
 }
 
@@ -139,11 +150,20 @@ void Watch::see_force(const HapticInput& in, double dt, bool hand_ok, double mov
   } else {
     judge(Bound::kForceCut, force.norm(), 0.0);
   }
-  judge(Bound::kTorquePeak, out.f_H_M.torque.norm(), settings_.max_torque);
-  judge(Bound::kTorqueStep, (out.f_H_M.torque - wrench_.torque).norm(),
-        settings_.max_torque * dt / limits.fade_out + (settings_.has_torque ? kRounding : 0.0));
   cue_ = cue;
-  wrench_ = out.f_H_M;
+}
+
+void Watch::see_torque(const HapticInput& in, double dt, bool hand_ok, double turned,
+                       const HapticOutput& out) {
+  const Vec3& torque = out.f_H_M.torque;
+  judge(Bound::kTorquePeak, torque.norm(), settings_.max_torque);
+  double allowed = settings_.max_torque * dt / settings_.force.fade_out;
+  if (settings_.has_torque) {
+    allowed += kRounding;
+    if (hand_ok && trusted(in, out.link.state))
+      allowed += torque_stiffness_of(settings_, out.link.orientation_tool) * turned;
+  }
+  judge(Bound::kTorqueStep, (torque - wrench_.torque).norm(), allowed);
 }
 
 void Watch::see_command(double dt, double moved, const HapticState& state,

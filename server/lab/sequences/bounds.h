@@ -44,7 +44,9 @@ constexpr bool breaks(double ratio) noexcept { return !(ratio <= 1.0 + 1e-9); }
 // where less than the largest cue is left of the peak, so much again as the arbiter's, because the
 // cue gives way to it. A tick without a reading has no force at all, however much there was.
 //
-// Torque step: max_torque dt / fade_out.
+// Torque step: max_torque dt / fade_out, plus K |t| for a hand that turned by t since its last
+// reading, K of the orientation tool, or without one the settings', as far as the device holds it;
+// not while the reading, the link or the slave is not trusted.
 //
 // Command step. The mean of the last N samples moves by the Nth part of what entered less what
 // left, at most of the way of the hand in S over the last N ticks that it drove: proxies of tools
@@ -80,6 +82,8 @@ class Watch {
   };
 
   void judge(Bound bound, double measured, double allowed);
+  void see_torque(const HapticInput& in, double dt, bool hand_ok, double turned,
+                  const HapticOutput& out);
   void see_force(const HapticInput& in, double dt, bool hand_ok, double moved, bool surface,
                  const HapticOutput& out);
   void see_command(double dt, double moved, const HapticState& state, const HapticOutput& out);
@@ -87,7 +91,7 @@ class Watch {
   const HapticSettings& settings_;
   std::array<Judged, kBounds> judged_{};
   bool hand_known_ = false, led_ = false, may_lead_ = false, drove_ = false;
-  Vec3 hand_ = Vec3::Zero();
+  Pose hand_;
   Wrench wrench_;
   bool cue_ = false;  // in the tick before
   Pose X_SU_;

@@ -9,6 +9,13 @@
 
 namespace handrail {
 
+// How long what is kicked is watched, in windows of a swing, and when it is kicked again [s].
+inline constexpr double kSeconds = 6.0, kWindow = 2.0, kSecondKick = 1.0;
+// What a contact may give beyond what the device takes, with ticks in time [J].
+inline constexpr double kMostGiven = 1e-3;
+// Chosen: what a swing may be more than a window before.
+inline constexpr double kMoreSwing = 1.05;
+
 // What is given in a contact is the work of the force so far, less what the device's own friction
 // and damping took meanwhile: a spring that begins and ends at rest gives nothing, and before it
 // has ended it has given less. A contact lasts for as long as a force is asked for;

@@ -74,6 +74,8 @@ std::vector<StabilityCase> truth_cases();
 std::vector<StabilityCase> rendered_cases();
 // The walls and effects of the master's own step.
 std::vector<StabilityCase> wall_cases();
+// The torque of orientation tools.
+std::vector<StabilityCase> turn_cases();
 // Both sides, the link and the arm, in free space and in contact.
 std::vector<StabilityCase> teleop_cases();
 // The same where the arm's poses are singular and where its joints' ranges end.

@@ -27,8 +27,8 @@ bool begins_with(const std::string& name, const std::string& only) {
 
 std::vector<StabilityCase> chosen(const StabilityCommand& command) {
   std::vector<StabilityCase> out;
-  for (auto* cases :
-       {&long_cases, &teleop_cases, &arm_cases, &truth_cases, &rendered_cases, &wall_cases}) {
+  for (auto* cases : {&long_cases, &teleop_cases, &arm_cases, &truth_cases, &rendered_cases,
+                      &wall_cases, &turn_cases}) {
     for (StabilityCase& one : cases()) {
       if (command.quick && one.size >= CaseSize::kFull) continue;
       if (begins_with(one.name, command.only)) out.push_back(std::move(one));

@@ -14,22 +14,18 @@
 namespace handrail {
 namespace {
 
-constexpr double kSeconds = 6.0, kWindow = 2.0;  // of a swing [s]
 // A run of which that cannot say whether the swing grows, or whether the hand comes to rest, goes
 // on: each time for so long, at most to kLongest. A swing that wanders by a tenth from window to
 // window, as the widest seen do, is then known to 1.3 %, a quarter of what kMoreSwing lets pass.
 constexpr double kLonger = 4.0, kLongest = 384.0;  // [s]
-constexpr double kSecondKick = 1.0;                // [s]
 constexpr double kComes = 0.050;                   // in which effects come on [s]
 constexpr double kEffectsAreOn = 2.0 * kComes;     // [s]
 constexpr double kNominalRate = 1000.0;            // of the master's loop [Hz]
 constexpr double kStart = 0.2e-3;                  // from the wall [m]
-constexpr double kMostGiven = 1e-3;                // in a contact, with ticks in time [J]
-// Chosen: what a swing may be more than a second before, and the counts that it may be anyway.
-constexpr double kMoreSwing = 1.05, kCounts = 2.0;
-constexpr double kSmall = 0.02e-3;   // where there are none [m]
-constexpr double kLateShare = 0.02;  // of the ticks that are late at random
-constexpr int kLateEvery = 50;       // ticks, where they are late periodically
+constexpr double kCounts = 2.0;                    // chosen: of counts, what a swing may be anyway
+constexpr double kSmall = 0.02e-3;                 // where there are none [m]
+constexpr double kLateShare = 0.02;                // of the ticks that are late at random
+constexpr int kLateEvery = 50;                     // ticks, where they are late periodically
 constexpr double kMostAngle = 0.35;  // of the first kick from straight at the wall [rad]
 
 HapticCapabilities seen(const WallCell& cell) {

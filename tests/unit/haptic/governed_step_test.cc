@@ -48,6 +48,53 @@ TEST(GovernedStep, AWallGivesTheHandNoMoreThanItGave) {
   EXPECT_EQ(through_the_wall(dry), made);
 }
 
+// The stylus is turned by 0.2 rad and back, at 10 rad/s, against a tool that holds it.
+double through_a_turn(HapticRig& rig) {
+  rig.settings.has_torque = true;
+  rig.settings.max_torque = 1.0;
+  rig.engage();
+  rig.call(test::call_of(ToolKind::kNRotation));
+  const Quat began = rig.in.hand.X_MH.q;
+  double given = 0.0;
+  for (int i = 1; i <= 40; ++i) {
+    given += rig.out.f_H_M.torque.y() * (i <= 20 ? 0.01 : -0.01);
+    rig.in.hand.X_MH.q = rotation_exp({0.0, 0.01 * (i <= 20 ? i : 40 - i), 0.0}) * began;
+    rig.tick();
+  }
+  return given;
+}
+
+TEST(GovernedStep, AnOrientationToolGivesTheHandNoMoreThanItGave) {
+  HapticRig held;
+  const double made = through_a_turn(held);
+  EXPECT_NEAR(made, 1e-3, 1e-5);  // K w T / 2 on 0.4 rad
+  HapticRig rig;
+  rig.settings.turn_governor = governed(0.0, 1.0);
+  EXPECT_LT(through_a_turn(rig), 0.1 * made);
+  EXPECT_LE(rig.out.energy_made, 0.1 * made);
+  HapticRig dry;
+  dry.settings.turn_governor = governed(0.01, 1.0);
+  EXPECT_EQ(through_a_turn(dry), made) << "friction takes 0.01 N m on the same way";
+}
+
+TEST(GovernedStep, WhatItTakesOfATorqueHasItsReason) {
+  HapticRig rig;
+  rig.settings.turn_governor = governed(0.0, 1.0);
+  bool said = false;
+  rig.settings.has_torque = true;
+  rig.settings.max_torque = 1.0;
+  rig.engage();
+  rig.call(test::call_of(ToolKind::kNRotation));
+  const Quat began = rig.in.hand.X_MH.q;
+  for (int i = 1; i <= 40; ++i) {
+    rig.in.hand.X_MH.q = rotation_exp({0.0, 0.01 * (i <= 20 ? i : 40 - i), 0.0}) * began;
+    rig.tick();
+    ASSERT_FALSE(i <= 20 && rig.out.reasons.has(Reason::kForceEnergy)) << i;
+    said = said || rig.out.reasons.has(Reason::kForceEnergy);
+  }
+  EXPECT_TRUE(said);
+}
+
 TEST(GovernedStep, WhatItTakesIsInTheLedgerAndHasItsReason) {
   WallRig rig;
   rig.settings.governor = governed(0.0, 25.3);

@@ -130,8 +130,38 @@ TEST(Governing, TheSpringToTheTipKeepsItsStiffnessAndIsBounded) {
   EXPECT_EQ(spring.share, 1.0);
   EXPECT_THAT(stability_lines(checked, omni_capabilities(false), true).back(),
               HasSubstr("energy bounded"));
-  EXPECT_THAT(stability_lines(checked, omni_capabilities(true), true).back(),
-              HasSubstr("orientation tools: not checked, Phantom Omni with torque declares no"));
+}
+
+// Without friction a held spring needs b >= K T / 2: 1 N m/rad, and a little more with inertia.
+TEST(Governing, ATorqueIsRenderedNoStifferThanItsDeviceHolds) {
+  HapticCapabilities device = omni_capabilities(true);
+  Scene scene;
+  scene.guidance.torque_stiffness = 5.0;
+  ToolCall& own = scene.tools.emplace_back();
+  own.kind = ToolKind::kFRotation;
+  own.stiffness = 0.25;
+  const auto checked = check_renderings(scene, device);
+  ASSERT_EQ(checked.size(), 4u);
+  EXPECT_TRUE(checked[2].rendering.turns && checked[3].rendering.turns);
+  EXPECT_NEAR(checked[2].margin.share, 1.0 / 5.0, 1e-3);
+  EXPECT_NEAR(checked[3].margin.share, 1.0 / 0.25, 1e-2);
+  EXPECT_EQ(checked[3].share, 1.0);
+  EXPECT_EQ(governed_share(checked), 1.0) << "of forces";
+  const std::vector<std::string> lines = stability_lines(checked, device, true);
+  EXPECT_THAT(lines[1], HasSubstr("turned: inertia 8.44e-05 kg m^2, damping 0.0005 N m s/rad"));
+  EXPECT_THAT(lines[4], HasSubstr("orientation tools: 5 N m/rad"));
+  EXPECT_THAT(lines[4], HasSubstr("rendered at 0.95"));
+  EXPECT_THAT(lines[5], HasSubstr("'f-rotation': 0.25 N m/rad"));
+  EXPECT_THAT(stability_warnings(checked, device, false)[0], HasSubstr("it may buzz"));
+  EXPECT_NEAR(haptic_settings(scene, device, true).guide.most_torque_stiffness, 0.95, 1e-3);
+  EXPECT_GT(haptic_settings(scene, device, false).guide.most_torque_stiffness, 1e6);
+  EXPECT_TRUE(haptic_settings(scene, device, true).turn_governor.on);
+  EXPECT_EQ(haptic_settings(scene, device, true).turn_governor.peak, kOmniTorque);
+  EXPECT_FALSE(haptic_settings(scene, omni_capabilities(false), true).turn_governor.on);
+  // Nothing is known of how it turns: nothing that could be held is shown to be.
+  device.turning = DeviceDynamics();
+  EXPECT_EQ(check_renderings(scene, device)[2].share, 0.0);
+  EXPECT_EQ(haptic_settings(scene, device, true).guide.most_torque_stiffness, 0.0);
 }
 
 }  // namespace

@@ -145,6 +145,26 @@ TEST(SimOmni, OnlyTheTorqueVariantFeelsTorque) {
   EXPECT_TRUE(torque.omni().capabilities().actuates_torque);
 }
 
+// Inertia and damping of hand and stylus: 2e-4 + m l^2 / 12 and 1.4 sqrt(2e-4) + 5e-4, under
+// 0.1 N m against 1 N m/rad; its period and its decay are those of the closed form.
+TEST(SimOmni, TheStylusTurnsWithItsOwnInertiaAndDamping) {
+  Bench bench(still_hand(), true);
+  bench.run(1);
+  const double inertia = 2e-4 + kOmniMass * 0.15 * 0.15 / 12.0;
+  const double damping = 1.4 * std::sqrt(2e-4) + 5e-4;
+  const double decay = damping / (2.0 * inertia);
+  const double w = std::sqrt(1.0 / inertia - decay * decay);
+  double worst = 0.0;
+  for (int i = 1; i <= 100; ++i) {
+    const HapticSample sample = bench.run(1, {Vec3::Zero(), Vec3(0.0, 0.1, 0.0)});
+    const double t = 1e-3 * i;
+    const double turned =
+        0.1 * (1.0 - std::exp(-decay * t) * (std::cos(w * t) + decay / w * std::sin(w * t)));
+    worst = std::max(worst, std::abs(angle_between(sample.X_MH.q, Quat::Identity()) - turned));
+  }
+  EXPECT_LT(worst, 1.5e-3) << "steps of 0.25 ms, of first order";
+}
+
 TEST(SimOmni, OrientationFollowsTheIntent) {
   Bench bench(still_hand());
   HandIntent intent;

@@ -215,6 +215,28 @@ TEST(Replay, WhatNoTickCanBeIsRefusedByItsName) {
   EXPECT_TRUE(replay_of(weak)) << "a device that makes no force: " << replay_of(weak).message();
   change_start(weak, [](pb::RecordedStart& start) { start.mutable_device()->set_least_mass(0.0); });
   EXPECT_NE(replay_of(weak).message().find("device.least_mass is 0"), std::string::npos);
+  change_start(weak, [](pb::RecordedStart& start) {
+    start.mutable_device()->set_least_mass(0.05);
+    start.mutable_device()->add_turning(1e-4);
+  });
+  EXPECT_NE(replay_of(weak).message().find("device.turning has 1 numbers, expected none or 5"),
+            std::string::npos);
+}
+
+TEST(RecordedDevice, ComesBackWithWhatItDeclares) {
+  for (const bool torque : {false, true}) {
+    const HapticCapabilities device = omni_capabilities(torque);
+    pb::RecordedDevice message;
+    put(device, message);
+    HapticCapabilities out;
+    ASSERT_TRUE(take(message, out));
+    EXPECT_EQ(out.dynamics.mass, device.dynamics.mass);
+    EXPECT_EQ(out.dynamics.friction, device.dynamics.friction);
+    EXPECT_EQ(out.turning.mass, device.turning.mass);
+    EXPECT_EQ(out.turning.damping, device.turning.damping);
+    EXPECT_EQ(out.turning.resolution, device.turning.resolution);
+    EXPECT_EQ(out.turning.mass > 0.0, torque);
+  }
 }
 
 TEST(Replay, AnotherGainShowsBothSideBySide) {

@@ -218,6 +218,24 @@ TEST(Rendering, AnArmsSpringIsAsLateAsItsSmoother) {
   EXPECT_NEAR(all[2].delay, 99.5e-3, 1e-12);
 }
 
+TEST(Rendering, OrientationToolsTurn) {
+  Scene scene;
+  ToolCall& own = scene.tools.emplace_back();
+  own.kind = ToolKind::kNRotation;
+  own.stiffness = 2.0;
+  scene.tools.emplace_back().kind = ToolKind::kFRotation;  // as stiff as the scene says
+  const auto all = turnings_of(scene);
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_EQ(all[0].name, "orientation tools");
+  EXPECT_EQ(all[0].stiffness, 0.5);
+  EXPECT_EQ(all[1].name, "tool 'n-rotation'");
+  EXPECT_EQ(all[1].stiffness, 2.0);
+  EXPECT_TRUE(all[0].turns && all[1].turns);
+  for (const Rendering& r : renderings_of(scene, {})) EXPECT_FALSE(r.turns) << r.name;
+  scene.walls = std::make_shared<Walls>();
+  EXPECT_TRUE(turnings_of(scene).empty());
+}
+
 TEST(Rendering, WallsAndDetentsCountAsTheirHardestStageMakesThem) {
   Scene scene;
   auto walls = std::make_shared<Walls>();

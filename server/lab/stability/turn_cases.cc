@@ -1,0 +1,181 @@
+// The torque of orientation tools: a stylus that is kicked while one holds it.
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <utility>
+
+#include "devices/hand/hand_model.h"
+#include "devices/omni/omni_data.h"
+#include "server/base/random.h"
+#include "server/base/units.h"
+#include "server/haptic/haptic_step.h"
+#include "server/lab/stability/bare_device.h"
+#include "server/lab/stability/bench_device.h"
+#include "server/lab/stability/contact_meter.h"
+#include "server/lab/stability/stability_case.h"
+#include "server/lab/stability/wall_cell.h"
+#include "server/master/governing.h"
+#include "server/master/haptic_settings.h"
+
+namespace handrail {
+namespace {
+
+// Chosen: what it may be anyway, well below what a person feels at the fingertips.
+constexpr double kFine = 0.1 * kDeg;
+constexpr int kEngages = 50;  // ticks
+
+// SI.
+struct TurnCell {
+  ToolKind tool = ToolKind::kNRotation;
+  GripKind grip = GripKind::kNone;
+  double stiffness = 0.5;  // K_N, K_F [N m/rad]
+  double kick = 2.0;       // [rad/s], within a fifth; later again by half of it, either way
+  Governing governing = Governing::kOff;
+};
+
+HapticSettings settings_of(const TurnCell& cell, const HapticCapabilities& device) {
+  Scene scene;
+  scene.guidance.torque_stiffness = cell.stiffness;
+  HapticSettings out = haptic_settings(scene, device, cell.governing != Governing::kOff);
+  if (cell.governing == Governing::kEnergy) out.guide.most_torque_stiffness = 1e9;
+  return out;
+}
+
+// The hand's part of turning, passive. A light grip is an eighth of a firm one.
+PassiveGrip turning_grip(GripKind kind) {
+  if (kind == GripKind::kNone) return {};
+  const HandOptions hand;
+  const double stiffness = hand.rotation_stiffness * (kind == GripKind::kFirm ? 1.0 : 0.125);
+  return {hand.rotation_inertia,
+          2.0 * hand.rotation_damping_ratio * std::sqrt(stiffness * hand.rotation_inertia),
+          stiffness, Vec2::Zero()};
+}
+
+// The master's own step, engaged, with an arm that is where it is told to be, and a stylus that
+// turns about an axis that is drawn, as in a gimbal: what of a torque is across it does nothing.
+class TurnBench {
+ public:
+  TurnBench(const TurnCell& cell, std::uint64_t seed);
+  CaseFigures run();
+
+ private:
+  void step();
+  void tick();
+
+  const HapticCapabilities device_ = omni_capabilities(true);
+  const HapticSettings settings_;
+  Random random_;
+  double kick_;      // [rad/s]
+  double period_;    // [s]
+  Vec3 axis_M_;      // unit
+  BareDevice body_;  // turned by the X of its position [rad]
+  std::unique_ptr<HapticState> state_ = std::make_unique<HapticState>();
+  HapticInput in_;
+  HapticOutput out_;
+  ContactMeter meter_{true, 0.0};
+  std::array<Swing, static_cast<std::size_t>(kSeconds / kWindow)> windows_;
+  double t_ = 0.0;  // [s]
+};
+
+TurnBench::TurnBench(const TurnCell& cell, std::uint64_t seed)
+    : settings_(settings_of(cell, device_)),
+      random_(seed),
+      kick_(cell.kick * (0.8 + 0.4 * random_.uniform())),
+      period_(settings_.turn_governor.period),
+      axis_M_(Vec3(random_.normal(), random_.normal(), random_.normal()).normalized()),
+      body_({device_.turning.mass, device_.turning.damping, device_.turning.friction},
+            turning_grip(cell.grip), Vec2::Zero()) {
+  in_.hand.valid = true;
+  in_.slave.X_ST.p = {0.35, 0.05, 0.43};
+  in_.slave.X_ST.q = rotation_exp({std::numbers::pi, 0.0, 0.0});
+  in_.slave.X_ST_command = in_.slave.X_ST;
+  in_.slave.has_pose = in_.slave_known = true;
+  in_.slave_age = 0;
+  step();  // says which scene and settings the slave has to share
+  in_.order.kind = OrderKind::kEngage;
+  for (int i = 0; i < kEngages; ++i) step();
+  in_.order.kind = OrderKind::kTool;
+  in_.order.tool.kind = cell.tool;
+  step();
+}
+
+void TurnBench::step() {
+  haptic_step(settings_, in_, period_, *state_, out_);
+  in_.order = HapticOrder();
+  SlaveState& slave = in_.slave;
+  slave.engagement_epoch = out_.link.engagement_epoch;
+  slave.hashes = out_.link.hashes;
+  slave.scene = out_.link.scene;
+  const SessionState lead = out_.link.state;
+  slave.state = lead == SessionState::kAligning || lead == SessionState::kEngaged
+                    ? SessionState::kEngaged
+                    : SessionState::kOff;
+  if (lead == SessionState::kEngaged) slave.X_ST = slave.X_ST_command = out_.link.X_SU;
+}
+
+void TurnBench::tick() {
+  in_.hand.X_MH.q = rotation_exp(body_.position().x() * axis_M_);
+  step();
+  const Vec2 torque(out_.f_H_M.torque.dot(axis_M_), 0.0);
+  const double work = body_.given(), taken = body_.lost();
+  body_.advance(period_, torque);
+  meter_.add(true, torque.norm(), body_.given() - work, body_.lost() - taken, 0.0);
+  t_ += period_;
+  const auto window = static_cast<std::size_t>(t_ / kWindow);
+  windows_[std::min(window, windows_.size() - 1)].add(body_.position());
+}
+
+CaseFigures TurnBench::run() {
+  body_.kick({kick_, 0.0});
+  bool again = true;
+  while (t_ < kSeconds) {
+    tick();
+    if (!again || t_ < kSecondKick) continue;
+    again = false;
+    body_.kick({random_.uniform() < 0.5 ? -0.5 * kick_ : 0.5 * kick_, 0.0});
+  }
+  const double before = windows_[1].peak_to_peak(), last = windows_[2].peak_to_peak();
+  return {judged("over_mj", 1e3 * meter_.over(), 1e3 * kMostGiven),
+          judged("swing_deg", last / kDeg, (kMoreSwing * before + kFine) / kDeg),
+          judged("drift_deg", (windows_[2].mean() - windows_[1].mean()).norm() / kDeg,
+                 (0.5 * before + kFine) / kDeg),
+          judged("engaged", out_.link.state == SessionState::kEngaged ? 0.0 : 1.0, 0.0),
+          told("given_mj", 1e3 * meter_.worst()),
+          told("rendered_n_m_rad", state_->command.guide.torque_stiffness(settings_.guide))};
+}
+
+}  // namespace
+
+std::vector<StabilityCase> turn_cases() {
+  std::vector<StabilityCase> out;
+  TurnCell cell;
+  const auto put = [&out, &cell](const char* tool) {
+    for (const auto& [governing, name] :
+         {std::pair{Governing::kOff, "off"}, std::pair{Governing::kEnergy, "energy"},
+          std::pair{Governing::kOn, "on"}}) {
+      cell.governing = governing;
+      out.push_back({fmt::format("turning/{}/{}/K{:g}/{:g}rad_s/{}", name_of(cell.grip), tool,
+                                 cell.stiffness, cell.kick, name),
+                     governing == Governing::kOn, true,
+                     [cell](std::uint64_t seed) { return TurnBench(cell, seed).run(); }});
+    }
+  };
+  for (const GripKind grip : kGripKinds) {
+    cell.grip = grip;
+    for (const double stiffness : {0.1, 0.5, 1.0, 2.0, 10.0}) {
+      cell.stiffness = stiffness;
+      for (const double kick : {2.0, 10.0, 20.0}) {
+        cell.kick = kick;
+        cell.tool = ToolKind::kNRotation, put("n_rotation");
+        cell.tool = ToolKind::kFRotation, put("f_rotation");
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace handrail
