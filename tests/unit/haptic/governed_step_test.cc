@@ -81,6 +81,7 @@ TEST(GovernedStep, WhatItTakesOfATorqueHasItsReason) {
   HapticRig rig;
   rig.settings.turn_governor = governed(0.0, 1.0);
   bool said = false;
+  double most = 0.0;
   rig.settings.has_torque = true;
   rig.settings.max_torque = 1.0;
   rig.engage();
@@ -90,9 +91,34 @@ TEST(GovernedStep, WhatItTakesOfATorqueHasItsReason) {
     rig.in.hand.X_MH.q = rotation_exp({0.0, 0.01 * (i <= 20 ? i : 40 - i), 0.0}) * began;
     rig.tick();
     ASSERT_FALSE(i <= 20 && rig.out.reasons.has(Reason::kForceEnergy)) << i;
+    most = std::max(most, rig.out.energy_made);
     said = said || rig.out.reasons.has(Reason::kForceEnergy);
   }
   EXPECT_TRUE(said);
+  // On each of twenty ticks out a held torque takes K turn^2 / 2 too little, and so it gives too
+  // much where the stylus turns back, which no one knows beforehand.
+  EXPECT_NEAR(most, 21.0 * 0.5 * 0.01 * 0.01 / 2.0, 1e-7);
+}
+
+// Turned back by less than a jump while it was not heard: the torque of before did no work on it.
+TEST(GovernedStep, ATurnThatWasNotHeardMakesNoEnergy) {
+  HapticRig rig;
+  rig.settings.turn_governor = governed(0.0, 1.0);
+  rig.settings.has_torque = true;
+  rig.settings.max_torque = 1.0;
+  rig.engage();
+  rig.call(test::call_of(ToolKind::kNRotation));
+  const Quat began = rig.in.hand.X_MH.q;
+  for (int i = 1; i <= 20; ++i) {
+    rig.in.hand.X_MH.q = rotation_exp({0.0, 0.01 * i, 0.0}) * began;
+    rig.tick();
+  }
+  rig.in.hand.valid = false;
+  rig.ticks(3);
+  rig.in.hand.valid = true;
+  rig.in.hand.X_MH.q = rotation_exp({0.0, 0.16, 0.0}) * began;
+  rig.tick();
+  EXPECT_EQ(rig.out.energy_made, 0.0);
 }
 
 TEST(GovernedStep, WhatItTakesIsInTheLedgerAndHasItsReason) {

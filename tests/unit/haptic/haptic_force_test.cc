@@ -297,6 +297,21 @@ TEST(HapticTorque, IsNoStifferThanTheDeviceHolds) {
   EXPECT_LT((rig.out.f_H_M.torque - Vec3(0, -0.02, 0)).norm(), 1e-9);
 }
 
+TEST(HapticTorque, IsGoneWhereTheLoopIsTooSlowForForce) {
+  HapticRig rig;
+  rig.settings.has_torque = true;
+  rig.settings.max_torque = 0.1;
+  rig.engage();
+  rig.call(call_of(ToolKind::kNRotation));
+  rig.in.hand.X_MH.q = rotation_exp({0, 0.1, 0}) * rig.in.hand.X_MH.q;
+  rig.ticks(300);
+  ASSERT_GT(rig.out.f_H_M.torque.norm(), 0.049);
+  rig.in.link.loop_age = 500 * kMillisecond;
+  rig.ticks(1500);
+  ASSERT_EQ(rig.session(), SessionState::kEngaged);
+  EXPECT_EQ(rig.out.f_H_M.torque.norm(), 0.0);
+}
+
 TEST(HapticTorque, ADeviceWithoutTorqueGetsNone) {
   HapticRig rig;
   rig.engage();

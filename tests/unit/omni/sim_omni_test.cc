@@ -165,6 +165,24 @@ TEST(SimOmni, TheStylusTurnsWithItsOwnInertiaAndDamping) {
   EXPECT_LT(worst, 1.5e-3) << "steps of 0.25 ms, of first order";
 }
 
+// In a hand that does not damp, it swings out by b / 2 J = 0.88 a second and by w^2 h / 2 = 0.44,
+// which implicit steps of h = 0.25 ms take.
+TEST(SimOmni, TheStylusDampsItsOwnTurning) {
+  HandOptions options = still_hand();
+  options.rotation_damping_ratio = 0.0;
+  Bench bench(options, true);
+  bench.run(50, {Vec3::Zero(), Vec3(0.0, 0.1, 0.0)});
+  const auto widest = [&bench] {
+    double out = 0.0;
+    for (int i = 0; i < 200; ++i)
+      out = std::max(out, angle_between(bench.run(1).X_MH.q, Quat::Identity()));
+    return out;
+  };
+  const double before = widest();
+  bench.run(800);
+  EXPECT_NEAR(widest() / before, std::exp(-0.88 - 0.44), 0.03);
+}
+
 TEST(SimOmni, OrientationFollowsTheIntent) {
   Bench bench(still_hand());
   HandIntent intent;
