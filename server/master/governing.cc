@@ -11,7 +11,7 @@ namespace handrail {
 namespace {
 
 std::string times(double share) {
-  return std::isfinite(share) ? fmt::format("{:.3g} times", share) : std::string("any");
+  return std::isfinite(share) ? fmt::format("{:.3g} times", share) : "any number of times";
 }
 
 std::string what(const Rendering& r) {
@@ -32,10 +32,21 @@ std::string declared(const HapticCapabilities& device) {
       *d.source ? d.source : "no source given");
 }
 
+bool as_it_is(const CheckedRendering& c) {
+  const Rendering& r = c.rendering;
+  return (c.share >= 1.0 || r.stiffness == 0.0) && (c.damping_share >= 1.0 || r.damping == 0.0);
+}
+
 std::string done(const CheckedRendering& c) {
   if (c.bounded) return "rendered as it is, its energy bounded";
-  if (c.share >= 1.0) return "rendered as it is";
-  return fmt::format("rendered at {:.3g} N/mm", c.share * c.rendering.stiffness / kNewtonPerMm);
+  if (as_it_is(c)) return "rendered as it is";
+  std::string out =
+      fmt::format("rendered at {:.3g} N/mm", c.share * c.rendering.stiffness / kNewtonPerMm);
+  if (c.rendering.damping > 0.0) {
+    out += fmt::format(", {:.3g} N s/m", c.damping_share * c.rendering.damping);
+  }
+  const bool by_itself = c.damping_share >= std::min(1.0, kGoverned * c.margin.share);
+  return by_itself ? out : out + ", as all come down together";
 }
 
 }  // namespace
@@ -73,7 +84,15 @@ std::vector<CheckedRendering> check_renderings(const Scene& scene,
     c.rendering = rendering;
     c.margin = margin_of(device.dynamics, loop, rendering);
     c.bounded = rendering.delay > 0.0;
-    if (!c.bounded) c.share = std::min(1.0, kGoverned * c.margin.share);
+  }
+  const double least = governed_share(out);
+  for (CheckedRendering& c : out) {
+    if (c.bounded) continue;
+    c.share = c.damping_share = least;
+    if (scene.walls) continue;
+    const double most =
+        kGoverned * most_stiffness(device.dynamics, loop, least * c.rendering.damping);
+    c.share = c.rendering.stiffness > most ? most / c.rendering.stiffness : 1.0;
   }
   return out;
 }
@@ -81,7 +100,7 @@ std::vector<CheckedRendering> check_renderings(const Scene& scene,
 double governed_share(const std::vector<CheckedRendering>& checked) {
   double share = 1.0;
   for (const CheckedRendering& c : checked) {
-    if (!c.bounded) share = std::min(share, c.share);
+    if (!c.bounded) share = std::min(share, kGoverned * c.margin.share);
   }
   return share;
 }
@@ -107,7 +126,7 @@ std::vector<std::string> stability_warnings(const std::vector<CheckedRendering>&
                                             const HapticCapabilities& device, bool governor) {
   std::vector<std::string> out;
   for (const CheckedRendering& c : checked) {
-    if (c.margin.share >= 1.0 || c.bounded) continue;
+    if (c.bounded || (governor ? as_it_is(c) : c.margin.share >= 1.0)) continue;
     out.push_back(fmt::format("{}: {} holds {:.3g} N/mm, by its {}: {}", what(c.rendering),
                               device.name, c.margin.share * c.rendering.stiffness / kNewtonPerMm,
                               name_of(c.margin.by), governor ? done(c) : "it may buzz"));
