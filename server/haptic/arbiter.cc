@@ -45,8 +45,10 @@ ForceShares Arbiter::share(const ForceLimits& limits, Vec3 f_tool, Vec3 f_spring
   }
   out.peak_took = tool - f_tool;
   const double s = largest_share(tool, f_spring, cap);
-  out.budget = s < 1.0;
-  if (out.budget && cap < limits.peak) out.thermal = true;
+  // Without a tool nothing is kept for one: the device's limit alone takes.
+  out.budget = s < 1.0 && wanted > 0.0;
+  if (s < 1.0 && cap < limits.peak) out.thermal = true;
+  if (s < 1.0 && !out.budget && !out.thermal) out.clamped = true;
   out.tool = tool;
   out.spring = s * f_spring;
   Vec3 force = out.tool + out.spring;

@@ -25,7 +25,7 @@ struct ForceShares {
   Vec3 device = Vec3::Zero();
   Vec3 peak_took = Vec3::Zero();  // what the peak, or heat lowering it, took from the tool
   bool budget = false;            // the spring was reduced in favour of the tool
-  bool clamped = false;           // the tool alone exceeds the peak
+  bool clamped = false;           // the tool alone exceeds the peak, or the spring without a tool
   bool thermal = false;           // the continuous limit lowers the peak
   bool stepped = false;           // the step limit acted
 };

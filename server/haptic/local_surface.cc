@@ -79,7 +79,9 @@ LocalSurfaceForce LocalSurface::step(const LocalSurfaceInput& in, double dt) noe
   out.stiffness = stiffness_;
   const double deep = -model_.out_of(in.p_SU);
   out.push = stiffness_ * std::max(0.0, deep) / in.scale;
-  out.share = std::clamp(stiffness_ / full, 0.0, 1.0) * std::clamp(1.0 + deep / kNear, 0.0, 1.0);
+  // Where nothing stiff may be rendered the spring stays.
+  const double grown = full > 0.0 ? std::clamp(stiffness_ / full, 0.0, 1.0) : 0.0;
+  out.share = grown * std::clamp(1.0 + deep / kNear, 0.0, 1.0);
   if (fading_ && stiffness_ == 0.0) known_ = false;
   return out;
 }

@@ -17,7 +17,7 @@ struct LocalSurfaceInput {
   Vec3 f_E_S = Vec3::Zero();    // the force on it; meaningful when has_force [N]
   bool has_force = false;
   double scale = 1.0;             // of the mapping, > 0
-  double most_stiffness = 800.0;  // at the hand, > 0 [N/m]
+  double most_stiffness = 800.0;  // at the hand, >= 0; 0: the spring stays [N/m]
 };
 
 // What of it the hand feels.

@@ -1,6 +1,7 @@
 // handrail-lab: experiments in virtual time, with the daemons' own steps.
 #include <algorithm>
 #include <atomic>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <span>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "server/base/output.h"
+#include "server/base/plain_text.h"
 #include "server/lab/accuracy/command.h"
 #include "server/lab/contact/bumper_command.h"
 #include "server/lab/ctrl_c.h"
@@ -37,6 +39,18 @@ const CLI::Validator kFinite(
 
 const CLI::Validator kNotEmpty(
     [](const std::string& text) { return text.empty() ? "expected something" : std::string(); },
+    "");
+// CLI11 wraps a negative number around, takes one that is too large for the largest, nothing for 0,
+// and 010 for 8.
+const CLI::Validator kSeed(
+    [](std::string& text) {
+      std::uint64_t seed = 0;
+      std::from_chars(text.data(), text.data() + text.size(), seed);
+      return text == std::to_string(seed)
+                 ? std::string()
+                 : "'" + shown(text) + "': expected a whole number from 0 to " +
+                       std::to_string(~std::uint64_t{0});
+    },
     "");
 const CLI::Validator kPngFile(
     [](std::string& text) {
@@ -228,7 +242,9 @@ void add_delay(CLI::App& app, DelayCommand& delay) {
   CLI::App* sub = app.add_subcommand(
       "contact-delay", "touch surfaces over delay, felt through the spring and by a local model");
   sub->add_flag("--quick", delay.quick, "0, 200 and 1000 ms, and the worst link of all");
-  sub->add_option("--seed", delay.seed, "other networks and hands")->capture_default_str();
+  sub->add_option("--seed", delay.seed, "other networks and hands")
+      ->check(kSeed)
+      ->capture_default_str();
   add_threads(*sub, delay.threads);
   sub->add_flag("--json", delay.json, "print a line of JSON for each cell");
 }
@@ -257,6 +273,7 @@ void add_stability(CLI::App& app, StabilityCommand& stability) {
   sub->add_flag("--quick", stability.quick, "one seed of each case, without the long ones");
   sub->add_option("--case", stability.only, "a case of --list, or the first parts of its name");
   sub->add_option("--seed", stability.seed, "the first: other kicks and moments")
+      ->check(kSeed)
       ->capture_default_str();
   sub->add_option("--seeds", stability.seeds,
                   "of each case; without it 20, or 1 of --case and of the long ones")
@@ -276,6 +293,7 @@ void add_sequences(CLI::App& app, SequenceCommand& sequences) {
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40))
       ->capture_default_str();
   sub->add_option("--seed", sequences.seed, "of the first; the others follow")
+      ->check(kSeed)
       ->capture_default_str();
   sub->add_option("--results", sequences.results, "file that says how far it has come");
   sub->add_flag("--resume", sequences.resume, "go on from that file");

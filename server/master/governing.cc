@@ -11,7 +11,7 @@ namespace handrail {
 namespace {
 
 std::string times(double share) {
-  return std::isfinite(share) ? fmt::format("{:.3g} times", share) : std::string("any");
+  return std::isfinite(share) ? fmt::format("{:.3g} times", share) : "any number of times";
 }
 
 // With its unit.
@@ -47,10 +47,20 @@ std::vector<std::string> declared(const HapticCapabilities& device) {
   return out;
 }
 
+bool as_it_is(const CheckedRendering& c) {
+  const Rendering& r = c.rendering;
+  return (c.share >= 1.0 || r.stiffness == 0.0) && (c.damping_share >= 1.0 || r.damping == 0.0);
+}
+
 std::string done(const CheckedRendering& c) {
   if (c.bounded) return "rendered as it is, its energy bounded";
-  if (c.share >= 1.0) return "rendered as it is";
-  return "rendered at " + stiffness_text(c.rendering, c.share);
+  if (as_it_is(c)) return "rendered as it is";
+  std::string out = "rendered at " + stiffness_text(c.rendering, c.share);
+  if (c.rendering.damping > 0.0) {
+    out += fmt::format(", {:.3g} N s/m", c.damping_share * c.rendering.damping);
+  }
+  const bool by_itself = c.damping_share >= std::min(1.0, kGoverned * c.margin.share);
+  return by_itself ? out : out + ", as all come down together";
 }
 
 GovernorSettings governor_of(const DeviceDynamics& device, double peak, bool on) {
@@ -68,14 +78,19 @@ GovernorSettings governor_of(const DeviceDynamics& device, double peak, bool on)
   return out;
 }
 
+// All of it rendered.
 CheckedRendering checked_on(const DeviceDynamics& device, const RenderingLoop& loop,
                             const Rendering& rendering) {
   CheckedRendering out;
   out.rendering = rendering;
   out.margin = margin_of(device, loop, rendering);
   out.bounded = rendering.delay > 0.0;
-  if (!out.bounded) out.share = std::min(1.0, kGoverned * out.margin.share);
   return out;
+}
+
+// What is left of a spring where none stiffer than `most` is rendered.
+double share_within(double most, const Rendering& rendering) {
+  return rendering.stiffness > most ? most / rendering.stiffness : 1.0;
 }
 
 }  // namespace
@@ -110,9 +125,21 @@ std::vector<CheckedRendering> check_renderings(const Scene& scene,
   for (const Rendering& r : renderings_of(scene, loop)) {
     out.push_back(checked_on(device.dynamics, loop, r));
   }
+  const double least = governed_share(out);
+  for (CheckedRendering& c : out) {
+    if (c.bounded) continue;
+    c.share = c.damping_share = least;
+    if (scene.walls) continue;
+    c.share =
+        share_within(kGoverned * most_stiffness(device.dynamics, loop, least * c.rendering.damping),
+                     c.rendering);
+  }
   if (!device.actuates_torque) return out;
+  const RenderingLoop turns = turning_loop(device);
+  const double most = kGoverned * most_stiffness(device.turning, turns, 0.0);
   for (const Rendering& r : turnings_of(scene)) {
-    out.push_back(checked_on(device.turning, turning_loop(device), r));
+    out.push_back(checked_on(device.turning, turns, r));
+    out.back().share = share_within(most, r);
   }
   return out;
 }
@@ -120,7 +147,7 @@ std::vector<CheckedRendering> check_renderings(const Scene& scene,
 double governed_share(const std::vector<CheckedRendering>& checked) {
   double share = 1.0;
   for (const CheckedRendering& c : checked) {
-    if (!c.bounded && !c.rendering.turns) share = std::min(share, c.share);
+    if (!c.bounded && !c.rendering.turns) share = std::min(share, kGoverned * c.margin.share);
   }
   return share;
 }
@@ -140,7 +167,7 @@ std::vector<std::string> stability_warnings(const std::vector<CheckedRendering>&
                                             const HapticCapabilities& device, bool governor) {
   std::vector<std::string> out;
   for (const CheckedRendering& c : checked) {
-    if (c.margin.share >= 1.0 || c.bounded) continue;
+    if (c.bounded || (governor ? as_it_is(c) : c.margin.share >= 1.0)) continue;
     out.push_back(fmt::format("{}: {} holds {}, by its {}: {}", what(c.rendering), device.name,
                               stiffness_text(c.rendering, c.margin.share), name_of(c.margin.by),
                               governor ? done(c) : "it may buzz"));

@@ -22,7 +22,11 @@ struct CheckedRendering {
   // Its other end is told over the link: what it may give back is bounded while it runs, and it
   // stays as stiff as the scene says.
   bool bounded = false;
-  double share = 1.0;  // of it that is rendered with the governor on
+  // Of its stiffness and its damping, what is rendered with the governor on. Walls and effects come
+  // down together, all as far as the one that has to most; and so do the dampers of tools, whose
+  // springs come down as far as each has to beside them.
+  double share = 1.0;
+  double damping_share = 1.0;
 };
 
 RenderingLoop rendering_loop(const HapticCapabilities& device);
@@ -37,7 +41,8 @@ GovernorSettings turn_governor_settings(const HapticCapabilities& device, bool o
 std::vector<CheckedRendering> check_renderings(const Scene& scene,
                                                const HapticCapabilities& device);
 
-// The least share of the forces that are not bounded.
+// The least of what the device's margins leave of the forces that are not bounded: what walls and
+// effects are rendered at, and the dampers of tools.
 double governed_share(const std::vector<CheckedRendering>& checked);
 
 // The device's declared data and their source, then a line for each: margin, what limits it, and
@@ -45,7 +50,8 @@ double governed_share(const std::vector<CheckedRendering>& checked);
 std::vector<std::string> stability_lines(const std::vector<CheckedRendering>& checked,
                                          const HapticCapabilities& device, bool governor);
 
-// One sentence for each that is not stable without the governor.
+// One sentence for each that is not rendered as the scene says, or, with the governor off, that is
+// not stable.
 std::vector<std::string> stability_warnings(const std::vector<CheckedRendering>& checked,
                                             const HapticCapabilities& device, bool governor);
 

@@ -102,6 +102,21 @@ StabilityMargin held_by_friction(const DeviceDynamics& device, const RenderingLo
   return {held, counted < grown ? StabilityLimit::kCounts : StabilityLimit::kFriction};
 }
 
+// The stiffest spring that the device takes up by its damping alone, delay and all [N/m]. What a
+// spring needs is the highest of lines in K, so what is taken up is all from none on.
+double passive_stiffness(const DeviceDynamics& device, const SampledWall& wall) {
+  if (passive_damping(wall, 0.0) > device.damping) return 0.0;
+  // By angle 0, more than which none is; without wall damping just that.
+  const double late = 0.5 + wall.delay + (wall.late > 0.0 ? 1.0 : 0.0);
+  double good = 0.0, bad = (device.damping + wall.wall_damping) / (late * wall.period);
+  if (wall.wall_damping == 0.0) return bad;
+  while (bad - good > 1e-9 * bad) {
+    const double middle = 0.5 * (good + bad);
+    (passive_damping(wall, middle) <= device.damping ? good : bad) = middle;
+  }
+  return good;
+}
+
 Rendering make(std::string name, double stiffness, double damping, bool own_velocity = false) {
   return {std::move(name), stiffness, damping, own_velocity, 0.0};
 }
@@ -245,11 +260,8 @@ double most_stiffness(const DeviceDynamics& device, const RenderingLoop& loop, d
   const Rendering unit = make("", 1.0, damping);
   const std::optional<SampledWall> wall = sampled(device, loop, unit);
   if (!wall) return 0.0;
-  if (device.mass > 0.0) {
-    return std::max(stiffness_onset(*wall), held_by_friction(device, loop, *wall).share);
-  }
-  // Passive without delay: b >= K T / 2 + B.
-  return std::max(2.0 * (device.damping - damping) / loop.period, 0.0);
+  if (device.mass == 0.0) return passive_stiffness(device, *wall);
+  return std::max(stiffness_onset(*wall), held_by_friction(device, loop, *wall).share);
 }
 
 std::vector<Rendering> renderings_of(const Scene& scene, const RenderingLoop& loop) {

@@ -56,7 +56,9 @@ StabilityMargin margin_of(const DeviceDynamics& device, const RenderingLoop& loo
                           const Rendering& rendering);
 
 // The stiffest spring with a damper of `damping` [N s/m] that every oscillation of the device alone
-// dies away at, without delay [N/m]; 0: none can be shown to be. As margin_of().
+// dies away at [N/m]; of a device of unknown mass the stiffest that its damping takes up, whatever
+// hand holds it. 0: none can be shown to be. As margin_of(), without a delay of the rendering's
+// own.
 double most_stiffness(const DeviceDynamics& device, const RenderingLoop& loop, double damping);
 
 // All that `scene` renders: each tool, wall and spring, and last, where several can act at the same

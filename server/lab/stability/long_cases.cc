@@ -14,7 +14,7 @@ constexpr Nanos kLate = kForever - 3600 * kSecond;
 
 }  // namespace
 
-std::vector<StabilityCase> long_cases() {
+std::vector<StabilityCase> long_cases(const std::atomic<bool>* cancelled) {
   std::vector<StabilityCase> out;
   const auto add = [&out](const std::string& name, CaseSize size,
                           std::function<CaseOutcome(std::uint64_t)> run, bool drawn = false) {
@@ -22,7 +22,8 @@ std::vector<StabilityCase> long_cases() {
   };
   for (const bool surface : {false, true}) {
     const std::string where = surface ? "contact" : "free";
-    const LongRun day{.surface = surface}, minutes{.parts = 12, .part = 10.0, .surface = surface};
+    const LongRun day{.surface = surface, .cancelled = cancelled};
+    const LongRun minutes{.parts = 12, .part = 10.0, .surface = surface};
     add(
         where + "/24h", CaseSize::kDay, [day](std::uint64_t seed) { return run_long(day, seed); },
         true);
@@ -30,7 +31,8 @@ std::vector<StabilityCase> long_cases() {
         where + "/2min", CaseSize::kLarge,
         [minutes](std::uint64_t seed) { return run_long(minutes, seed); }, true);
   }
-  add("turns/24h", CaseSize::kDay, [](std::uint64_t) { return run_turns(kDay); });
+  add("turns/24h", CaseSize::kDay,
+      [cancelled](std::uint64_t) { return run_turns(kDay, cancelled); });
   add("turns/10min", CaseSize::kLarge, [](std::uint64_t) { return run_turns(600.0); });
   const auto counters = [&add](const std::string& name, const LoopCounters& of) {
     add("counters/" + name, CaseSize::kLarge, [of](std::uint64_t) { return run_counters(of); });

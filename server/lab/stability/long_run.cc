@@ -25,6 +25,10 @@ constexpr double kNoDrift = 1e-6;           // ten times what 32 bits on the wir
 constexpr double kNoLater = 5.0;            // a run of lost datagrams more or less [ms]
 constexpr double kTurnRadius = 20.0 * kMm;  // chosen: within every device's reach [m]
 
+bool raised(const std::atomic<bool>* cancelled) {
+  return cancelled != nullptr && cancelled->load();
+}
+
 Scene long_scene(bool surface) {
   Scene scene;
   scene.name = "long-run";
@@ -96,6 +100,7 @@ class Day {
  private:
   void pass(double seconds);
   void part();
+  bool over() { return loop_.ended() || raised(run_.cancelled); }
 
   const LongRun& run_;
   Random random_;
@@ -110,7 +115,7 @@ class Day {
 
 void Day::pass(double seconds) {
   const auto ticks = static_cast<std::int64_t>(std::lround(seconds * 1e3));
-  for (std::int64_t i = 0; i < ticks && !loop_.ended(); ++i) {
+  for (std::int64_t i = 0; i < ticks && !over(); ++i) {
     loop_.tick();
     const Vec3 tip = loop_.cell().rig().true_tip().p;
     path_ += (tip - tip_).norm();
@@ -121,7 +126,7 @@ void Day::pass(double seconds) {
 
 void Day::part() {
   const int moves = static_cast<int>((run_.part - kHome) / kMove);
-  for (int i = 0; i < moves && !loop_.ended(); ++i) {
+  for (int i = 0; i < moves && !over(); ++i) {
     const double angle = 2.0 * std::numbers::pi * random_.uniform();
     const Vec2 to = kReach * random_.uniform() * Vec2(std::cos(angle), std::sin(angle));
     const Vec3 turned = kTurned * Vec3(random_.uniform() - 0.5, random_.uniform() - 0.5, 0.0);
@@ -150,7 +155,7 @@ CaseOutcome Day::run() {
   const Counted begun = Counted::of(loop_);
   Counted half;
   Nanos oldest = 0;
-  for (int i = 0; i < run_.parts && !loop_.ended(); ++i) {
+  for (int i = 0; i < run_.parts && !over(); ++i) {
     part();
     if (i + 1 != run_.parts / 2) continue;
     half = Counted::of(loop_);
@@ -205,7 +210,7 @@ struct Rounds {
 
 CaseOutcome run_long(const LongRun& run, std::uint64_t seed) { return Day(run, seed).run(); }
 
-CaseOutcome run_turns(double seconds) {
+CaseOutcome run_turns(double seconds, const std::atomic<bool>* cancelled) {
   constexpr double kMost = 1e-9;  // ten roundings of what a day of turns comes to [rad]
   constexpr std::int64_t kTicksOfTurn = 1000;
   WallCell cell;
@@ -220,7 +225,7 @@ CaseOutcome run_turns(double seconds) {
   in.hand.valid = true;
   const double sense = scene.effects.front().clockwise ? -1.0 : 1.0;
   const auto ticks = static_cast<std::int64_t>(std::lround(1e3 * seconds));
-  for (std::int64_t i = 0; i <= ticks; ++i) {
+  for (std::int64_t i = 0; i <= ticks && !raised(cancelled); ++i) {
     const double angle =
         sense * 2.0 * std::numbers::pi * 1e-3 * static_cast<double>(i % kTicksOfTurn);
     const Vec2 arm = kTurnRadius * Vec2(std::cos(angle), std::sin(angle));

@@ -19,12 +19,15 @@ struct LongRun {
   int parts = 24;
   double part = 3600.0;  // at least 10 [s]
   bool surface = false;  // there is one to touch
+  // Raised: the run ends soon, and what it came to says nothing. None: it runs to its end.
+  const std::atomic<bool>* cancelled = nullptr;
 };
 CaseOutcome run_long(const LongRun& run, std::uint64_t seed);
 
 // A hand that turns about the centre of a progressive friction, once a second, for so long [s]:
-// `off_urad`, of the angle that was summed from the one turned, at most a nanoradian.
-CaseOutcome run_turns(double seconds);
+// `off_urad`, of the angle that was summed from the one turned, at most a nanoradian. `cancelled`
+// as of LongRun.
+CaseOutcome run_turns(double seconds, const std::atomic<bool>* cancelled = nullptr);
 
 // Engaging, moving and stopping five times from these counters on, beside the same from none:
 // `apart_um`, of the tips, at any time: none; `engagements_missing`.

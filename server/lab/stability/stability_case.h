@@ -1,6 +1,7 @@
 // What the suite of stability runs, and what a run came to.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -80,7 +81,8 @@ std::vector<StabilityCase> turn_cases();
 std::vector<StabilityCase> teleop_cases();
 // The same where the arm's poses are singular and where its joints' ranges end.
 std::vector<StabilityCase> arm_cases();
-// A day, and counters near their ends.
-std::vector<StabilityCase> long_cases();
+// A day, and counters near their ends. `cancelled`, if any, outlives the cases: raised, a run of a
+// day ends soon, and what it came to says nothing.
+std::vector<StabilityCase> long_cases(const std::atomic<bool>* cancelled = nullptr);
 
 }  // namespace handrail

@@ -25,20 +25,26 @@ bool begins_with(const std::string& name, const std::string& only) {
           name[only.size()] == '/');
 }
 
-std::vector<StabilityCase> chosen(const StabilityCommand& command) {
-  std::vector<StabilityCase> out;
-  for (auto* cases : {&long_cases, &teleop_cases, &arm_cases, &truth_cases, &rendered_cases,
-                      &wall_cases, &turn_cases}) {
-    for (StabilityCase& one : cases()) {
-      if (command.quick && one.size >= CaseSize::kFull) continue;
-      if (begins_with(one.name, command.only)) out.push_back(std::move(one));
-    }
+std::vector<StabilityCase> chosen(const StabilityCommand& command,
+                                  const std::atomic<bool>* cancelled = nullptr) {
+  std::vector<StabilityCase> out = long_cases(cancelled);
+  for (auto* cases :
+       {&teleop_cases, &arm_cases, &truth_cases, &rendered_cases, &wall_cases, &turn_cases}) {
+    for (StabilityCase& one : cases()) out.push_back(std::move(one));
   }
+  std::erase_if(out, [&](const StabilityCase& one) {
+    return (command.quick && one.size >= CaseSize::kFull) || !begins_with(one.name, command.only);
+  });
   return out;
 }
 
 // What is wrong with the name, and what there is instead.
 Status unknown(const std::string& only) {
+  const std::string asked = shown(only);
+  if (!chosen({.only = only}).empty()) {
+    return Status::error(
+        fmt::format("--case '{}': only without --quick, which leaves it out", asked));
+  }
   std::vector<std::string> names, families;
   for (const StabilityCase& one : chosen({})) {
     names.push_back(one.name);
@@ -48,7 +54,7 @@ Status unknown(const std::string& only) {
   std::string known;
   for (const std::string& family : families) known.append((known.empty() ? "" : ", ") + family);
   return Status::error(fmt::format(
-      "--case '{}': no case begins so; {}", only,
+      "--case '{}': no case begins so; {}", asked,
       nearest.empty() ? "expected one of --list, or the first parts of its name: " + known
                       : "did you mean '" + nearest + "'?"));
 }
@@ -84,7 +90,7 @@ Result<bool> draw_maps(const StabilityCommand& command, const std::atomic<bool>&
 }  // namespace
 
 int run_stability_command(const StabilityCommand& command, const std::atomic<bool>& cancelled) {
-  const std::vector<StabilityCase> cases = chosen(command);
+  const std::vector<StabilityCase> cases = chosen(command, &cancelled);
   if (cases.empty()) return complain(unknown(command.only), kUsage);
   if (command.list) {
     for (const StabilityCase& one : cases) std::printf("%s\n", one.name.c_str());
@@ -102,7 +108,8 @@ int run_stability_command(const StabilityCommand& command, const std::atomic<boo
       [&](std::size_t n) { progress.show(fmt::format("{} of {} runs", n, runs.size())); },
       &cancelled);
   progress.clear();
-  if (!done) return complain(Status::error("cancelled"), kCancelled);
+  // A run of a day that was cut short is no result, though all have run.
+  if (!done || cancelled.load()) return complain(Status::error("cancelled"), kCancelled);
   std::string map;
   if (!command.figures.empty()) {
     const Result<bool> drawn = draw_maps(command, cancelled, progress, map);

@@ -1,9 +1,13 @@
 #include "server/lab/study/study_drawing.h"
 
 #include <spdlog/fmt/fmt.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <system_error>
 
@@ -21,6 +25,12 @@ Status make_folder(const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) return Status::error(folder + ": cannot make the folder: " + error.message());
+  // Tried, not asked: permissions do not say all of what a disk takes.
+  std::string probe = folder + "/.probe-XXXXXX";
+  const int fd = ::mkstemp(probe.data());
+  if (fd < 0) return Status::error(folder + ": cannot write there: " + std::strerror(errno));
+  ::close(fd);
+  ::unlink(probe.c_str());
   return Status::ok();
 }
 

@@ -133,6 +133,21 @@ TEST_F(LabProgram, RefusesWhatIsNoFiniteNumber) {
   }
 }
 
+TEST_F(LabProgram, ASeedIsTakenAsItStandsOrRefused) {
+  for (const char* command : {"stability", "contact-delay", "tool-sequences"}) {
+    for (const char* seed : {"-1", "18446744073709551616", "", "1.5", "010"}) {
+      const Run lab = run({command, "--seed", seed});
+      EXPECT_EQ(lab.code, 2) << command << " --seed '" << seed << "': " << lab.output;
+      EXPECT_THAT(lab.output, HasSubstr("expected a whole number from 0 to")) << command;
+    }
+  }
+  for (const char* seed : {"0", "18446744073709551615"}) {
+    const Run lab =
+        run({"stability", "--case", "walls/omni/firm/thin/K10/on", "--json", "--seed", seed});
+    EXPECT_THAT(lab.output, HasSubstr(std::string("\"seed\": ") + seed + ","));
+  }
+}
+
 TEST_F(LabProgram, AHandOutOfAnyDevicesReachIsRefused) {
   const Run lab = run({"hand", folder.write("far.csv", "t_s,x_mm,y_mm\n0,0,0\n1,20000,0\n")});
   EXPECT_EQ(lab.code, 1);

@@ -70,6 +70,25 @@ TEST(Arbiter, TheSpringGetsWhatTheToolLeavesWhateverTheirAngle) {
   }
 }
 
+// Nothing is kept for a tool that is not there: the device's own limit is what takes.
+TEST(Arbiter, WithoutAToolTheDevicesLimitIsNamedForWhatTheSpringIsLeft) {
+  const ForceLimits limits;
+  Arbiter cold, hot;
+  const ForceShares out = cold.share(limits, kNone, {5, 0, 0}, 1e3, Trust::kBoth, kTick);
+  EXPECT_NEAR(out.spring.norm(), limits.peak, 1e-12);
+  EXPECT_TRUE(out.clamped);
+  EXPECT_FALSE(out.budget);
+  EXPECT_FALSE(out.thermal);
+  ForceShares warm;
+  for (int i = 0; i < 20'000; ++i) {
+    warm = hot.share(limits, kNone, {5, 0, 0}, 1e3, Trust::kBoth, kTick);
+  }
+  EXPECT_LT(warm.spring.norm(), 0.9 * limits.peak);
+  EXPECT_TRUE(warm.thermal);
+  EXPECT_FALSE(warm.budget);
+  EXPECT_FALSE(warm.clamped);
+}
+
 TEST(Arbiter, WithoutTrustAnyForceLeavesWithinTheFadeTime) {
   Arbiter arbiter;
   const ForceLimits limits;

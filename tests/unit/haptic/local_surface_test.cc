@@ -238,6 +238,18 @@ TEST(LocalSurface, TheDevicesOwnBoundHoldsForItToo) {
   EXPECT_NEAR(rig.out.f_H_M.force.y(), 300.0 * 2e-3, 1e-6);
 }
 
+// A scene without tools to feel, or a device of which nothing is known.
+TEST(LocalSurface, WhereNothingStiffMayBeRenderedTheSpringStays) {
+  for (const bool by_scene : {true, false}) {
+    AtTheHand rig;
+    (by_scene ? rig.settings.guide.stiffness : rig.settings.guide.most_stiffness) = 0.0;
+    rig.press(4e-3, 400);
+    rig.ticks(300);
+    EXPECT_NEAR(rig.out.f_H_M.force.y(), 200.0 * 2e-3, 1e-6) << by_scene;
+    EXPECT_EQ(rig.out.force.walls.norm(), 0.0) << by_scene;
+  }
+}
+
 TEST(LocalSurface, TheReasonIsInTheStatus) {
   AtTheHand rig;
   rig.press(4e-3, 400);

@@ -3,6 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <thread>
+
+#include "server/base/clock.h"
+#include "server/base/pacer.h"
 #include "server/lab/console/console.h"
 
 namespace handrail {
@@ -51,6 +55,47 @@ TEST(StabilityCommand, TheQuickFormLeavesTheLongCasesOut) {
   EXPECT_THAT(quick.out, HasSubstr("long-run/contact/2min\n"));
   EXPECT_THAT(quick.out, HasSubstr("teleoperation/model/1000ms/clean/middle/K50\n"));
   EXPECT_THAT(quick.out, HasSubstr("arm/end/J6/upper/fast\n"));
+}
+
+TEST(StabilityCommand, ANameIsSaidAsOneLineOfPlainText) {
+  const Printed printed = run({.only = "fric\ntion\033[31m"});
+  EXPECT_EQ(printed.code, kUsage);
+  EXPECT_THAT(printed.err, HasSubstr("--case 'fric?tion?[31m': no case begins so"));
+}
+
+TEST(StabilityCommand, ALongCaseThatTheQuickFormLeavesOutIsNotCalledUnknown) {
+  for (const char* only : {"long-run/contact/24h", "long-run/turns/24h"}) {
+    const Printed printed = run({.quick = true, .only = only});
+    EXPECT_EQ(printed.code, kUsage);
+    EXPECT_THAT(printed.err, HasSubstr("only without --quick"));
+    EXPECT_THAT(printed.err, Not(HasSubstr("did you mean")));
+  }
+}
+
+TEST(StabilityCommand, AFolderThatTakesNoFileIsSaidBeforeAnythingRuns) {
+  const Printed printed = run({.only = "friction", .figures = "/proc"});
+  EXPECT_EQ(printed.code, kFailed);
+  EXPECT_THAT(printed.err, HasSubstr("/proc: cannot write there: "));
+  EXPECT_THAT(printed.err, Not(HasSubstr("runs")));
+  EXPECT_EQ(printed.out, "");
+}
+
+// A day takes minutes.
+TEST(StabilityCommand, ADayEndsSoonOnceItIsCancelled) {
+  for (const char* only : {"long-run/free/24h", "long-run/turns/24h"}) {
+    std::atomic<bool> flag = false;
+    const std::jthread soon([&flag] {
+      sleep_until(monotonic_now() + 100 * kMillisecond);
+      flag = true;
+    });
+    const Nanos start = monotonic_now();
+    testing::internal::CaptureStdout();
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(run_stability_command({.only = only}, flag), kCancelled) << only;
+    EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+    EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("cancelled"));
+    EXPECT_LT(monotonic_now() - start, 5 * kSecond) << only;
+  }
 }
 
 TEST(StabilityCommand, IsCancelledCleanly) {

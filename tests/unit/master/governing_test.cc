@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <spdlog/fmt/fmt.h>
 
 #include <cmath>
 
@@ -75,6 +76,61 @@ TEST(Governing, AWallThatTheDeviceCannotHoldIsRenderedSofterAndSaysSo) {
   const auto left = stability_warnings(checked, device, false);
   ASSERT_EQ(left.size(), 1u);
   EXPECT_THAT(left[0], HasSubstr("may buzz"));
+}
+
+// A wall that the device holds comes down with the one that it does not hold, and is said to.
+TEST(Governing, WhatIsSaidOfEachWallIsWhatIsRendered) {
+  Scene scene = walled(5e3);
+  auto walls = std::make_shared<Walls>(*scene.walls);
+  walls->regions.push_back(walls->regions[1]);
+  walls->regions[2].name = "steel";
+  walls->regions[2].stiffness = 50e3;
+  scene.walls = walls;
+  const HapticCapabilities device = joystick_capabilities();
+  const auto checked = check_renderings(scene, device);
+  const double share = make_wall_run(scene, device, true)->settings.share;
+  ASSERT_LT(share, 0.2);
+  for (const CheckedRendering& c : checked) EXPECT_EQ(c.share, share) << c.rendering.name;
+  EXPECT_GT(checked[0].margin.share, 1.0);
+  const auto lines = stability_lines(checked, device, true);
+  EXPECT_THAT(lines[1], HasSubstr("'brick': 5 N/mm; "));
+  EXPECT_THAT(lines[1], HasSubstr("; rendered at 0.605 N/mm, as all come down together"));
+  EXPECT_THAT(lines[2], testing::EndsWith("; rendered at 6.05 N/mm"));
+  const auto warnings = stability_warnings(checked, device, true);
+  ASSERT_EQ(warnings.size(), checked.size());
+  EXPECT_THAT(warnings[0], HasSubstr("'brick'"));
+  EXPECT_EQ(stability_warnings(checked, device, false).size(), checked.size() - 1);
+}
+
+// A damper that the device does not hold comes down; then it holds more of the spring.
+TEST(Governing, WhatIsSaidOfADampedToolIsWhatIsRendered) {
+  const HapticCapabilities device = omni_capabilities(false);
+  for (const double stiffness : {0.0, 10e3}) {
+    Scene scene;
+    scene.guidance.stiffness = stiffness;
+    scene.guidance.damping = 100.0;
+    const HapticSettings run = haptic_settings(scene, device, true);
+    const auto checked = check_renderings(scene, device);
+    const CheckedRendering& tools = checked.front();
+    EXPECT_LT(run.damping, 95.0);
+    EXPECT_NEAR(tools.damping_share * 100.0, run.damping, 1e-9) << stiffness;
+    EXPECT_NEAR(tools.share * stiffness, std::min(stiffness, run.guide.most_stiffness), 1e-6);
+    EXPECT_THAT(
+        stability_lines(checked, device, true)[1],
+        HasSubstr(fmt::format("rendered at {:.3g} N/mm, {:.3g} N s/m",
+                              1e-3 * std::min(stiffness, run.guide.most_stiffness), run.damping)));
+    EXPECT_EQ(stability_warnings(checked, device, true).size(), 1u) << stiffness;
+  }
+}
+
+// The governor keeps a twentieth away from the limit, and says so.
+TEST(Governing, WhatIsALittleSofterThanAskedForIsSaidToo) {
+  const HapticCapabilities device = joystick_capabilities();
+  const double held = check_renderings(walled(1e3), device)[0].margin.share * 1e3;
+  const auto checked = check_renderings(walled(0.98 * held), device);
+  EXPECT_LT(make_wall_run(walled(0.98 * held), device, true)->settings.share, 1.0);
+  EXPECT_EQ(stability_warnings(checked, device, true).size(), 1u);
+  EXPECT_TRUE(stability_warnings(checked, device, false).empty());
 }
 
 TEST(Governing, NoToolIsStifferThanTheDeviceHolds) {

@@ -152,6 +152,23 @@ TEST(Rendering, WithoutAMassOnlyWhatIsPassiveCounts) {
   EXPECT_EQ(most_stiffness(made_of(0.0, 0.0, 1.0), {}, 0.0), 0.0);
 }
 
+// A force stick of unknown mass: what `--check` says of a tool is what is rendered.
+TEST(Rendering, WithoutAMassADelayCountsToo) {
+  DeviceDynamics late = made_of(0.0, 10.0, 0.0);
+  for (const double delay : {0.0, 0.4e-3, 18e-3}) {
+    late.delay = delay;
+    for (const double damping : {0.0, 0.5, 5.0}) {
+      const double most = most_stiffness(late, {}, damping);
+      EXPECT_GT(most, 0.0) << delay << " " << damping;
+      EXPECT_NEAR(margin_of(late, {}, spring(most, damping)).share, 1.0, 1e-6)
+          << delay << " " << damping;
+    }
+    const double whole = std::ceil(delay * 1e3 - 1e-9) * 1e-3;
+    EXPECT_NEAR(most_stiffness(late, {}, 0.0), 10.0 / (0.5e-3 + whole), 1e-6) << delay;
+  }
+  EXPECT_EQ(most_stiffness(late, {}, 11.0), 0.0) << "the damper alone is more than is passive";
+}
+
 TEST(Rendering, ANumberThatIsNoneHoldsNothing) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   DeviceDynamics device = kLinear;
