@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <vector>
 
 #include "devices/omni/omni_data.h"
@@ -20,7 +21,6 @@ constexpr Nanos kTickPatience = 20 * kMillisecond;  // at 414 Hz, the slowest me
 constexpr Nanos kLetGo =
     500 * kMillisecond;                     // after an error, and as long to come back; our choice
 constexpr Nanos kLook = 20 * kMillisecond;  // whether it still turns
-constexpr Nanos kReopenPause = 100 * kMillisecond;  // between two attempts, as for other devices
 // It is asked for calibration and temperature so often; both change over seconds.
 constexpr std::uint64_t kHomingTicks = 50, kHeatTicks = 100;
 // The library's own estimate; at 1 the motor has to rest.
@@ -101,7 +101,7 @@ void TouchDevice::watch() noexcept {
     end();
     if (monotonic_now() < next) continue;
     if (begin(true)) bad = 0;
-    next = monotonic_now() + kReopenPause;
+    next = monotonic_now() + options_.reopen_pause;
   }
 }
 
@@ -169,7 +169,7 @@ Status TouchDevice::start(bool again) {
     sleep_until(monotonic_now() + kMillisecond);
   }
   return Status::error("Touch: its scheduler does not run: no tick in a second; " +
-                       hd_hint(kHdTimerError));
+                       std::string(hd_hint(kHdTimerError)));
 }
 
 void TouchDevice::servo() noexcept {
@@ -281,6 +281,27 @@ HapticSample TouchDevice::read(Nanos) noexcept {
   sample.force_missed = gate_.missed();
   sample.valid = sample.valid && monotonic_now() - tick_.at <= kTickPatience;
   return sample;
+}
+
+DeviceTrouble TouchDevice::trouble() const noexcept {
+  const auto said = [](const char* text) { return fixed_text<DeviceTrouble>(text); };
+  if (!open_) return said("it is not open");
+  if (loses_device(tick_.error.code)) {
+    DeviceTrouble out{};
+    std::snprintf(out.data(), out.size(), "error 0x%x of its library; %s", tick_.error.code,
+                  hd_hint(tick_.error.code));
+    return out;
+  }
+  if (monotonic_now() - tick_.at > kTickPatience) {
+    return said("its library gives no readings; look at cable and power");
+  }
+  switch (tick_.homing) {
+    case TouchHoming::kByItself: return said("it is not homed yet, and does so by itself");
+    case TouchHoming::kInkwell: return said("it is not homed: put the stylus into the inkwell");
+    case TouchHoming::kByHand: return said("it is not homed: do as the vendor's manual says");
+    case TouchHoming::kDone: break;
+  }
+  return said("its library gives no pose; look at its cable, and the vendor's diagnostic");
 }
 
 void TouchDevice::write(const Wrench& f_H_M) noexcept {
