@@ -189,6 +189,40 @@ TEST_F(ComediJoystickTest, ASingleCountIsNoLeap) {
   EXPECT_EQ(device->tick().losses, 0u);
 }
 
+// What the card was told last stays at its outputs: nobody else may write to it.
+TEST_F(ComediJoystickTest, AReadingThatBlocksIsSaidAndTheVoltageStaysMeanwhile) {
+  ASSERT_NO_FATAL_FAILURE(open());
+  ASSERT_TRUE(valid());
+  ASSERT_TRUE(pushes(0, 1.18421, Vec3(3.0, 0.0, 0.0)));
+  card([&](ComediState& s) {
+    for (int i = 0; i < 300; ++i) {
+      device->write({Vec3(3.0, 0.0, 0.0), Vec3::Zero()});
+      (void)read();
+      sleep_until(monotonic_now() + kMillisecond);
+    }
+    EXPECT_FALSE(read().valid);
+    EXPECT_EQ(trouble(), "its thread has not come back from the card; sudo dmesg | grep comedi");
+    EXPECT_GT(s.subdevices[1].values[0], 36000u);  // 1.18 V
+  });
+  ASSERT_TRUE(valid());
+  EXPECT_EQ(device->tick().losses, 0u);
+}
+
+TEST_F(ComediJoystickTest, ACardThatTakesNoTorqueKeepsItsVoltageUntilItTakesSomeAgain) {
+  options.reopen_pause = kMillisecond;
+  ASSERT_NO_FATAL_FAILURE(open());
+  ASSERT_TRUE(valid());
+  ASSERT_TRUE(pushes(0, 1.18421, Vec3(3.0, 0.0, 0.0)));
+  card([](ComediState& s) { s.write_error = EIO; });
+  ASSERT_TRUE(valid(false));
+  EXPECT_EQ(trouble(), "it takes no torque: Input/output error; sudo dmesg | grep comedi");
+  sleep_until(monotonic_now() + 100 * kMillisecond);
+  EXPECT_GT(volts(0), 0.5) << "as it was";
+  card([](ComediState& s) { s.write_error = 0; });
+  ASSERT_TRUE(valid());
+  EXPECT_EQ(volts(0), 0.0);
+}
+
 TEST_F(ComediJoystickTest, ACardThatIsGoneIsNamed) {
   ASSERT_NO_FATAL_FAILURE(open());
   ASSERT_TRUE(valid());

@@ -100,5 +100,24 @@ TEST_F(JoystickTrialTest, CalibrationFindsTheTravel) {
                                        "207 } }"));
 }
 
+// 2460 counts are 231.9 mm, more than there is room for where it is homed: that is what is found.
+TEST_F(JoystickTrialTest, CalibrationFindsATravelThatIsTooLong) {
+  options.homing = StickHoming::kStops;
+  auto started = ComediJoystickDriver(options).calibrate();
+  ASSERT_TRUE(started) << started.message();
+  opened = true;
+  test = std::move(*started);
+  int step = 0;
+  EXPECT_TRUE(run([&] {
+    ++step;
+    turn(0, step < 30 ? -1230 : step < 60 ? 1230 : 0);
+    turn(1, step < 90 ? 0 : step < 120 ? -1060 : step < 150 ? 1060 : 0);
+    return false;
+  }));
+  EXPECT_EQ(item("travel.right").verdict, Verdict::kBad);
+  EXPECT_THAT(item("travel.right").fact, HasSubstr("from stop to stop 231.9 mm"));
+  EXPECT_THAT(item("card").fact, HasSubstr("it was gone 0 times"));
+}
+
 }  // namespace
 }  // namespace handrail
