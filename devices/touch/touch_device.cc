@@ -93,10 +93,11 @@ Status TouchDevice::begin(bool again) {
 void TouchDevice::watch() noexcept {
   std::uint64_t seen = 0;
   Nanos bad = 0, next = -kForever;
+  const Nanos look = std::min(kLook, options_.reopen_pause);
   while (!stopping_.load(std::memory_order_relaxed)) {
-    sleep_until(monotonic_now() + kLook);
+    sleep_until(monotonic_now() + look);
     const bool turned = std::exchange(seen, turns_.load(std::memory_order_acquire)) != seen;
-    bad = turned && !failing_.load(std::memory_order_relaxed) ? 0 : bad + kLook;
+    bad = turned && !failing_.load(std::memory_order_relaxed) ? 0 : bad + look;
     if (running_ && bad < options_.lost_after) continue;
     end();
     if (monotonic_now() < next) continue;

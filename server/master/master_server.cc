@@ -7,7 +7,7 @@
 #include "server/link/granted.h"
 #include "server/link/link_server.h"
 #include "server/link/session_watch.h"
-#include "server/master/device_watch.h"
+#include "server/master/handle/device_watch.h"
 #include "server/master/loop_news.h"
 
 namespace handrail {

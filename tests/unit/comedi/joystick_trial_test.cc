@@ -100,7 +100,7 @@ TEST_F(JoystickTrialTest, CalibrationFindsTheTravel) {
                                        "207 } }"));
 }
 
-// 2460 counts are 231.9 mm, more than there is room for where it is homed: that is what is found.
+// 2460 counts are 231.8 mm, more than there is room for where it is homed: that is what is found.
 TEST_F(JoystickTrialTest, CalibrationFindsATravelThatIsTooLong) {
   options.homing = StickHoming::kStops;
   auto started = ComediJoystickDriver(options).calibrate();
@@ -115,7 +115,7 @@ TEST_F(JoystickTrialTest, CalibrationFindsATravelThatIsTooLong) {
     return false;
   }));
   EXPECT_EQ(item("travel.right").verdict, Verdict::kBad);
-  EXPECT_THAT(item("travel.right").fact, HasSubstr("from stop to stop 231.9 mm"));
+  EXPECT_THAT(item("travel.right").fact, HasSubstr("from stop to stop 231.8 mm"));
   EXPECT_THAT(item("card").fact, HasSubstr("it was gone 0 times"));
 }
 

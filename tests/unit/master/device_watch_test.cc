@@ -1,5 +1,5 @@
 // What the log, status and `why` say of a device whose readings are not valid.
-#include "server/master/device_watch.h"
+#include "server/master/handle/device_watch.h"
 
 #include <gtest/gtest.h>
 
