@@ -154,6 +154,7 @@ TEST_F(ComediFtSensorTest, ACardThatIsWaitedForMayComeLater) {
   card([](ComediState& s) { s.open_error = 0; });
   EXPECT_TRUE(reads());
   sensor->stop();
+  for (const std::string& line : said) EXPECT_EQ(line.find("is gone"), std::string::npos) << line;
   options.waits = false;
   card([](ComediState& s) { s.open_error = ENOENT; });
   EXPECT_THAT(start_error(), HasSubstr("cannot be opened: No such file"));

@@ -1,7 +1,6 @@
 // The 2-DOF joystick, over a stand-in for libcomedi, as its tests reach it.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <memory>
 #include <string>
@@ -56,13 +55,16 @@ class JoystickBench : public ComediBench {
     });
     at_[static_cast<std::size_t>(motor)] = counts;
   }
-  // As a hand does: ten counts in a millisecond or more are 0.94 m/s or less.
+  // As a hand does, which passes each count: one in 0.1 ms or more is 0.94 m/s or less.
   void turn(int motor, int counts) {
     int& at = at_[static_cast<std::size_t>(motor)];
     while (at != counts) {
-      leap(motor, at + std::clamp(counts - at, -10, 10));
-      sleep_until(monotonic_now() + kMillisecond);
+      leap(motor, at + (at < counts ? 1 : -1));
+      sleep_until(monotonic_now() + 100 * kMicrosecond);
     }
+  }
+  bool comes_to(const Vec3& p_M) {
+    return becomes([&] { return read().X_MH.p.isApprox(p_M, 1e-5); });
   }
   std::string trouble() { return std::string(text_of(device->trouble())); }
   // At the output, to the nearest of its 65536 steps.
