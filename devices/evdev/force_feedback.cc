@@ -89,7 +89,6 @@ void FeedbackThread::stop() noexcept {
   const auto ended = [this] { return turns_->ended.load(std::memory_order_acquire); };
   while (!ended() && monotonic_now() < until) sleep_until(monotonic_now() + kMillisecond);
   ended() ? thread_.join() : thread_.detach();
-  turns_.reset();
 }
 
 void FeedbackThread::run(Turns& turns) noexcept {
