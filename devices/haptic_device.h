@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "server/base/fixed_text.h"
 #include "server/base/pacer.h"
 #include "server/base/spatial.h"
 #include "server/base/status.h"
@@ -18,6 +19,9 @@ namespace handrail {
 // How long a force acts that is not written anew: a loop that stands still must not leave it on the
 // hand.
 inline constexpr Nanos kForceStands = 50 * kMillisecond;
+
+// What is wrong with a device, and what to do, for a person; empty: nothing that is known.
+using DeviceTrouble = FixedText<200>;
 
 // What a device can do, as data. All values > 0 unless said otherwise; SI.
 struct HapticCapabilities {
@@ -91,6 +95,8 @@ class HapticDevice {
   // The newest reading at time `now`, which never goes backward. A simulated device advances its
   // model to `now` under the wrench last written.
   virtual HapticSample read(Nanos now) noexcept = 0;
+  // Why the last reading was not valid. Real-time safe.
+  virtual DeviceTrouble trouble() const noexcept { return {}; }
   // Before read(): waits for the loop's next turn, which its own clock has at `due`, and returns
   // when that turn was due by monotonic_now(). A device that turns by itself calls the loop as soon
   // as it has a new reading, so that the force for it is written in the device's own turn, and

@@ -139,7 +139,7 @@ void add_session(const pb::Status& s, Screen& screen) {
       {line("scene", {s.scene().empty() ? "-" : s.scene(), labelled("slave:", s.slave_scene())})});
   if (!differs.empty()) screen.push_back({differs, 6});
   screen.push_back({line("device", {s.device() + (s.device_simulated() ? " (simulated)" : ""),
-                                    s.hand_moving() ? "hand moving" : ""})});
+                                    s.hand_moving() ? "hand moving" : "", s.device_trouble()})});
 }
 
 // With whom, where keys say it.

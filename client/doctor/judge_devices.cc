@@ -24,9 +24,12 @@ void judge_devices(const DoctorFacts& facts, Findings& out) {
   if (!facts.master.status) return;
   const pb::Status& s = status_of(facts);
   if (s.has_device()) {
-    out.push_back(
-        {"device.hand", Level::kOk,
-         "the master's device is " + s.device() + (s.device_simulated() ? ", simulated" : ""), ""});
+    const bool sound = !s.has_device_trouble();
+    out.push_back({"device.hand", sound ? Level::kOk : Level::kProblem,
+                   "the master's device is " + s.device() +
+                       (s.device_simulated() ? ", simulated" : "") +
+                       (sound ? "" : ": " + s.device_trouble()),
+                   sound ? "" : "'handrail status' shows when it is heard again"});
   }
   if (s.has_handle()) {
     const bool sound = s.handle().has_force();

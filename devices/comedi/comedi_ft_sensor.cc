@@ -35,9 +35,11 @@ Status ComediFtSensor::start() {
     loaded_ = true;
   }
   source_ = make_ft_source(options_);
-  if (const Status opened = source_->open(api_); !opened) {
-    source_.reset();
-    return Status::error("force sensor: " + opened.message());
+  if (!options_.waits) {
+    if (const Status opened = source_->open(api_); !opened) {
+      source_.reset();
+      return Status::error("force sensor: " + opened.message());
+    }
   }
   FtSample left;
   (void)samples_.take(left);  // of the last session
@@ -74,7 +76,7 @@ bool ComediFtSensor::waits_until(Nanos time) noexcept {
 
 void ComediFtSensor::run() {
   (void)enter_realtime(kSensorPriority);
-  open_again(true);
+  open_again(!options_.waits);
   while (!stopping_.load(std::memory_order_relaxed)) {
     FtReading reading;
     std::uint32_t periods = 0;

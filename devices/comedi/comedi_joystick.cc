@@ -1,6 +1,8 @@
 #include "devices/comedi/comedi_joystick.h"
 
 #include <algorithm>
+#include <cstdio>
+#include <cstring>
 
 #include "server/base/clock.h"
 #include "server/base/pacer.h"
@@ -88,34 +90,60 @@ void ComediJoystick::run() {
   card_.reset();
 }
 
-// False: the card does not answer.
+// False: the card does not answer, or not as a stick can move; `lost_for` says why.
 bool ComediJoystick::turn(Nanos dt) noexcept {
   StickReading reading;
-  if (card_->read(reading) != 0) return false;
+  if (const int error = card_->read(reading); error != 0) {
+    return refused("its encoders cannot be read", error);
+  }
+  if (!text_of(reading.leap).empty()) {
+    now_.lost_for = reading.leap;
+    return false;
+  }
   look(reading, to_seconds(std::max<Nanos>(dt, kStickPeriod / 10)));
+  if (homing_.too_far()) return went_too_far();
   gate_.give(now_, monotonic_now());
   Nanos written = -kForever;
   const Vec2 asked = gate_.answer(written).head<2>();
   const Nanos now = monotonic_now();  // the program may have stood still in the turn
-  now_.force = force_.step(asked, written, now_.homed && !now_.too_far, now, dt);
+  now_.force = force_.step(asked, written, now_.homed, now, dt);
   now_.hot = force_.hot();
-  return card_->push(now_.force) == 0;
+  const int error = card_->push(now_.force);
+  return error == 0 || refused("it takes no torque", error);
+}
+
+bool ComediJoystick::refused(const char* what, int error) noexcept {
+  std::array<char, 200> text{};
+  std::snprintf(text.data(), text.size(), "%s: %s; sudo dmesg | grep comedi", what,
+                ::strerrordesc_np(error));
+  now_.lost_for = fixed_text<DeviceTrouble>(text.data());
+  return false;
+}
+
+bool ComediJoystick::went_too_far() noexcept {
+  std::array<char, 200> text{};
+  std::snprintf(text.data(), text.size(),
+                "it went %.0f by %.0f mm, and from stop to stop are %.0f; counts_per_turn, "
+                "travel_mm, or cables of its encoders",
+                1e3 * now_.seen[0], 1e3 * now_.seen[1], 1e3 * options_.travel);
+  now_.lost_for = fixed_text<DeviceTrouble>(text.data());
+  return false;
 }
 
 void ComediJoystick::look(const StickReading& reading, double dt) noexcept {
   const bool was_homed = homing_.homed();
   now_.homed = homing_.step(reading.way);
-  now_.too_far = homing_.too_far();
   now_.seen = homing_.seen();
   now_.reached = {homing_.reached(0), homing_.reached(1)};
   HapticSample& sample = now_.sample;
-  sample.valid = now_.homed && !now_.too_far;
+  sample.valid = now_.homed;
   sample.buttons = reading.buttons;
   if (!sample.valid) {
     sample.X_MH = Pose();
     sample.v_MH.setZero();
     return;
   }
+  now_.lost_for = DeviceTrouble();
   const StickWays& middle = homing_.middle();
   const Vec3 p(reading.way[0] - middle[0], reading.way[1] - middle[1], 0.0);
   sample.v_MH = was_homed ? joystick_velocity(sample.v_MH, sample.X_MH.p, p, dt) : Vec3::Zero();
@@ -126,7 +154,7 @@ void ComediJoystick::lose() noexcept {
   (void)card_->push(Vec2::Zero());  // one of the two may work
   card_.reset();
   ++now_.losses;
-  now_.there = now_.homed = now_.too_far = false;
+  now_.there = now_.homed = false;
   now_.sample = HapticSample();
   now_.force.setZero();
   retry_at_ = monotonic_now() + options_.reopen_pause;
@@ -151,6 +179,21 @@ HapticSample ComediJoystick::read(Nanos) noexcept {
   sample.force_missed = gate_.missed();
   sample.valid = sample.valid && monotonic_now() - tick_.at <= kStickPatience;
   return sample;
+}
+
+DeviceTrouble ComediJoystick::trouble() const noexcept {
+  if (!thread_.joinable()) return fixed_text<DeviceTrouble>("it is not open");
+  if (monotonic_now() - tick_.at > kStickPatience) {
+    return fixed_text<DeviceTrouble>(
+        "its thread has not come back from the card; sudo dmesg | grep comedi");
+  }
+  if (text_of(tick_.lost_for).empty()) {
+    return fixed_text<DeviceTrouble>("it is not homed: move it to its four stops");
+  }
+  DeviceTrouble out{};
+  std::snprintf(out.data(), out.size(), "%s%s", tick_.lost_for.data(),
+                tick_.there ? "; then move it to its four stops" : "");
+  return out;
 }
 
 void ComediJoystick::write(const Wrench& f_H_M) noexcept {

@@ -21,13 +21,13 @@ struct JoystickTick {
   HapticSample sample;
   bool there = false;  // the card answers
   bool homed = false;
-  bool too_far = false;           // it went further than there is room for
   StickWays seen{};               // how far it has been from side to side, ever [m]
   std::array<bool, 2> reached{};  // both of its stops
   bool hot = false;               // held at the rated force
   std::uint64_t ticks = 0;        // since it was opened
   std::uint64_t losses = 0;       // times that the card was gone
   Vec2 force = Vec2::Zero();      // what acts [N]
+  DeviceTrouble lost_for{};       // why the card was lost, until it is homed anew
 };
 
 // M: X right, Y up (away from the user on a desk), the tip's arc at 15 cm; Z = 0.
@@ -35,9 +35,11 @@ struct JoystickTick {
 // A thread of its own reads and pushes a thousand times a second, and calls in the loop between the
 // two, for kAnswerPatience at most. Readings are not valid before the
 // stick is homed, while the card is gone, which takes the homing with it, and 20 ms after the
-// thread stood still. The force is what JoystickForce allows: none before homing, none 50 ms after
-// the last write(), within half a second back. The card keeps its voltages when a program is
-// killed: closing sets them to zero, and what else can, only the motors' own drivers can.
+// thread stood still. A card whose counts cannot be right, as they leap or go further than the
+// stick has room for, is given up and opened again as one that was gone. The force is what
+// JoystickForce allows: none before homing, none 50 ms after the last write(), within half a second
+// back. The card keeps its voltages when a program is killed: closing sets them to zero, and what
+// else can, only the motors' own drivers can.
 class ComediJoystick final : public HapticDevice {
  public:
   explicit ComediJoystick(const ComediJoystickOptions& options);
@@ -47,6 +49,7 @@ class ComediJoystick final : public HapticDevice {
   // One that is not homed is opened.
   Status open() override;
   HapticSample read(Nanos now) noexcept override;
+  DeviceTrouble trouble() const noexcept override;
   Nanos wait(Nanos due) noexcept override;
   // Torque and Z are ignored; a force that is not finite counts as none.
   void write(const Wrench& f_H_M) noexcept override;
@@ -61,6 +64,8 @@ class ComediJoystick final : public HapticDevice {
   void run();
   bool turn(Nanos dt) noexcept;
   void look(const StickReading& reading, double dt) noexcept;
+  bool refused(const char* what, int error) noexcept;
+  bool went_too_far() noexcept;
   void lose() noexcept;
   void try_again(Nanos now);
   void begin_card() noexcept;

@@ -16,6 +16,7 @@ namespace {
 constexpr Nanos kStickHoming = 60 * kSecond;
 constexpr Nanos kStopsReached = 5 * kSecond;  // it went no further for so long
 constexpr double kMoved = 0.5 * kMm;          // further than a hand trembles; chosen [m]
+constexpr double kWholeTurn = 0.95;           // of a stick of 15 cm, along the arc [m]
 constexpr double kLeastTravel = 0.05;         // a stick that was moved [m]
 // An arc of +-100 mm, or one whose chord that is (+-41.8 deg), and what rubber gives.
 constexpr double kLeastStops = 0.19, kMostStops = 0.225;  // [m]
@@ -90,7 +91,13 @@ std::vector<Sighting> ComediJoystickDriver::probe() {
 }
 
 StartedTest ComediJoystickDriver::start(const std::optional<TestWishes>& wishes) const {
-  auto device = std::make_unique<ComediJoystick>(options_);
+  ComediJoystickOptions options = options_;
+  // How far it goes is what is asked for: till a whole turn nothing is too far, and nothing homed.
+  if (!wishes) {
+    options.homing = StickHoming::kStops;
+    options.travel = kWholeTurn;
+  }
+  auto device = std::make_unique<ComediJoystick>(options);
   if (const Status opened = device->open(); !opened) return opened;
   return StartedTest(std::make_unique<ComediJoystickTrial>(std::move(device), wishes, options_));
 }
@@ -150,11 +157,9 @@ std::string ComediJoystickTrial::asks() const {
 }
 
 TestItem ComediJoystickTrial::homing() const {
-  if (tick().too_far) {
-    return {"homing", Verdict::kBad,
-            stick_text("it went %.0f by %.0f mm, and from stop to stop are %.0f",
-                       tick().seen[0] / kMm, tick().seen[1] / kMm, options_.travel / kMm),
-            "handrail devices calibrate joystick; counts_per_turn, or cables of the encoders"};
+  if (!text_of(tick().lost_for).empty()) {
+    return {"homing", Verdict::kBad, tick().lost_for.data(),
+            "then move it to its four stops; handrail devices calibrate joystick"};
   }
   if (tick().homed) return {"homing", Verdict::kOk, "its middle is known", ""};
   return {"homing", gave_up_ ? Verdict::kBad : Verdict::kNotSeen,

@@ -12,7 +12,7 @@ class EncoderCount {
   void begin(unsigned int raw, unsigned int max_data) noexcept {
     last_ = raw;
     size_ = static_cast<std::int64_t>(max_data) + 1;
-    count_ = 0;
+    count_ = step_ = 0;
   }
   // The count since begin(). Between two readings it goes less than half of the counter's size: the
   // shorter way is the right one.
@@ -21,11 +21,14 @@ class EncoderCount {
     if (step > size_ / 2) step -= size_;
     if (step < -(size_ / 2)) step += size_;
     last_ = raw;
+    step_ = step;
     return count_ += step;
   }
+  // How far it went with the last next().
+  std::int64_t step() const noexcept { return step_; }
 
  private:
-  std::int64_t last_ = 0, size_ = 1, count_ = 0;
+  std::int64_t last_ = 0, size_ = 1, count_ = 0, step_ = 0;
 };
 
 }  // namespace handrail

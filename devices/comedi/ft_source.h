@@ -32,6 +32,9 @@ struct ComediFtOptions {
   double range_n_m = 100.0;    // |torque| per axis [N m]
   FtMount mount;
   Nanos reopen_pause = kReopenPause;  // from a millisecond on
+  // A card that is not there as it is started is no error: it is looked for, as one that was lost.
+  // Starting opens nothing by itself then, and so does not block.
+  bool waits = false;
 };
 
 enum class FtTaken : std::uint8_t {

@@ -43,6 +43,7 @@ struct ComediJoystickOptions {
 struct StickReading {
   StickWays way{};  // since it was opened, at the tip [m]
   std::uint32_t buttons = 0;
+  DeviceTrouble leap{};  // it went faster since the last reading than any hand; empty: it did not
 };
 
 // Two voltages that ask two motors for torque. Used by one thread.
@@ -73,7 +74,8 @@ class JoystickCard {
   // DRIVER".
   static Result<std::string> look(const ComediApi& api, const ComediJoystickOptions& options);
 
-  // 0, or errno. Real-time safe as far as the card's driver is.
+  // 0, or errno. Real-time safe as far as the card's driver is. What is a leap is judged by the
+  // time from before the last reading to after this one, so that one which comes late is none.
   int read(StickReading& out) noexcept;
   // Force at the tip [N].
   int push(const Vec2& force) noexcept { return torques_.push(card_, force); }
@@ -89,6 +91,7 @@ class JoystickCard {
   Status find_buttons();
   Status set_up_ni();
   Status begin();
+  DeviceTrouble leap_in(Nanos time) const noexcept;
 
   ComediCard card_;
   ComediJoystickOptions options_;
@@ -97,6 +100,7 @@ class JoystickCard {
   std::size_t input_count_ = 2;
   JoystickTorques torques_;
   std::array<EncoderCount, 2> counts_;
+  Nanos read_from_ = 0;  // when the last reading began
 };
 
 }  // namespace handrail

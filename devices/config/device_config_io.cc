@@ -141,11 +141,12 @@ NetFtOptions sensor_options(const pb::FtConfig& config) {
   return out;
 }
 
-MadeSensor make_sensor(const pb::FtConfig& config, ComediFtSensor::Say say) {
+MadeSensor make_sensor(const pb::FtConfig& config, ComediFtSensor::Say say, bool waits) {
   if (!config.enabled()) return {};
   if (config.has_comedi()) {
-    return {std::make_unique<ComediFtSensor>(comedi_sensor_options(config), std::move(say)),
-            nullptr};
+    ComediFtOptions options = comedi_sensor_options(config);
+    options.waits = waits;
+    return {std::make_unique<ComediFtSensor>(options, std::move(say)), nullptr};
   }
   auto net = std::make_unique<NetFtSensor>(sensor_options(config));
   NetFtSensor* const known = net.get();

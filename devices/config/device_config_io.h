@@ -26,7 +26,8 @@ struct MadeSensor {
   NetFtSensor* net = nullptr;     // the same, where it is on the network
 };
 // Not yet started. `say`: told what becomes of a sensor at a card, as ComediFtSensor has it.
-MadeSensor make_sensor(const pb::FtConfig& config, ComediFtSensor::Say say);
+// `waits`: as ComediFtOptions has it.
+MadeSensor make_sensor(const pb::FtConfig& config, ComediFtSensor::Say say, bool waits = false);
 
 // None: no switch is configured.
 std::optional<StopSwitchOptions> switch_options(const pb::SlaveConfig& config);

@@ -31,7 +31,7 @@ HandleSensor make_handle_sensor(const pb::MasterConfig& config, const ComediFtSe
     out.simulated = std::make_unique<SimHandleSensor>();
     return out;
   }
-  out.real = make_sensor(c.sensor(), say);
+  out.real = make_sensor(c.sensor(), say, true);
   out.q_HF = mount_of(c.sensor().mount()).X_TF.q;
   return out;
 }

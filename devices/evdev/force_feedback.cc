@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <cstdint>
+#include <utility>
 
 #include "server/base/clock.h"
 #include "server/base/pacer.h"
@@ -15,6 +16,9 @@
 namespace handrail {
 namespace {
 
+// As long as the longest of our effects lasts by itself (Rumble::kRumbleLasts): later nothing acts,
+// whatever the device's driver is doing.
+constexpr Nanos kEndPatience = 200 * kMillisecond;
 constexpr int kFeedbackNice = 10;  // of 19, behind all that is not told otherwise; our choice
 
 // The thread that starts this one may be a real-time one, and is not to be kept waiting by it.
@@ -63,32 +67,43 @@ void ForceFeedback::close() noexcept {
   fd_ = -1;
 }
 
-void FeedbackThread::start() {
+void FeedbackThread::start(std::shared_ptr<FeedbackWork> work) {
   stop();
-  stopping_.store(false, std::memory_order_relaxed);
+  turns_ = std::make_shared<Turns>();
+  turns_->work = std::move(work);
+  turns_->period = period_;
+  turns_->priority = priority_;
   const SignalsBlocked blocked;
-  thread_ = std::thread([this] { run(); });
+  running_.fetch_add(1, std::memory_order_relaxed);
+  thread_ = std::thread([turns = turns_] {
+    run(*turns);
+    turns->ended.store(true, std::memory_order_release);
+    running_.fetch_sub(1, std::memory_order_release);
+  });
 }
 
 void FeedbackThread::stop() noexcept {
   if (!thread_.joinable()) return;
-  stopping_.store(true, std::memory_order_relaxed);
-  thread_.join();
+  turns_->stopping.store(true, std::memory_order_relaxed);
+  const Nanos until = monotonic_now() + kEndPatience;
+  const auto ended = [this] { return turns_->ended.load(std::memory_order_acquire); };
+  while (!ended() && monotonic_now() < until) sleep_until(monotonic_now() + kMillisecond);
+  ended() ? thread_.join() : thread_.detach();
 }
 
-void FeedbackThread::run() noexcept {
-  if (priority_ > 0) {
-    (void)enter_realtime(priority_);
+void FeedbackThread::run(Turns& turns) noexcept {
+  if (turns.priority > 0) {
+    (void)enter_realtime(turns.priority);
   } else {
     become_unimportant();
   }
-  while (!stopping_.load(std::memory_order_relaxed)) {
+  while (!turns.stopping.load(std::memory_order_relaxed)) {
     const Nanos now = monotonic_now();
-    if (FixedText<256> path; path_.take(path)) work_.use(path);
-    work_.turn(now);
-    sleep_until(now + period_);
+    if (FixedText<256> path; turns.path.take(path)) turns.work->use(path);
+    turns.work->turn(now);
+    sleep_until(now + turns.period);
   }
-  work_.end();
+  turns.work->end();
 }
 
 }  // namespace handrail

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <memory>
 #include <thread>
 
 #include "devices/evdev/evdev_file.h"
@@ -58,27 +59,38 @@ class FeedbackWork {
 class FeedbackThread {
  public:
   // `priority`: of real time; 0: behind all that is not told otherwise.
-  FeedbackThread(FeedbackWork& work, Nanos period, int priority)
-      : work_(work), period_(period), priority_(priority) {}
+  FeedbackThread(Nanos period, int priority) : period_(period), priority_(priority) {}
   ~FeedbackThread() { stop(); }
   FeedbackThread(const FeedbackThread&) = delete;
   FeedbackThread& operator=(const FeedbackThread&) = delete;
 
-  void start();
+  // The thread keeps `work` until it has ended; the kernel behind it lives longer.
+  void start(std::shared_ptr<FeedbackWork> work);
   // From here on at the device of that path; empty: at none. Real-time safe.
-  void use(const FixedText<256>& path) noexcept { path_.publish(path); }
-  // Waits for the turn that runs. Twice is fine.
+  void use(const FixedText<256>& path) noexcept {
+    if (turns_) turns_->path.publish(path);
+  }
+  // Waits for the turn that runs, for kEndPatience: a call that the kernel holds up for longer is
+  // left to itself, and what ends the work then comes after it. Twice is fine.
   void stop() noexcept;
+  // Such threads of this program that use a kernel, those among them that were left to themselves.
+  static int running() noexcept { return running_.load(std::memory_order_acquire); }
 
  private:
-  void run() noexcept;
+  struct Turns {
+    std::shared_ptr<FeedbackWork> work;
+    Nanos period;
+    int priority;
+    Mailbox<FixedText<256>> path;
+    std::atomic<bool> stopping{false}, ended{false};
+  };
+  static inline std::atomic<int> running_{0};
+  static void run(Turns& turns) noexcept;
 
-  FeedbackWork& work_;
   Nanos period_;
   int priority_;
-  Mailbox<FixedText<256>> path_;
-  std::atomic<bool> stopping_{false};
-  std::thread thread_;  // last: it uses the others
+  std::shared_ptr<Turns> turns_;
+  std::thread thread_;
 };
 
 }  // namespace handrail

@@ -79,6 +79,10 @@ HapticSample GamepadDevice::read(Nanos now) noexcept {
   return sample_;
 }
 
+DeviceTrouble GamepadDevice::trouble() const noexcept {
+  return fixed_text<DeviceTrouble>(open_ ? kUnpluggedInput : "it is not open");
+}
+
 void GamepadDevice::receive() noexcept {
   const EvdevTurn turn = reader_.listen();
   if (turn != EvdevTurn::kCame && turn != EvdevTurn::kLeft) return;

@@ -48,6 +48,7 @@ class GamepadDevice final : public HapticDevice {
   // Not valid while closed or unplugged. Takes at most 128 events; more wait
   // for the next.
   HapticSample read(Nanos now) noexcept override;
+  DeviceTrouble trouble() const noexcept override;
   void write(const Wrench&) noexcept override {}
   void feel(const HapticCue& cue) noexcept override { rumble_.feel(cue); }
   void close() noexcept override;

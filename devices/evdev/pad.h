@@ -46,4 +46,8 @@ struct PadWish {
 Result<EvdevOpened> open_pad(EvdevKernel& kernel, const std::string& path,
                              const std::string& input_folder, const PadWish& wish);
 
+// What HapticDevice::trouble says of one that is away.
+inline constexpr char kUnpluggedInput[] =
+    "it is unplugged, or may not be opened: handrail devices list";
+
 }  // namespace handrail

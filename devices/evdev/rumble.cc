@@ -32,21 +32,23 @@ RumbleStrength rumble_of(const HapticCue& cue, double share) noexcept {
 
 void Rumble::start() {
   stop();
-  if (share_ > 0.0) thread_.start();
+  if (share_ <= 0.0) return;
+  motors_ = std::make_shared<Motors>(kernel_, share_);
+  thread_.start(motors_);
 }
 
-void Rumble::use(const FixedText<256>& path) noexcept {
+void Rumble::Motors::use(const FixedText<256>& path) noexcept {
   end();
   if (!text_of(path).empty()) (void)motors_.open(path.data());
 }
 
-void Rumble::turn(Nanos now) noexcept {
-  if (cue_.take(felt_)) felt_at_ = now;
-  const bool late = now - felt_at_ > kForceStands;
-  if (motors_.is_open()) show(late ? RumbleStrength{} : rumble_of(felt_, share_), now);
+void Rumble::Motors::turn(Nanos now) noexcept {
+  (void)told.take(felt_);
+  const bool late = now - felt_.at > kForceStands;
+  if (motors_.is_open()) show(late ? RumbleStrength{} : rumble_of(felt_.cue, share_), now);
 }
 
-void Rumble::show(const RumbleStrength& wanted, Nanos now) noexcept {
+void Rumble::Motors::show(const RumbleStrength& wanted, Nanos now) noexcept {
   const bool goes_on = !wanted.off() && now - shown_at_ >= kRumbleRefresh;
   if (wanted == shown_ && !goes_on) return;
   shown_ = wanted;
@@ -60,10 +62,15 @@ void Rumble::show(const RumbleStrength& wanted, Nanos now) noexcept {
   effect_.u.rumble.strong_magnitude = wanted.strong;
   effect_.u.rumble.weak_magnitude = wanted.weak;
   // One that is unplugged meanwhile is told by use().
-  if (motors_.upload(effect_)) (void)motors_.play(effect_, true);
+  if (!motors_.upload(effect_)) return;
+  // It may have taken so long that nobody feels anything any more.
+  (void)told.take(felt_);
+  const bool late = monotonic_now() - felt_.at > kForceStands;
+  if (late) shown_ = {};
+  (void)motors_.play(effect_, !late);
 }
 
-void Rumble::end() noexcept {
+void Rumble::Motors::end() noexcept {
   if (!shown_.off()) (void)motors_.play(effect_, false);
   motors_.close();
   effect_ = {};

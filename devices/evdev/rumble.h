@@ -1,8 +1,11 @@
 // The motors of a gamepad, for what is to be felt beside force.
 #pragma once
 
+#include <memory>
+
 #include "devices/evdev/force_feedback.h"
 #include "devices/haptic_device.h"
+#include "server/base/clock.h"
 #include "server/base/mailbox.h"
 
 namespace handrail {
@@ -24,14 +27,13 @@ RumbleStrength rumble_of(const HapticCue& cue, double share) noexcept;
 // stays still.
 //
 // Source: Linux, Documentation/input/ff.rst and include/uapi/linux/input.h.
-class Rumble final : private FeedbackWork {
+class Rumble final {
  public:
   // An effect ends by itself after so long [ms].
   static constexpr std::uint16_t kRumbleLasts = 200;
 
-  Rumble(EvdevKernel& kernel, double share)
-      : share_(share), motors_(kernel), thread_(*this, kPeriod, 0) {}
-  ~Rumble() override { stop(); }
+  // The kernel lives as long as the program.
+  Rumble(EvdevKernel& kernel, double share) : kernel_(kernel), share_(share), thread_(kPeriod, 0) {}
 
   // Starts the thread; without a share there is none.
   void start();
@@ -42,28 +44,46 @@ class Rumble final : private FeedbackWork {
     thread_.use(can ? device.path : FixedText<256>{});
   }
   // What is felt now. Real-time safe.
-  void feel(const HapticCue& cue) noexcept { cue_.publish(cue); }
-  // Still, and the device is let go. Twice is fine.
+  void feel(const HapticCue& cue) noexcept {
+    if (motors_) motors_->told.publish({cue, monotonic_now()});
+  }
+  // Still, and the device is let go; a device that answers late is left to the thread. Twice is
+  // fine.
   void stop() noexcept { thread_.stop(); }
 
  private:
   static constexpr Nanos kPeriod = 10 * kMillisecond;
 
-  void use(const FixedText<256>& path) noexcept override;
-  void turn(Nanos now) noexcept override;
-  void end() noexcept override;
-  void show(const RumbleStrength& wanted, Nanos now) noexcept;
+  struct Told {
+    HapticCue cue;
+    Nanos at = -kForever;
+  };
 
+  // Of the thread, but for `told`.
+  class Motors final : public FeedbackWork {
+   public:
+    Motors(EvdevKernel& kernel, double share) : share_(share), motors_(kernel) {}
+    Mailbox<Told> told;
+
+    void use(const FixedText<256>& path) noexcept override;
+    void turn(Nanos now) noexcept override;
+    void end() noexcept override;
+
+   private:
+    void show(const RumbleStrength& wanted, Nanos now) noexcept;
+
+    double share_;
+    ForceFeedback motors_;
+    Told felt_;
+    ff_effect effect_{};
+    RumbleStrength shown_;
+    Nanos shown_at_ = 0;
+  };
+
+  EvdevKernel& kernel_;
   double share_;
-  Mailbox<HapticCue> cue_;
-  // Of the thread.
-  ForceFeedback motors_;
-  HapticCue felt_;
-  Nanos felt_at_ = 0;
-  ff_effect effect_{};
-  RumbleStrength shown_;
-  Nanos shown_at_ = 0;
-  FeedbackThread thread_;  // last: it uses the others
+  std::shared_ptr<Motors> motors_;
+  FeedbackThread thread_;
 };
 
 }  // namespace handrail

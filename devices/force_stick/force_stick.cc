@@ -140,6 +140,14 @@ HapticSample ForceStick::read(Nanos now) noexcept {
   return sample_;
 }
 
+DeviceTrouble ForceStick::trouble() const noexcept {
+  return fixed_text<DeviceTrouble>(!open_ ? "it is not open"
+                                   : !reader_.there()
+                                       ? kUnpluggedInput
+                                       : "it reads as at its end, as some do until they are "
+                                         "first moved: move it once");
+}
+
 bool ForceStick::moved_off(int axis) noexcept {
   if (axis > 0 && options_.axes == ForceStickAxes::kWheel) return true;
   const auto i = static_cast<std::size_t>(axis);

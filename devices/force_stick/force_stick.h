@@ -59,6 +59,7 @@ class ForceStick final : public HapticDevice {
   // `axis_counts` is one.
   Status open() override;
   HapticSample read(Nanos now) noexcept override;
+  DeviceTrouble trouble() const noexcept override;
   // Torque and Z are ignored; a force that is not finite counts as none.
   void write(const Wrench& f_H_M) noexcept override;
   void close() noexcept override;

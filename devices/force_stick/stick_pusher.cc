@@ -27,7 +27,7 @@ StickLevel stick_level(int axis, double force, double full) noexcept {
 }
 
 StickPusher::StickPusher(EvdevKernel& kernel, const StickForceOptions& options)
-    : options_(options), motors_(kernel), thread_(*this, options.period, kPusherPriority) {}
+    : kernel_(kernel), options_(options), thread_(options.period, kPusherPriority) {}
 
 bool StickPusher::makes_force() const noexcept {
   return options_.full[0] != 0.0 && (options_.axes == 1 || options_.full[1] != 0.0);
@@ -35,13 +35,12 @@ bool StickPusher::makes_force() const noexcept {
 
 void StickPusher::start() {
   stop();
-  commands_.publish(Command());
-  now_ = heard_ = StickPushed();
-  said_.publish(now_);
-  if (makes_force()) thread_.start();
+  heard_ = StickPushed();
+  motors_ = std::make_shared<Motors>(kernel_, options_);
+  if (makes_force()) thread_.start(motors_);
 }
 
-void StickPusher::use(const FixedText<256>& path) noexcept {
+void StickPusher::Motors::use(const FixedText<256>& path) noexcept {
   end();
   if (text_of(path).empty() || !motors_.open(path.data())) return;
   motors_.set(FF_AUTOCENTER, 0);
@@ -49,8 +48,8 @@ void StickPusher::use(const FixedText<256>& path) noexcept {
   now_.there = true;
 }
 
-void StickPusher::turn(Nanos now) noexcept {
-  (void)commands_.take(command_);
+void StickPusher::Motors::turn(Nanos now) noexcept {
+  (void)commands.take(command_);
   const bool allowed = motors_.is_open() && now >= retry_at_ && command_.force.allFinite();
   // The force comes no faster after a turn that was long in coming.
   const Nanos dt = std::min(now - last_turn_, 2 * options_.period);
@@ -58,10 +57,10 @@ void StickPusher::turn(Nanos now) noexcept {
   last_turn_ = now;
   const Vec2 force = share > 0.0 ? (share * command_.force).eval() : Vec2::Zero().eval();
   if (motors_.is_open() && now >= retry_at_) tell(force, now);
-  said_.publish(now_);
+  said.publish(now_);
 }
 
-void StickPusher::tell(const Vec2& force, Nanos now) noexcept {
+void StickPusher::Motors::tell(const Vec2& force, Nanos now) noexcept {
   const std::uint64_t before = now_.uploads;
   const bool taken = show(force, now);
   // A turn without an upload leaves what acts as it is, however long it took.
@@ -81,7 +80,7 @@ void StickPusher::tell(const Vec2& force, Nanos now) noexcept {
 }
 
 // False: the device did not take it.
-bool StickPusher::show(const Vec2& force, Nanos now) noexcept {
+bool StickPusher::Motors::show(const Vec2& force, Nanos now) noexcept {
   const bool again = now - played_at_ >= kPlayAgain;
   bool changed = false, good = true;
   for (int i = 0; i < options_.axes; ++i) {
@@ -97,7 +96,7 @@ bool StickPusher::show(const Vec2& force, Nanos now) noexcept {
   return good;
 }
 
-bool StickPusher::show_axis(Axis& axis, const StickLevel& wanted, bool goes_on) noexcept {
+bool StickPusher::Motors::show_axis(Axis& axis, const StickLevel& wanted, bool goes_on) noexcept {
   // No force is told twice: as an end, which no upload may hold up, and as a level.
   bool good = true;
   if (wanted.level == 0 && axis.on) {
@@ -115,11 +114,17 @@ bool StickPusher::show_axis(Axis& axis, const StickLevel& wanted, bool goes_on) 
     axis.effect = effect;
   }
   if (wanted.level == 0) return good;
+  // The upload may have taken so long that nobody asks for a force any more.
+  (void)commands.take(command_);
+  if (monotonic_now() - command_.at > kForceStands) {
+    axis.on = false;
+    return motors_.play(axis.effect, false);
+  }
   if (!axis.on || goes_on) axis.on = motors_.play(axis.effect, true);
   return axis.on;
 }
 
-void StickPusher::end() noexcept {
+void StickPusher::Motors::end() noexcept {
   (void)show(Vec2::Zero(), last_turn_);
   for (Axis& axis : axes_) {
     motors_.erase(axis.effect);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 
 #include "devices/evdev/force_feedback.h"
 #include "devices/input/force_ramp.h"
@@ -49,13 +50,13 @@ StickLevel stick_level(int axis, double force, double full) noexcept;
 // An upload may wait for the device: it is in no other thread.
 //
 // Source: Linux, Documentation/input/ff.rst.
-class StickPusher final : private FeedbackWork {
+class StickPusher final {
  public:
   // An effect ends by itself after so long, beyond kForceStands [ms].
   static constexpr std::uint16_t kStickForceLasts = 100;
 
+  // The kernel lives as long as the program.
   StickPusher(EvdevKernel& kernel, const StickForceOptions& options);
-  ~StickPusher() override { stop(); }
 
   // Whether there is any force to make; without, start() starts nothing.
   bool makes_force() const noexcept;
@@ -65,13 +66,16 @@ class StickPusher final : private FeedbackWork {
     thread_.use(device.fd >= 0 ? device.path : FixedText<256>{});
   }
   // What is to act from `now` on [N]. Real-time safe.
-  void push(Nanos now, const Vec2& force) noexcept { commands_.publish({now, force}); }
+  void push(Nanos now, const Vec2& force) noexcept {
+    if (motors_) motors_->commands.publish({now, force});
+  }
   // Takes what the thread said last. Real-time safe.
   const StickPushed& pushed() noexcept {
-    (void)said_.take(heard_);
+    if (motors_) (void)motors_->said.take(heard_);
     return heard_;
   }
-  // No force, and the slots are given back. Twice is fine.
+  // No force, and the slots are given back. A device that answers late is left to the thread, which
+  // then does so. Twice is fine.
   void stop() noexcept { thread_.stop(); }
 
  private:
@@ -84,26 +88,37 @@ class StickPusher final : private FeedbackWork {
     bool on = false;
   };
 
-  void use(const FixedText<256>& path) noexcept override;
-  void turn(Nanos now) noexcept override;
-  void end() noexcept override;
-  void tell(const Vec2& force, Nanos now) noexcept;
-  bool show(const Vec2& force, Nanos now) noexcept;
-  bool show_axis(Axis& axis, const StickLevel& wanted, bool goes_on) noexcept;
+  // Of the thread, but for the mailboxes.
+  class Motors final : public FeedbackWork {
+   public:
+    Motors(EvdevKernel& kernel, const StickForceOptions& options)
+        : options_(options), motors_(kernel) {}
+    Mailbox<Command> commands;
+    Mailbox<StickPushed> said;
 
+    void use(const FixedText<256>& path) noexcept override;
+    void turn(Nanos now) noexcept override;
+    void end() noexcept override;
+
+   private:
+    void tell(const Vec2& force, Nanos now) noexcept;
+    bool show(const Vec2& force, Nanos now) noexcept;
+    bool show_axis(Axis& axis, const StickLevel& wanted, bool goes_on) noexcept;
+
+    StickForceOptions options_;
+    ForceFeedback motors_;
+    ForceRamp ramp_;
+    Command command_;
+    std::array<Axis, 2> axes_;
+    StickPushed now_;
+    Nanos last_turn_ = 0, played_at_ = 0, retry_at_ = 0;
+  };
+
+  EvdevKernel& kernel_;
   StickForceOptions options_;
-  Mailbox<Command> commands_;
-  Mailbox<StickPushed> said_;
-  // Of the thread.
-  ForceFeedback motors_;
-  ForceRamp ramp_;
-  Command command_;
-  std::array<Axis, 2> axes_;
-  StickPushed now_;
-  Nanos last_turn_ = 0, played_at_ = 0, retry_at_ = 0;
-  // Of who asks.
+  std::shared_ptr<Motors> motors_;
   StickPushed heard_;
-  FeedbackThread thread_;  // last: it uses the others
+  FeedbackThread thread_;
 };
 
 }  // namespace handrail

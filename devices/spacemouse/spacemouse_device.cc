@@ -55,6 +55,13 @@ HapticSample SpaceMouseDevice::read(Nanos now) noexcept {
   return sample_;
 }
 
+DeviceTrouble SpaceMouseDevice::trouble() const noexcept {
+  return fixed_text<DeviceTrouble>(!open_ ? "it is not open"
+                                   : fd_ < 0
+                                       ? "spacenavd does not answer: is it installed and started?"
+                                       : "it is unplugged, as spacenavd says");
+}
+
 void SpaceMouseDevice::receive(Nanos now) noexcept {
   SpnavConnection opened;
   if (fd_ < 0 && reopener_.take(opened)) fd_ = opened.fd;

@@ -47,6 +47,7 @@ class SpaceMouseDevice final : public HapticDevice {
   Status open() override;
   // Not valid while closed or unplugged. Takes at most 128 events; more wait for the next.
   HapticSample read(Nanos now) noexcept override;
+  DeviceTrouble trouble() const noexcept override;
   void write(const Wrench&) noexcept override {}
   void close() noexcept override;
 

@@ -47,7 +47,7 @@ Result<HdApi> load_hd(const std::string& library) {
 }
 
 // What owners of the device have reported, and what helped them.
-std::string hd_hint(std::uint32_t code) {
+const char* hd_hint(std::uint32_t code) noexcept {
   switch (code) {
     case kHdWarmMotors: return "let it cool down; the force comes back by itself";
     case kHdExceededForce:
@@ -67,7 +67,7 @@ std::string hd_hint(std::uint32_t code) {
     case kHdInvalidLicense:
       return "install the licence with the vendor's tool, or take OpenHaptics' developer edition";
     case kHdInvalidOperation: return "it does not fit this device: see device.touch";
-    default: return {};
+    default: return "";
   }
 }
 

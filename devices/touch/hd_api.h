@@ -79,7 +79,7 @@ struct HdApi {
 Result<HdApi> load_hd(const std::string& library);
 
 // What a person can do about an error; empty: nothing is known.
-std::string hd_hint(std::uint32_t code);
+const char* hd_hint(std::uint32_t code) noexcept;
 
 // "communication error (0x302, internal 7)", in the vendor's words.
 std::string hd_error_text(const HdApi& api, const HdError& error);

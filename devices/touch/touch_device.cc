@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <vector>
 
 #include "devices/omni/omni_data.h"
@@ -20,7 +21,6 @@ constexpr Nanos kTickPatience = 20 * kMillisecond;  // at 414 Hz, the slowest me
 constexpr Nanos kLetGo =
     500 * kMillisecond;                     // after an error, and as long to come back; our choice
 constexpr Nanos kLook = 20 * kMillisecond;  // whether it still turns
-constexpr Nanos kReopenPause = 100 * kMillisecond;  // between two attempts, as for other devices
 // It is asked for calibration and temperature so often; both change over seconds.
 constexpr std::uint64_t kHomingTicks = 50, kHeatTicks = 100;
 // The library's own estimate; at 1 the motor has to rest.
@@ -93,15 +93,16 @@ Status TouchDevice::begin(bool again) {
 void TouchDevice::watch() noexcept {
   std::uint64_t seen = 0;
   Nanos bad = 0, next = -kForever;
+  const Nanos look = std::min(kLook, options_.reopen_pause);
   while (!stopping_.load(std::memory_order_relaxed)) {
-    sleep_until(monotonic_now() + kLook);
+    sleep_until(monotonic_now() + look);
     const bool turned = std::exchange(seen, turns_.load(std::memory_order_acquire)) != seen;
-    bad = turned && !failing_.load(std::memory_order_relaxed) ? 0 : bad + kLook;
+    bad = turned && !failing_.load(std::memory_order_relaxed) ? 0 : bad + look;
     if (running_ && bad < options_.lost_after) continue;
     end();
     if (monotonic_now() < next) continue;
     if (begin(true)) bad = 0;
-    next = monotonic_now() + kReopenPause;
+    next = monotonic_now() + options_.reopen_pause;
   }
 }
 
@@ -169,7 +170,7 @@ Status TouchDevice::start(bool again) {
     sleep_until(monotonic_now() + kMillisecond);
   }
   return Status::error("Touch: its scheduler does not run: no tick in a second; " +
-                       hd_hint(kHdTimerError));
+                       std::string(hd_hint(kHdTimerError)));
 }
 
 void TouchDevice::servo() noexcept {
@@ -281,6 +282,27 @@ HapticSample TouchDevice::read(Nanos) noexcept {
   sample.force_missed = gate_.missed();
   sample.valid = sample.valid && monotonic_now() - tick_.at <= kTickPatience;
   return sample;
+}
+
+DeviceTrouble TouchDevice::trouble() const noexcept {
+  const auto said = [](const char* text) { return fixed_text<DeviceTrouble>(text); };
+  if (!open_) return said("it is not open");
+  if (loses_device(tick_.error.code)) {
+    DeviceTrouble out{};
+    std::snprintf(out.data(), out.size(), "error 0x%x of its library; %s", tick_.error.code,
+                  hd_hint(tick_.error.code));
+    return out;
+  }
+  if (monotonic_now() - tick_.at > kTickPatience) {
+    return said("its library gives no readings; look at cable and power");
+  }
+  switch (tick_.homing) {
+    case TouchHoming::kByItself: return said("it is not homed yet, and does so by itself");
+    case TouchHoming::kInkwell: return said("it is not homed: put the stylus into the inkwell");
+    case TouchHoming::kByHand: return said("it is not homed: do as the vendor's manual says");
+    case TouchHoming::kDone: break;
+  }
+  return said("its library gives no pose; look at its cable, and the vendor's diagnostic");
 }
 
 void TouchDevice::write(const Wrench& f_H_M) noexcept {

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "devices/haptic_device.h"
+#include "devices/input/reopen_pause.h"
 #include "devices/input/turn_gate.h"
 #include "devices/touch/hd_api.h"
 
@@ -20,6 +21,7 @@ struct TouchOptions {
   // One that fails in each turn, or does not turn, for so long is opened again; longer than a dip
   // of the bus. Our choice.
   Nanos lost_after = 500 * kMillisecond;
+  Nanos reopen_pause = kReopenPause;  // from a millisecond on
 };
 
 // Where it is with its own calibration.
@@ -66,6 +68,7 @@ class TouchDevice final : public HapticDevice {
   // for a second. A device that is not homed is opened.
   Status open() override;
   HapticSample read(Nanos now) noexcept override;
+  DeviceTrouble trouble() const noexcept override;
   Nanos wait(Nanos due) noexcept override;
   void write(const Wrench& f_H_M) noexcept override;
   void close() noexcept override;

@@ -23,7 +23,7 @@ std::optional<pb::Reply> OrderDesk::check_engaged(const Pending& waiting) {
   const bool its = out.reason == Reason::kNone || out.reason == Reason::kHoming;
   const Reason why = its && slave_.reason != Reason::kNone ? slave_.reason : out.reason;
   order(plain(OrderKind::kDisengage), [](pb::Reply) {});
-  return refused(reason_text(why, out.peer_fault) + with_colon(link_problem()));
+  return refused(reason_text(why, *report_) + with_colon(link_problem()));
 }
 
 void OrderDesk::engage(bool hold, ReplyTo reply, StillWaits waits) {
@@ -95,7 +95,7 @@ std::optional<pb::Reply> OrderDesk::check_gripped(const Pending& order) const {
   const HapticOutput& out = report_->out;
   if (out.link.grip != order.grip) {
     const bool over = !follows(out.link.state) && out.link.state != SessionState::kHold;
-    return refused(over ? "not engaged any more: " + reason_text(out.reason, out.peer_fault)
+    return refused(over ? "not engaged any more: " + reason_text(out.reason, *report_)
                         : "another order to the gripper came after this one");
   }
   if (is_as_wanted(order.grip, slave_.gripper)) return done();
@@ -108,9 +108,9 @@ std::optional<pb::Reply> OrderDesk::check_gripped(const Pending& order) const {
 void OrderDesk::hold_alive(ReplyTo reply) {
   const bool over = !report_ || report_->out.link.desired == Desired::kOff;
   if (!hold_ || over) {
-    const Reason why = report_ ? report_->out.reason : Reason::kNone;
-    const Reason cause = report_ ? report_->out.peer_fault : Reason::kNone;
-    return reply(refused("not engaged any more: " + reason_text(why, cause)));
+    const std::string why =
+        report_ ? reason_text(report_->out.reason, *report_) : describe(Reason::kNone);
+    return reply(refused("not engaged any more: " + why));
   }
   hold_heard_ = now_;
   reply(done());

@@ -97,6 +97,7 @@ void HapticLoop::take_slave(Nanos now) noexcept {
 
 void HapticLoop::read_hand(Nanos now) noexcept {
   tick_.in.hand = hand_reading(device_.read(now));
+  report_.trouble = tick_.in.hand.valid ? DeviceTrouble() : device_.trouble();
   missed_ += tick_.in.hand.force_missed ? 1 : 0;
 }
 

@@ -58,6 +58,8 @@ struct HapticReport {
   Pose X_MH;
   WallReport walls;
   HandleForce handle;
+  // Why the newest reading of the device is not valid; empty: it is, or the device does not say.
+  DeviceTrouble trouble{};
   bool hand_moving = false;
   bool scene_pending = false;     // a scene waits for the session to be off
   std::uint64_t scene_epoch = 0;  // scenes taken over so far

@@ -7,6 +7,7 @@
 #include "server/link/granted.h"
 #include "server/link/link_server.h"
 #include "server/link/session_watch.h"
+#include "server/master/handle/device_watch.h"
 #include "server/master/loop_news.h"
 
 namespace handrail {
@@ -64,9 +65,12 @@ class MasterServer final : public IoServer {
     if (!loop_.report()) return;
     const HapticReport& report = *loop_.report();
     if (!report.walls.present) say_alone(now);
+    if (const auto line = device_.line(now, report.trouble)) {
+      say(!text_of(report.trouble).empty(), *line);
+    }
     if (alive_) alive_(now, now <= report.good_until);
     const HapticOutput& out = report.out;
-    const auto why = [&out](Reason reason) { return reason_text(reason, out.peer_fault); };
+    const auto why = [&report](Reason reason) { return reason_text(reason, report); };
     if (const auto line = session_.step(now, out.link.state, out.reason, why)) {
       say(out.link.state == SessionState::kFault, *line);
     }
@@ -112,6 +116,7 @@ class MasterServer final : public IoServer {
   LoopNews loop_;
   std::optional<HandleWatch> handle_;
   SessionWatch session_;
+  DeviceWatch device_;
   Nanos alone_since_ = kForever;
   bool said_alone_ = false;
   std::function<void(Nanos, bool)> alive_;

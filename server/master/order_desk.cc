@@ -286,7 +286,7 @@ void OrderDesk::settle(const OrderAnswer& answer, Pending order) {
   if (answer.result != Reason::kNone) {
     std::string text = distance_text(answer, order.tool);
     if (text.empty())
-      text = reason_text(answer.result, report_ ? report_->out.peer_fault : Reason::kNone);
+      text = report_ ? reason_text(answer.result, *report_) : describe(answer.result);
     if (answer.result == Reason::kOtherMaster && link_.refused(now_)) text = unheard();
     if (bad_link && report_ && answer.result == Reason::kLinkQuality) {
       text = link_quality_text(report_->out, link_, now_);

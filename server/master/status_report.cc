@@ -62,7 +62,7 @@ std::string robot_reason(const HapticReport& report, const SlaveState& slave,
                          const LinkSnapshot& link, bool known, Nanos now) {
   if (link.refused(now)) return other_master_text(link, now);
   const HapticOutput& out = report.out;
-  if (out.reason != Reason::kNone) return reason_text(out.reason, out.peer_fault);
+  if (out.reason != Reason::kNone) return reason_text(out.reason, report);
   return describe(known ? slave.reason : Reason::kNoPeer);
 }
 
@@ -129,9 +129,12 @@ void show_walls(const WallReport& walls, pb::WallStatus& s) {
   s.set_screw_c(walls.screw_c);
 }
 
-std::string reason_text(Reason reason, Reason peer_fault) {
-  const bool of_slave = reason == Reason::kPeerFault && peer_fault != Reason::kNone;
-  return describe(reason) + (of_slave ? std::string(": ") + describe(peer_fault) : "");
+std::string reason_text(Reason reason, const HapticReport& report) {
+  std::string more;
+  if (reason == Reason::kDeviceInvalid) more = text_of(report.trouble);
+  const Reason fault = report.out.peer_fault;
+  if (reason == Reason::kPeerFault && fault != Reason::kNone) more = describe(fault);
+  return describe(reason) + (more.empty() ? "" : ": " + more);
 }
 
 std::string other_master_text(const LinkSnapshot& link, Nanos now) {
@@ -284,6 +287,15 @@ void show_joints(const ArmGeometry& arm, const SlaveState& slave, pb::Status& st
   set_joints(status.mutable_joints_commanded_deg(), q);
 }
 
+namespace {
+
+// Of a slave's fault the word alone, as `reason` says why.
+std::string intervention_text(Reason reason, const HapticReport& report) {
+  return reason == Reason::kPeerFault ? describe(reason) : reason_text(reason, report);
+}
+
+}  // namespace
+
 pb::Status status_report(const MasterIdentity& identity, const HapticReport& report,
                          const SlaveState& slave, const LinkSnapshot& link, Nanos now) {
   pb::Status s;
@@ -319,13 +331,16 @@ pb::Status status_report(const MasterIdentity& identity, const HapticReport& rep
   set_haptic(identity, *s.mutable_haptic());
   s.set_scene_epoch(report.scene_epoch);
   s.set_hand_moving(report.hand_moving);
+  if (const auto trouble = text_of(report.trouble); !trouble.empty()) {
+    s.set_device_trouble(std::string(trouble));
+  }
   if (known) {
     for (const std::string& text : hash_mismatches(out.link, slave)) s.add_hash_mismatch(text);
   }
   if (report.walls.present) show_walls(report.walls, *s.mutable_walls());
   for (int i = 1; i < static_cast<int>(Reason::kCount); ++i) {
     const auto reason = static_cast<Reason>(i);
-    if (out.reasons.has(reason)) s.add_interventions(describe(reason));
+    if (out.reasons.has(reason)) s.add_interventions(intervention_text(reason, report));
   }
   s.set_time_s(to_seconds(now));
   return s;

@@ -46,8 +46,8 @@ void show_joints(const ArmGeometry& arm, const SlaveState& slave, pb::Status& st
 // What the loop says of the walls; the scene's names are others' to add.
 void show_walls(const WallReport& walls, pb::WallStatus& status);
 
-// `reason` in words; of a slave in fault also why it is: HapticOutput::peer_fault.
-std::string reason_text(Reason reason, Reason peer_fault);
+// `reason` in words; of a slave in fault also why it is, and of a device what it says of itself.
+std::string reason_text(Reason reason, const HapticReport& report);
 
 // "the slave is led by another master (process 4711 on this computer, for 12 s)". Only of a link
 // that is refused at `now`.

@@ -187,6 +187,7 @@ void set_sentence(pb::Ledger* out, const HapticReport& report, const SlaveState&
     const auto said = [&](Reason reason) -> std::string {
       if (reason == Reason::kOtherMaster) return other_master_text(link, now);
       if (reason == Reason::kLinkQuality) return link_quality_text(report.out, link, now);
+      if (reason == Reason::kDeviceInvalid) return reason_text(reason, report);
       return describe(reason);
     };
     std::string text = "the arm holds: " + said(why);

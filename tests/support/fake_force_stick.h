@@ -55,6 +55,7 @@ class FakeForceStick final : public FakeGamepad {
     Effect& effect = effects_[event.code];
     effect.on = event.value != 0;
     effect.plays += effect.on ? 1 : 0;
+    plays_ += effect.on ? 1 : 0;
     return true;
   }
 
@@ -74,6 +75,11 @@ class FakeForceStick final : public FakeGamepad {
   std::map<int, Effect> effects() {
     const std::lock_guard lock(mutex_);
     return effects_;
+  }
+  // Times that any effect was played, those that are erased among them.
+  int plays() {
+    const std::lock_guard lock(mutex_);
+    return plays_;
   }
   int erased() {
     const std::lock_guard lock(mutex_);
@@ -142,7 +148,7 @@ class FakeForceStick final : public FakeGamepad {
   std::map<int, Effect> effects_;
   std::set<int> live_;  // descriptors of the device as it is plugged in
   std::map<int, int> set_;
-  int erased_ = 0, slots_ = 16, refused_ = 0;
+  int erased_ = 0, plays_ = 0, slots_ = 16, refused_ = 0;
   bool gone_ = false;
 };
 

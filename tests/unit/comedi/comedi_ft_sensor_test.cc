@@ -144,6 +144,22 @@ TEST_F(ComediFtSensorTest, UnpluggedAHundredTimesItSaysSoAndGoesOn) {
   EXPECT_EQ(card([](ComediState& s) { return s.open_devices; }), 1);
 }
 
+TEST_F(ComediFtSensorTest, ACardThatIsWaitedForMayComeLater) {
+  options.waits = true;
+  options.reopen_pause = kMillisecond;
+  card([](ComediState& s) { s.open_error = ENOENT; });
+  ASSERT_NO_FATAL_FAILURE(start());
+  EXPECT_TRUE(take_until([](const FtSample& s) { return s.status == kFtLost; }));
+  EXPECT_TRUE(says("bad: force sensor: comedi: /dev/comedi0: cannot be opened: No such file"));
+  card([](ComediState& s) { s.open_error = 0; });
+  EXPECT_TRUE(reads());
+  sensor->stop();
+  for (const std::string& line : said) EXPECT_EQ(line.find("is gone"), std::string::npos) << line;
+  options.waits = false;
+  card([](ComediState& s) { s.open_error = ENOENT; });
+  EXPECT_THAT(start_error(), HasSubstr("cannot be opened: No such file"));
+}
+
 TEST_F(ComediFtSensorTest, AnAxisAtItsEndIsAStatusOfItsOwn) {
   ASSERT_NO_FATAL_FAILURE(start());
   ASSERT_TRUE(reads());

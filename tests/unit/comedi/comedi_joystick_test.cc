@@ -4,11 +4,12 @@
 #include <gmock/gmock.h>
 
 #include <cerrno>
+#include <cmath>
 #include <utility>
 
 #include "devices/comedi/comedi_joystick_driver.h"
 #include "tests/support/no_allocation.h"
-#include "tests/unit/comedi/comedi_bench.h"
+#include "tests/unit/comedi/joystick_bench.h"
 
 namespace handrail {
 namespace {
@@ -16,67 +17,7 @@ namespace {
 using test::ComediState;
 using ::testing::HasSubstr;
 
-class ComediJoystickTest : public test::ComediBench {
- protected:
-  void SetUp() override {
-    ComediBench::SetUp();
-    options.place = place;
-    options.homing = StickHoming::kCentre;
-    card([](ComediState& s) {
-      s.driver = "s626";
-      s.board = "s626";
-      s.subdevices = multi();
-    });
-  }
-  void TearDown() override {
-    device.reset();
-    test.reset();
-    // Whatever became of it, nothing pushes.
-    if (opened) {
-      EXPECT_EQ(volts(0), 0.0);
-      EXPECT_EQ(volts(1), 0.0);
-    }
-    ComediBench::TearDown();
-  }
-  void open() {
-    device = std::make_unique<ComediJoystick>(options);
-    const Status done = device->open();
-    ASSERT_TRUE(done) << done.message();
-    opened = true;
-  }
-  std::string open_error() {
-    ComediJoystick fails(options);
-    return fails.open().message();
-  }
-  HapticSample read() { return device->read(monotonic_now()); }
-  bool valid(bool wanted = true) {
-    return becomes([&] { return read().valid == wanted; });
-  }
-  // 2122 counts are 200 mm at the tip.
-  void turn(int motor, int counts) {
-    card([&](ComediState& s) {
-      s.subdevices[3].values[static_cast<std::size_t>(motor)] =
-          static_cast<unsigned int>(counts) & 0xffffff;
-    });
-  }
-  // At the output, to the nearest of its 65536 steps.
-  double volts(std::size_t channel) {
-    const unsigned int raw = card([&](ComediState& s) { return s.subdevices[1].values[channel]; });
-    return raw == 32768 ? 0.0 : -10.0 + 20.0 * raw / 65535.0;
-  }
-  // Keeps writing until the output is so.
-  bool pushes(std::size_t channel, double wanted, const Vec3& written) {
-    return becomes([&] {
-      device->write({written, Vec3::Zero()});
-      return std::abs(volts(channel) - wanted) < 2e-4;
-    });
-  }
-
-  ComediJoystickOptions options;
-  std::unique_ptr<ComediJoystick> device;
-  std::unique_ptr<SelfTest> test;
-  bool opened = false;
-};
+using ComediJoystickTest = test::JoystickBench;
 
 TEST_F(ComediJoystickTest, OpeningTakesAwayWhatWasLeftAtTheOutputs) {
   EXPECT_GT(volts(0), 5.0);
@@ -96,8 +37,7 @@ TEST_F(ComediJoystickTest, CountsAreTheTipsWay) {
   EXPECT_TRUE(read().X_MH.p.isZero(0.0));
   turn(0, 100 + 1000);
   turn(1, -200);
-  ASSERT_TRUE(becomes([&] { return read().X_MH.p.y() < 0.0; }));
-  EXPECT_TRUE(read().X_MH.p.isApprox(Vec3(0.0942478, -0.0188496, 0.0), 1e-5));
+  EXPECT_TRUE(comes_to({0.0942478, -0.0188496, 0.0}));
   options.counts_per_turn = {-10000.0, 20000.0};
   turn(0, 0);
   turn(1, 0);
@@ -105,8 +45,7 @@ TEST_F(ComediJoystickTest, CountsAreTheTipsWay) {
   ASSERT_TRUE(valid());
   turn(0, 1000);
   turn(1, -200);
-  ASSERT_TRUE(becomes([&] { return read().X_MH.p.y() < 0.0; }));
-  EXPECT_TRUE(read().X_MH.p.isApprox(Vec3(-0.0942478, -0.0094248, 0.0), 1e-5));
+  EXPECT_TRUE(comes_to({-0.0942478, -0.0094248, 0.0}));
 }
 
 TEST_F(ComediJoystickTest, ItsVelocityIsThatOfTheTip) {
@@ -166,18 +105,137 @@ TEST_F(ComediJoystickTest, BeforeItIsHomedNothingIsValidAndNothingPushes) {
   }
   ASSERT_TRUE(becomes([&] { return (void)read(), device->tick().reached[0]; }));
   turn(1, -1000);
-  ASSERT_TRUE(becomes([&] { return (void)read(), device->tick().seen[1] > 0.09; }));
-  turn(1, 1100);
+  ASSERT_TRUE(becomes([&] { return (void)read(), device->tick().seen[1] > 0.0942; }));
+  turn(1, 1080);  // the last count reaches the stop
   ASSERT_TRUE(valid());
   EXPECT_NEAR(read().X_MH.p.x(), 655 * kJoystickResolution, 1e-6);
-  EXPECT_NEAR(read().X_MH.p.y(), 1050 * kJoystickResolution, 1e-6);
+  EXPECT_NEAR(read().X_MH.p.y(), 1040 * kJoystickResolution, 1e-6);
   EXPECT_TRUE(pushes(0, 1.18421, Vec3(3.0, 0.0, 0.0)));
-  // Further than there is room for: counts are wrong, and the force goes.
-  turn(1, 1500);
-  EXPECT_TRUE(valid(false));
-  device->write({Vec3(3.0, 0.0, 0.0), Vec3::Zero()});
-  EXPECT_TRUE(becomes([&] { return volts(0) == 0.0; }));
-  EXPECT_TRUE(device->tick().too_far);
+}
+
+// 220 mm are the most that there is room for, and from -1060 to 1400 counts are 232.
+TEST_F(ComediJoystickTest, OneThatGoesFurtherThanItCanLetsGoSaysSoAndIsHomedAnew) {
+  options.homing = StickHoming::kStops;
+  ASSERT_NO_FATAL_FAILURE(open());
+  EXPECT_FALSE(read().valid);
+  EXPECT_THAT(trouble(), HasSubstr("not homed: move it to its four stops"));
+  for (const int motor : {0, 1}) {
+    turn(motor, -1060);
+    turn(motor, 1060);
+  }
+  ASSERT_TRUE(valid());
+  ASSERT_TRUE(pushes(0, 1.18421, Vec3(3.0, 0.0, 0.0)));
+  turn(1, 1400);
+  ASSERT_TRUE(valid(false));
+  EXPECT_EQ(volts(0), 0.0);
+  EXPECT_THAT(trouble(), HasSubstr("from stop to stop are 200; counts_per_turn, travel_mm, or"));
+  ASSERT_TRUE(becomes([&] { return (void)read(), device->tick().there; }));
+  EXPECT_THAT(trouble(), HasSubstr("it went 200 by 22"));
+  EXPECT_THAT(trouble(), HasSubstr("; then move it to its four stops"));
+  // Homed anew it goes on, without the master ending.
+  turn(0, -1060);
+  turn(1, 1400 - 2120);
+  ASSERT_TRUE(valid());
+  EXPECT_EQ(device->tick().losses, 1u);
+  EXPECT_EQ(text_of(device->tick().lost_for), "");
+  EXPECT_TRUE(pushes(0, 1.18421, Vec3(3.0, 0.0, 0.0)));
+}
+
+// 300 counts are 28.3 mm.
+TEST_F(ComediJoystickTest, CountsThatLeapLoseTheCard) {
+  for (const int motor : {0, 1}) {
+    for (const int way : {300, -300}) {
+      options.homing = motor == 0 ? StickHoming::kStops : StickHoming::kCentre;
+      options.reopen_pause = 200 * kMillisecond;
+      turn(motor, 0);
+      ASSERT_NO_FATAL_FAILURE(open());
+      leap(motor, way);
+      ASSERT_TRUE(becomes([&] { return (void)read(), device->tick().losses == 1; }));
+      EXPECT_FALSE(read().valid);
+      const std::string said = trouble();
+      EXPECT_THAT(said, HasSubstr(motor == 0 ? "its encoder right-left leapt by "
+                                             : "its encoder up-down leapt by "));
+      EXPECT_THAT(said, HasSubstr(way > 0 ? "by 300 counts, 28.3 mm, in "
+                                          : "by -300 counts, -28.3 mm, in "));
+      EXPECT_THAT(said, HasSubstr("m/s, and at most 10 are a hand's; look at its cable"));
+    }
+  }
+}
+
+TEST_F(ComediJoystickTest, AThreadThatWasLateTakesNoWayForALeap) {
+  ASSERT_NO_FATAL_FAILURE(open());
+  ASSERT_TRUE(valid());
+  // The card answers late: its lock is held for so long as a hand takes for the way.
+  card([&](ComediState& s) {
+    sleep_until(monotonic_now() + 60 * kMillisecond);
+    s.subdevices[3].values[0] = 300;
+  });
+  ASSERT_TRUE(becomes([&] { return read().X_MH.p.x() > 0.028; }));
+  EXPECT_EQ(device->tick().losses, 0u);
+}
+
+// A coarse encoder's only count is 9.4 mm.
+TEST_F(ComediJoystickTest, ASingleCountIsNoLeap) {
+  options.counts_per_turn = {100.0, 100.0};
+  ASSERT_NO_FATAL_FAILURE(open());
+  ASSERT_TRUE(valid());
+  for (int i = 1; i <= 20; ++i) {
+    leap(0, i % 2);
+    sleep_until(monotonic_now() + 5 * kMillisecond);
+  }
+  ASSERT_TRUE(valid());
+  EXPECT_EQ(device->tick().losses, 0u);
+}
+
+// What the card was told last stays at its outputs: nobody else may write to it.
+TEST_F(ComediJoystickTest, AReadingThatBlocksIsSaidAndTheVoltageStaysMeanwhile) {
+  ASSERT_NO_FATAL_FAILURE(open());
+  ASSERT_TRUE(valid());
+  ASSERT_TRUE(pushes(0, 1.18421, Vec3(3.0, 0.0, 0.0)));
+  card([&](ComediState& s) {
+    for (int i = 0; i < 300; ++i) {
+      device->write({Vec3(3.0, 0.0, 0.0), Vec3::Zero()});
+      (void)read();
+      sleep_until(monotonic_now() + kMillisecond);
+    }
+    EXPECT_FALSE(read().valid);
+    EXPECT_EQ(trouble(), "its thread has not come back from the card; sudo dmesg | grep comedi");
+    EXPECT_GT(s.subdevices[1].values[0], 36000u);  // 1.18 V
+  });
+  ASSERT_TRUE(valid());
+  EXPECT_EQ(device->tick().losses, 0u);
+}
+
+TEST_F(ComediJoystickTest, ACardThatTakesNoTorqueKeepsItsVoltageUntilItTakesSomeAgain) {
+  options.reopen_pause = kMillisecond;
+  ASSERT_NO_FATAL_FAILURE(open());
+  ASSERT_TRUE(valid());
+  ASSERT_TRUE(pushes(0, 1.18421, Vec3(3.0, 0.0, 0.0)));
+  card([](ComediState& s) { s.write_error = EIO; });
+  ASSERT_TRUE(valid(false));
+  EXPECT_EQ(trouble(), "it takes no torque: Input/output error; sudo dmesg | grep comedi");
+  sleep_until(monotonic_now() + 100 * kMillisecond);
+  EXPECT_GT(volts(0), 0.5) << "as it was";
+  card([](ComediState& s) { s.write_error = 0; });
+  ASSERT_TRUE(valid());
+  EXPECT_EQ(volts(0), 0.0);
+}
+
+TEST_F(ComediJoystickTest, ACardThatIsGoneIsNamed) {
+  ASSERT_NO_FATAL_FAILURE(open());
+  ASSERT_TRUE(valid());
+  card([](ComediState& s) { s.open_error = ENOENT, s.read_error = ENODEV; });
+  ASSERT_TRUE(valid(false));
+  EXPECT_EQ(trouble(), "its encoders cannot be read: No such device; sudo dmesg | grep comedi");
+  card([](ComediState& s) { s.open_error = s.read_error = 0; });
+  ASSERT_TRUE(valid());
+  card([](ComediState& s) { s.open_error = ENOENT, s.write_error = EIO; });
+  ASSERT_TRUE(valid(false));
+  EXPECT_EQ(trouble(), "it takes no torque: Input/output error; sudo dmesg | grep comedi");
+  card([](ComediState& s) { s.open_error = s.write_error = 0; });
+  ASSERT_TRUE(valid());
+  device->close();
+  EXPECT_EQ(trouble(), "it is not open");
 }
 
 TEST_F(ComediJoystickTest, ButtonsAreDigitalInputs) {
@@ -306,94 +364,6 @@ TEST_F(ComediJoystickTest, LookingForItSetsNothing) {
   ASSERT_EQ(none.size(), 1u);
   EXPECT_EQ(none[0].readiness, Readiness::kAbsent);
   EXPECT_EQ(none[0].next, "sudo apt-get install libcomedi0");
-}
-
-class JoystickTrialTest : public ComediJoystickTest {
- protected:
-  TestItem item(const std::string& check) const {
-    for (const TestItem& one : test->items()) {
-      if (one.check == check) return one;
-    }
-    return {"", Verdict::kNotSeen, "", ""};
-  }
-  // Time runs ahead of the thread's: a turn each millisecond is `pace`, or three where it pushes.
-  bool run(const std::function<bool()>& what, Nanos pace = 10 * kMillisecond) {
-    for (int i = 0; i < 20'000; ++i) {
-      const bool pushes = test->asks().starts_with("hold it loosely");
-      if (!test->turn(now += pushes ? 3 * kMillisecond : pace)) return true;
-      if (what()) return false;
-      sleep_until(monotonic_now() + kMillisecond);
-    }
-    ADD_FAILURE() << "it does not end: " << test->asks();
-    return true;
-  }
-  Nanos now = kSecond;
-};
-
-TEST_F(JoystickTrialTest, ItIsHomedByHandAndThenLookedAtWithAForce) {
-  options.homing = StickHoming::kStops;
-  auto started = ComediJoystickDriver(options).test({.alone = false, .force = 2.0});
-  ASSERT_TRUE(started) << started.message();
-  opened = true;
-  test = std::move(*started);
-  EXPECT_THAT(test->asks(), HasSubstr("both of its stops, right-left"));
-  int step = 0;
-  EXPECT_FALSE(run([&] {
-    ++step;
-    turn(0, step < 30 ? -1070 : step < 60 ? 1070 : 0);
-    turn(1, step < 90 ? 0 : step < 120 ? -1070 : step < 150 ? 1070 : 0);
-    return step > 180;
-  }));
-  EXPECT_EQ(item("homing").verdict, Verdict::kOk) << item("homing").fact;
-  double x = 0.0, y = 0.0;  // [counts]
-  std::string asked;
-  run([&] {
-    if (test->asks() == "move it right") x += 2.0;
-    if (test->asks() == "move it up") y += 2.0;
-    // A hand of 10 counts a volt gives way.
-    turn(0, static_cast<int>(x + 100.0 * volts(0)));
-    turn(1, static_cast<int>(y + 100.0 * volts(1)));
-    return false;
-  });
-  for (const char* check : {"move.right", "move.up", "force.right", "force.up"}) {
-    EXPECT_EQ(item(check).verdict, Verdict::kOk) << check << ": " << item(check).fact;
-  }
-  EXPECT_EQ(item("move.toward").check, "");
-  EXPECT_EQ(item("card").verdict, Verdict::kOk);
-  EXPECT_THAT(test->block(), HasSubstr("device { kind: JOYSTICK joystick { library: "));
-}
-
-TEST_F(JoystickTrialTest, OneThatNobodyHomesIsSaid) {
-  options.homing = StickHoming::kStops;
-  auto started = ComediJoystickDriver(options).test({});
-  ASSERT_TRUE(started) << started.message();
-  opened = true;
-  test = std::move(*started);
-  EXPECT_TRUE(run([] { return false; }, kSecond));
-  EXPECT_EQ(item("homing").verdict, Verdict::kBad);
-  EXPECT_THAT(item("homing").fact, HasSubstr("it went 0 by 0 mm of the 200"));
-}
-
-TEST_F(JoystickTrialTest, CalibrationFindsTheTravel) {
-  options.homing = StickHoming::kStops;
-  options.button_channels = {1};
-  options.encoder_subdevice = {3, 3};
-  auto started = ComediJoystickDriver(options).calibrate();
-  ASSERT_TRUE(started) << started.message();
-  opened = true;
-  test = std::move(*started);
-  int step = 0;
-  EXPECT_TRUE(run([&] {
-    ++step;
-    turn(0, step < 30 ? -1100 : step < 60 ? 1100 : 0);
-    turn(1, step < 90 ? 0 : step < 120 ? -1130 : step < 150 ? 1130 : 0);
-    return false;
-  }));
-  EXPECT_EQ(item("travel.right").verdict, Verdict::kOk);
-  EXPECT_THAT(item("travel.up").fact, HasSubstr("from stop to stop 213.0 mm"));
-  // 2200 counts are 207.3 mm.
-  EXPECT_THAT(test->block(), HasSubstr("encoder_subdevice: [3, 3] button_channel: [1] travel_mm: "
-                                       "207 } }"));
 }
 
 }  // namespace

@@ -38,6 +38,10 @@ TEST(DoctorDevices, TheMastersDeviceIsNamedAndWhetherItIsSimulated) {
   status(facts).set_device("SpaceMouse");
   status(facts).set_device_simulated(false);
   EXPECT_EQ(found(facts, "device.hand").fact, "the master's device is SpaceMouse");
+  status(facts).set_device_trouble("it is unplugged");
+  expect_found(facts, "device.hand", Level::kProblem,
+               "the master's device is SpaceMouse: it is unplugged",
+               "'handrail status' shows when it is heard again");
   facts.master.status.reset();
   EXPECT_FALSE(says(facts, "device.hand"));
 }

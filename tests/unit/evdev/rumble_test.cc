@@ -6,6 +6,7 @@
 
 #include "devices/evdev/gamepad_device.h"
 #include "server/base/clock.h"
+#include "server/base/pacer.h"
 #include "tests/support/fake_gamepad.h"
 #include "tests/support/no_allocation.h"
 #include "tests/support/read_bench.h"
@@ -39,6 +40,11 @@ class RumbleTest : public test::ReadBench {
   using Motors = FakeGamepad::Motors;
 
   RumbleTest() { kernel.make_pad(); }
+  // The kernel outlives each thread that uses it.
+  ~RumbleTest() override {
+    device.reset();
+    while (FeedbackThread::running() > 0) sleep_until(monotonic_now() + kMillisecond);
+  }
   void open(double share = 0.5) {
     GamepadOptions options;
     options.path = "/dev/input/event5";
@@ -105,6 +111,21 @@ TEST_F(RumbleTest, ClosingEndsIt) {
   device->close();
   EXPECT_TRUE(off());
   device->close();
+}
+
+TEST_F(RumbleTest, ClosingDoesNotWaitForAnUploadThatTheKernelHoldsUp) {
+  kernel.make_motors();
+  kernel.slow(std::chrono::seconds(2));
+  ASSERT_NO_FATAL_FAILURE(open());
+  int turns = 0;
+  ASSERT_TRUE(while_felt(contact, [&] { return ++turns > 100; }));
+  const Nanos began = monotonic_now();
+  device->close();
+  EXPECT_LT(to_seconds(monotonic_now() - began), 1.0);
+  device.reset();
+  ASSERT_TRUE(comes([this] { return !kernel.motors().empty(); }));
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  for (const Motors& told : kernel.motors()) EXPECT_FALSE(told.on) << "nobody is there";
 }
 
 TEST_F(RumbleTest, ASlowUploadKeepsNobodyWaiting) {

@@ -89,6 +89,7 @@ TEST_F(ForceStickDeviceTest, AnAxisThatReadsAsAtItsEndCountsOnceItHasMoved) {
   kernel.make({BTN_TRIGGER}, {{ABS_X, {0, 1023, 0, 0}}, {ABS_Y, {0, 1023, 1023, 0}}});
   ASSERT_NO_FATAL_FAILURE(open());
   EXPECT_FALSE(after(0.1).valid);
+  EXPECT_EQ(text_of(device->trouble()).substr(0, 31), "it reads as at its end, as some");
   kernel.axis(ABS_X, 300);
   EXPECT_FALSE(after(0.1).valid) << "Y has not";
   kernel.axis(ABS_Y, 600);
@@ -154,6 +155,7 @@ TEST_F(ForceStickDeviceTest, UnpluggedItIsNotValidAndComesBackWithoutALeap) {
   kernel.pull_out();
   ASSERT_TRUE(becomes(false));
   EXPECT_EQ(read().buttons, 0u);
+  EXPECT_EQ(text_of(device->trouble()), kUnpluggedInput);
   kernel.plug_in();
   ASSERT_TRUE(becomes(true));
   EXPECT_LT(read().X_MH.p.x(), 0.01);

@@ -6,6 +6,7 @@
 
 #include "devices/force_stick/force_stick.h"
 #include "server/base/clock.h"
+#include "server/base/pacer.h"
 #include "tests/support/fake_force_stick.h"
 #include "tests/support/no_allocation.h"
 #include "tests/support/read_bench.h"
@@ -39,6 +40,11 @@ class StickForceTest : public test::ReadBench {
     options.path = "/dev/input/event5";
     options.full = {4.0, 8.0};
     options.most_upload = 10.0;  // no upload is late, however slow this computer is
+  }
+  // The kernel outlives each thread that uses it.
+  ~StickForceTest() override {
+    device.reset();
+    while (FeedbackThread::running() > 0) sleep_until(monotonic_now() + kMillisecond);
   }
   void open() {
     device = std::make_unique<ForceStick>(options, kernel);
@@ -157,6 +163,27 @@ TEST_F(StickForceTest, ASlowUploadKeepsNobodyWaiting) {
     device->write({Vec3(0.001 * i, 0.0, 0.0), Vec3::Zero()});
     (void)device->pushed();
   }
+}
+
+// It comes back when nobody is there any more, pushes nobody then, and gives the slot back.
+TEST_F(StickForceTest, ClosingDoesNotWaitForAnUploadThatTheKernelHoldsUp) {
+  kernel.slow(std::chrono::seconds(2));
+  ASSERT_NO_FATAL_FAILURE(open());
+  int turns = 0;
+  ASSERT_TRUE(while_pushed({4.0, 0.0, 0.0}, [&] { return ++turns > 100; }));
+  const Nanos began = monotonic_now();
+  device->close();
+  EXPECT_LT(to_seconds(monotonic_now() - began), 1.0);
+  EXPECT_EQ(kernel.erased(), 0) << "it is held up";
+  // Opened again it is as ever, whatever becomes of the one before.
+  kernel.slow(std::chrono::milliseconds(0));
+  ASSERT_TRUE(device->open());
+  ASSERT_TRUE(while_pushed({4.0, 0.0, 0.0}, acting(1.0, 0.0)));
+  device.reset();
+  const int plays = kernel.plays();
+  ASSERT_TRUE(comes([this] { return kernel.erased() == 2; }));
+  EXPECT_EQ(kernel.plays(), plays);
+  EXPECT_TRUE(kernel.effects().empty());
 }
 
 TEST_F(StickForceTest, AnUploadThatIsLaterThanIsReckonedWithLetsGo) {

@@ -272,6 +272,18 @@ TEST_F(HapticLoopTest, AForceThatMissedItsTurnCountsAsAnOverrun) {
   EXPECT_EQ(report.overruns, 2u);
 }
 
+TEST_F(HapticLoopTest, ADeviceIsAskedWhyItsReadingIsNotValidAndOnlyThen) {
+  device.its_trouble = fixed_text<DeviceTrouble>("unplugged");
+  ticks(2);
+  EXPECT_EQ(text_of(report.trouble), "");
+  device.sample.valid = false;
+  ticks(1);
+  EXPECT_EQ(text_of(report.trouble), "unplugged");
+  device.sample.valid = true;
+  ticks(1);
+  EXPECT_EQ(text_of(report.trouble), "");
+}
+
 TEST_F(HapticLoopTest, TicksWithoutTouchingTheHeap) {
   pull_off_a_line();
   HapticSettings other = settings;

@@ -39,6 +39,7 @@ class ScriptedDevice : public HapticDevice {
     ++reads;
     return sample;
   }
+  DeviceTrouble trouble() const noexcept override { return its_trouble; }
   void lead(const CursorSample& cursor) noexcept override { led_to = cursor; }
   void write(const Wrench& f_H_M) noexcept override {
     written = f_H_M;
@@ -56,6 +57,7 @@ class ScriptedDevice : public HapticDevice {
   SteerableHand* hand() noexcept override { return has_hand ? &its_hand : nullptr; }
 
   HapticSample sample;
+  DeviceTrouble its_trouble{};
   CursorSample led_to;
   Hand its_hand;
   bool has_hand = true;

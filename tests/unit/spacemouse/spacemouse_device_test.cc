@@ -145,6 +145,7 @@ TEST_F(SpaceMouse, ADeviceThatIsUnpluggedIsNoReadingUntilItIsBack) {
   const HapticSample before = tick(device, 100);
   server.send(spnav_device(false));
   EXPECT_FALSE(tick(device).valid);
+  EXPECT_EQ(text_of(device.trouble()), "it is unplugged, as spacenavd says");
   EXPECT_EQ(tick(device, 100).buttons, 0u);
   server.send(spnav_device(true));
   const HapticSample after = tick(device);

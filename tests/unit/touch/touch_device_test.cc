@@ -251,9 +251,53 @@ TEST_F(TouchDeviceTest, AThreadThatStandsStillIsNoticed) {
   EXPECT_TRUE(valid());
 }
 
+// A tenth of the pause that is usual would be over long before.
+TEST_F(TouchDeviceTest, ItIsOpenedAgainAfterAPause) {
+  options.lost_after = 40 * kMillisecond;
+  options.reopen_pause = 400 * kMillisecond;
+  ASSERT_NO_FATAL_FAILURE(open());
+  hd([](HdState& s) { s.init_error = kHdCommError, s.tick_error = kHdCommError, s.opened = 0; });
+  const auto tries = [this] { return hd([](HdState& s) { return s.opened; }); };
+  ASSERT_TRUE(becomes([&] { return tries() > 0; }));
+  const int first = tries();
+  const Nanos began = monotonic_now();
+  ASSERT_TRUE(becomes([&] { return tries() > first + 3; }));
+  EXPECT_GE(monotonic_now() - began, 350 * kMillisecond);
+  hd([](HdState& s) { s.init_error = s.tick_error = 0; });
+  EXPECT_TRUE(valid());
+}
+
+TEST_F(TouchDeviceTest, ItSaysWhyThereIsNoReading) {
+  const auto trouble = [this] { return std::string(text_of(device->trouble())); };
+  ASSERT_NO_FATAL_FAILURE(open());
+  ASSERT_TRUE(valid());
+  hd([](HdState& s) { s.tick_error = kHdCommError; });
+  ASSERT_TRUE(valid(false));
+  EXPECT_THAT(trouble(), HasSubstr("of its library; look at cable and power"));
+  hd([](HdState& s) { s.tick_error = 0, s.turns = true; });
+  ASSERT_TRUE(valid());
+  hd([](HdState& s) { s.turns = false; });
+  ASSERT_TRUE(valid(false));
+  EXPECT_EQ(trouble(), "its library gives no readings; look at cable and power");
+  hd([](HdState& s) { s.turns = true, s.not_a_pose = true; });
+  ASSERT_TRUE(
+      becomes([&] { return (void)read(), trouble().starts_with("its library gives no pose"); }));
+  hd([](HdState& s) {
+    s.not_a_pose = false;
+    s.styles = kHdInkwell;
+    s.calibration = kHdNeedsManual;
+  });
+  ASSERT_NO_FATAL_FAILURE(open());
+  EXPECT_FALSE(read().valid);
+  EXPECT_EQ(trouble(), "it is not homed: put the stylus into the inkwell");
+  device->close();
+  EXPECT_EQ(trouble(), "it is not open");
+}
+
 // The cable, or the vendor's scheduler; homing is asked anew each time.
 TEST_F(TouchDeviceTest, LostAHundredTimesItIsOpenedAgainByItself) {
   options.lost_after = 40 * kMillisecond;
+  options.reopen_pause = kMillisecond;
   ASSERT_NO_FATAL_FAILURE(open());
   for (int i = 0; i < 100; ++i) {
     ASSERT_TRUE(valid()) << i;
