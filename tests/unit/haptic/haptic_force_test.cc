@@ -299,6 +299,7 @@ TEST(HapticTorque, IsNoStifferThanTheDeviceHolds) {
 
 TEST(HapticTorque, IsGoneWhereTheLoopIsTooSlowForForce) {
   HapticRig rig;
+  rig.settings.ladder.fade_loop = 300 * kMillisecond;
   rig.settings.has_torque = true;
   rig.settings.max_torque = 0.1;
   rig.engage();
