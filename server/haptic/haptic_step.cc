@@ -240,13 +240,16 @@ GovernedForces govern(const HapticSettings& settings, const HapticInput& in, con
   const RenderedForce tool{force_share * (wanted.tool + wanted.surface),
                            force_share * (wanted.tool_spring + wanted.surface),
                            force_share * wanted.stiffness};
+  GovernedForces out{s.governor.govern(settings.governor, tool, moved.by, dt, missed),
+                     s.tank.govern(settings.governor, force_share * wanted.spring,
+                                   settings.spring_stiffness, moved.by, dt, missed),
+                     {}};
+  if (!settings.has_torque) return out;
   const Vec3 torque = force_share * wanted.torque;
-  return {s.governor.govern(settings.governor, tool, moved.by, dt, missed),
-          s.tank.govern(settings.governor, force_share * wanted.spring, settings.spring_stiffness,
-                        moved.by, dt, missed),
-          s.turn_governor.govern(settings.turn_governor,
-                                 {torque, torque, force_share * wanted.torque_stiffness},
-                                 moved.turn, dt, missed)};
+  out.torque = s.turn_governor.govern(settings.turn_governor,
+                                      {torque, torque, force_share * wanted.torque_stiffness},
+                                      moved.turn, dt, missed);
+  return out;
 }
 
 // The device's force and torque. `moved`: of the hand in this tick; `trust`: in what is

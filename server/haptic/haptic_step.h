@@ -158,6 +158,7 @@ struct ForceState {
   void cut() noexcept {
     arbiter.cut();
     governor.restart();
+    torque.setZero();
     turn_governor.restart();
     tank.restart();
   }

@@ -67,12 +67,12 @@ GovernorSettings governor_of(const DeviceDynamics& device, double peak, bool on)
   GovernorSettings out;
   out.on = on && peak > 0.0;
   out.peak = peak;
-  // What a device takes up whose mass, counts or delay are not known is not known either.
   const double late = device.delay / out.period;
-  const bool known = device.mass > 0.0 && device.resolution > 0.0;
-  if (!(known && late >= 0.0 && late <= kMostForceDelay)) return out;
+  if (!(late >= 0.0 && late <= kMostForceDelay)) return out;
   out.delay = static_cast<int>(late);
   out.late = late - out.delay;
+  // What a device takes up whose mass or counts are not known is not known either.
+  if (!(device.mass > 0.0 && device.resolution > 0.0)) return out;
   out.friction = std::max(device.friction, 0.0);
   out.damping = std::max(device.damping, 0.0);
   return out;

@@ -53,6 +53,7 @@ const char* name_of(Bound bound) noexcept {
     case Bound::kForceCut: return "force without a reading";
     case Bound::kForcePeak: return "force";
     case Bound::kTorqueStep: return "step of the torque";
+    case Bound::kTorqueCut: return "torque without a reading";
     case Bound::kTorquePeak: return "torque";
     case Bound::kCommandStep: return "step of the command";
     case Bound::kCommandTurn: return "turn of the command";
@@ -69,6 +70,7 @@ const char* unit_of(Bound bound) noexcept {
     case Bound::kForceCut:
     case Bound::kForcePeak: return "N";
     case Bound::kTorqueStep:
+    case Bound::kTorqueCut:
     case Bound::kTorquePeak: return "N m";
     case Bound::kCommandStep: return "m";
     case Bound::kCommandTurn: return "rad";
@@ -157,10 +159,11 @@ void Watch::see_torque(const HapticInput& in, double dt, bool hand_ok, double tu
                        const HapticOutput& out) {
   const Vec3& torque = out.f_H_M.torque;
   judge(Bound::kTorquePeak, torque.norm(), settings_.max_torque);
+  if (!hand_ok) return judge(Bound::kTorqueCut, torque.norm(), 0.0);
   double allowed = settings_.max_torque * dt / settings_.force.fade_out;
   if (settings_.has_torque) {
     allowed += kRounding;
-    if (hand_ok && trusted(in, out.link.state))
+    if (trusted(in, out.link.state))
       allowed += torque_stiffness_of(settings_, out.link.orientation_tool) * turned;
   }
   judge(Bound::kTorqueStep, (torque - wrench_.torque).norm(), allowed);

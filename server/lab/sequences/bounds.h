@@ -14,6 +14,7 @@ enum class Bound : std::uint8_t {
   kForceCut,     // the force of a tick without a reading of the hand, to be 0 [N]
   kForcePeak,    // [N]
   kTorqueStep,   // [N m]
+  kTorqueCut,    // as kForceCut [N m]
   kTorquePeak,   // [N m]
   kCommandStep,  // of the commanded tip between two ticks [m]
   kCommandTurn,  // [rad]
@@ -46,7 +47,7 @@ constexpr bool breaks(double ratio) noexcept { return !(ratio <= 1.0 + 1e-9); }
 //
 // Torque step: max_torque dt / fade_out, plus K |t| for a hand that turned by t since its last
 // reading, K of the orientation tool, or without one the settings', as far as the device holds it;
-// not while the reading, the link or the slave is not trusted.
+// not while the link or the slave is not trusted. A tick without a reading has no torque either.
 //
 // Command step. The mean of the last N samples moves by the Nth part of what entered less what
 // left, at most of the way of the hand in S over the last N ticks that it drove: proxies of tools

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "devices/omni/omni_data.h"
+#include "server/lab/sequences/played_slave.h"
 #include "server/master/haptic_settings.h"
 
 namespace handrail {
@@ -37,10 +38,8 @@ CaseRig::CaseRig(const std::string& name, bool governor)
   in_.hand.valid = true;
   in_.hand.X_MH.p = Vec3(0.01, -0.02, 0.03);
   in_.hand.X_MH.q = rotation_exp({0.3, -0.2, 0.5});
-  in_.slave.X_ST.p = Vec3(0.35, 0.05, 0.43);
-  in_.slave.X_ST.q = rotation_exp({0.1, 3.0, 0.2});
-  in_.slave.X_ST_command = in_.slave.X_ST;
-  in_.slave.has_pose = in_.slave_known = true;
+  in_.slave = played_slave({Vec3(0.35, 0.05, 0.43), rotation_exp({0.1, 3.0, 0.2})});
+  in_.slave_known = true;
   in_.slave_age = 0;
   tick(in_.hand.X_MH);  // says which scene and settings the slave has to share
   in_.order.kind = OrderKind::kEngage;
@@ -62,15 +61,7 @@ void CaseRig::tick(const Pose& X_MH) {
     const Judged& now = watch_.judged()[i];
     if (now.ratio > row_.worst[i].ratio) row_.worst[i] = now;
   }
-  const MasterState& link = out_.link;
-  SlaveState& slave = in_.slave;
-  slave.scene = link.scene;
-  slave.hashes = link.hashes;
-  slave.engagement_epoch = link.engagement_epoch;
-  slave.state = link.state == SessionState::kAligning || link.state == SessionState::kEngaged
-                    ? SessionState::kEngaged
-                    : SessionState::kOff;
-  if (link.state == SessionState::kEngaged) slave.X_ST = slave.X_ST_command = link.X_SU;
+  play_slave(out_.link, in_.slave);
 }
 
 void CaseRig::stand(int ticks) {

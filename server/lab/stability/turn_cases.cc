@@ -6,13 +6,13 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
-#include <utility>
 
 #include "devices/hand/hand_model.h"
 #include "devices/omni/omni_data.h"
 #include "server/base/random.h"
 #include "server/base/units.h"
 #include "server/haptic/haptic_step.h"
+#include "server/lab/sequences/played_slave.h"
 #include "server/lab/stability/bare_device.h"
 #include "server/lab/stability/bench_device.h"
 #include "server/lab/stability/contact_meter.h"
@@ -24,9 +24,9 @@
 namespace handrail {
 namespace {
 
-// Chosen: what it may be anyway, well below what a person feels at the fingertips.
-constexpr double kFine = 0.1 * kDeg;
-constexpr int kEngages = 50;  // ticks
+// What a swing may be anyway: two counts of what the device reads, as at walls [rad].
+constexpr double kFine = 2.0 * kOmniTurnResolution;
+constexpr int kEngages = 6;  // ticks that it takes
 
 // SI.
 struct TurnCell {
@@ -45,11 +45,13 @@ HapticSettings settings_of(const TurnCell& cell, const HapticCapabilities& devic
   return out;
 }
 
-// The hand's part of turning, passive. A light grip is an eighth of a firm one.
+// The hand's part of turning, passive. The simulated hand's grip is a light one; a firm one is as
+// many times as stiff as those that were measured along a stylus.
 PassiveGrip turning_grip(GripKind kind) {
   if (kind == GripKind::kNone) return {};
   const HandOptions hand;
-  const double stiffness = hand.rotation_stiffness * (kind == GripKind::kFirm ? 1.0 : 0.125);
+  const double stiffness =
+      hand.rotation_stiffness * (kind == GripKind::kFirm ? kFirmest / kLightest : 1.0);
   return {hand.rotation_inertia,
           2.0 * hand.rotation_damping_ratio * std::sqrt(stiffness * hand.rotation_inertia),
           stiffness, Vec2::Zero()};
@@ -90,10 +92,8 @@ TurnBench::TurnBench(const TurnCell& cell, std::uint64_t seed)
       body_({device_.turning.mass, device_.turning.damping, device_.turning.friction},
             turning_grip(cell.grip), Vec2::Zero()) {
   in_.hand.valid = true;
-  in_.slave.X_ST.p = {0.35, 0.05, 0.43};
-  in_.slave.X_ST.q = rotation_exp({std::numbers::pi, 0.0, 0.0});
-  in_.slave.X_ST_command = in_.slave.X_ST;
-  in_.slave.has_pose = in_.slave_known = true;
+  in_.slave = played_slave({Vec3(0.35, 0.05, 0.43), rotation_exp({std::numbers::pi, 0.0, 0.0})});
+  in_.slave_known = true;
   in_.slave_age = 0;
   step();  // says which scene and settings the slave has to share
   in_.order.kind = OrderKind::kEngage;
@@ -106,15 +106,7 @@ TurnBench::TurnBench(const TurnCell& cell, std::uint64_t seed)
 void TurnBench::step() {
   haptic_step(settings_, in_, period_, *state_, out_);
   in_.order = HapticOrder();
-  SlaveState& slave = in_.slave;
-  slave.engagement_epoch = out_.link.engagement_epoch;
-  slave.hashes = out_.link.hashes;
-  slave.scene = out_.link.scene;
-  const SessionState lead = out_.link.state;
-  slave.state = lead == SessionState::kAligning || lead == SessionState::kEngaged
-                    ? SessionState::kEngaged
-                    : SessionState::kOff;
-  if (lead == SessionState::kEngaged) slave.X_ST = slave.X_ST_command = out_.link.X_SU;
+  play_slave(out_.link, in_.slave);
 }
 
 void TurnBench::tick() {
@@ -154,9 +146,7 @@ std::vector<StabilityCase> turn_cases() {
   std::vector<StabilityCase> out;
   TurnCell cell;
   const auto put = [&out, &cell](const char* tool) {
-    for (const auto& [governing, name] :
-         {std::pair{Governing::kOff, "off"}, std::pair{Governing::kEnergy, "energy"},
-          std::pair{Governing::kOn, "on"}}) {
+    for (const auto& [governing, name] : kGoverning) {
       cell.governing = governing;
       out.push_back({fmt::format("turning/{}/{}/K{:g}/{:g}rad_s/{}", name_of(cell.grip), tool,
                                  cell.stiffness, cell.kick, name),

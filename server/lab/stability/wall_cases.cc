@@ -16,10 +16,6 @@ constexpr std::array kForms = {std::pair{WallForm::kWall, "wall"},
                                std::pair{WallForm::kCorner, "corner"},
                                std::pair{WallForm::kThin, "thin"}};
 
-constexpr std::array kGoverning = {std::pair{Governing::kOff, "off"},
-                                   std::pair{Governing::kEnergy, "energy"},
-                                   std::pair{Governing::kOn, "on"}};
-
 // Collects cells, each without and with what the master does for stability.
 class Cells {
  public:

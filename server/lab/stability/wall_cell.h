@@ -1,6 +1,8 @@
 // A bare device at walls and effects of the master's own step, kicked.
 #pragma once
 
+#include <array>
+#include <utility>
 #include <vector>
 
 #include "server/lab/stability/bench_device.h"
@@ -20,6 +22,10 @@ enum class Governing : std::uint8_t {
   kEnergy,  // what is made is taken back; all is rendered as stiff as the scene says
   kOn,      // as in the master: what the device cannot hold is less stiff, too
 };
+
+inline constexpr std::array kGoverning = {std::pair{Governing::kOff, "off"},
+                                          std::pair{Governing::kEnergy, "energy"},
+                                          std::pair{Governing::kOn, "on"}};
 
 enum class Lateness : std::uint8_t { kNone, kRandom, kPeriodic };
 

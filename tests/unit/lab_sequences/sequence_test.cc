@@ -179,6 +179,35 @@ TEST_F(WatchTest, AnyForceWithoutAReadingIsFound) {
   EXPECT_TRUE(breaks(ratio(Bound::kForceCut)));
 }
 
+TEST_F(WatchTest, ATorqueFollowsTheHandAndNoFurther) {
+  settings.has_torque = true;
+  settings.max_torque = 0.2;
+  settings.guide.torque_stiffness = 0.5;
+  see();
+  in.hand.X_MH.q = rotation_exp({0, 0.1, 0}) * in.hand.X_MH.q;
+  out.f_H_M.torque.y() = -0.05 - 0.2 / 25.0;
+  see();
+  EXPECT_NEAR(ratio(Bound::kTorqueStep), 1.0, 1e-6);
+  // What the device does not hold explains nothing.
+  settings.guide.most_torque_stiffness = 0.25;
+  in.hand.X_MH.q = rotation_exp({0, 0.1, 0}) * in.hand.X_MH.q;
+  out.f_H_M.torque.y() -= 2.0 * (0.025 + 0.2 / 25.0);
+  see();
+  EXPECT_NEAR(ratio(Bound::kTorqueStep), 2.0, 1e-6);
+  // Nor does a hand in a hold.
+  out.link.state = SessionState::kHold;
+  in.hand.X_MH.q = rotation_exp({0, 0.1, 0}) * in.hand.X_MH.q;
+  out.f_H_M.torque.y() += 2.0 * 0.2 / 25.0;
+  see();
+  EXPECT_NEAR(ratio(Bound::kTorqueStep), 2.0, 1e-6);
+  in.hand.valid = false;
+  see();
+  EXPECT_TRUE(breaks(ratio(Bound::kTorqueCut)));
+  out.f_H_M.torque.setZero();
+  see();
+  EXPECT_EQ(ratio(Bound::kTorqueCut), 0.0);
+}
+
 TEST_F(WatchTest, ACommandThatStepsTurnsOrIsNoPoseIsFound) {
   out.link.X_SU.p.x() += 2.0 * settings.guide.catch_up * 1e-3;
   out.link.X_SU.q = rotation_exp({0, 0, 2.0 * settings.guide.catch_up_rotation * 1e-3});

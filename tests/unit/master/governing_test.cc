@@ -156,6 +156,19 @@ TEST(Governing, ADeviceThatDeclaresNothingIsRenderedNothing) {
   EXPECT_EQ(governor_settings(unknown, true).friction, 0.0);
 }
 
+// What it takes up is not known; when a force acts is.
+TEST(Governing, ADevicesDelayCountsWhateverElseIsNotDeclared) {
+  HapticCapabilities device = joystick_capabilities();
+  device.dynamics.delay = 3.25e-3;
+  for (double* unknown : {&device.dynamics.mass, &device.dynamics.resolution}) {
+    *unknown = 0.0;
+    EXPECT_EQ(governor_settings(device, true).delay, 3);
+    EXPECT_NEAR(governor_settings(device, true).late, 0.25, 1e-9);
+    EXPECT_EQ(governor_settings(device, true).friction, 0.0);
+    EXPECT_EQ(governor_settings(device, true).damping, 0.0);
+  }
+}
+
 TEST(Governing, ADevicesDelayLetsItHoldLessAndOneThatIsNoneNothing) {
   HapticCapabilities device = joystick_capabilities();
   const auto share = [&] { return check_renderings(walled(5000.0), device)[0].margin.share; };
