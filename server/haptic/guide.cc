@@ -7,8 +7,6 @@
 namespace handrail {
 namespace {
 
-// A tool without stiffness still divides: 1 mN/m is nothing to a hand.
-constexpr double kSoftest = 1e-3;
 // An end this little behind the command still counts as reached [m].
 constexpr double kBehind = 1e-6;
 // A command this little off its reference has come to it: the last step of its way is as long as

@@ -10,6 +10,9 @@
 
 namespace handrail {
 
+// A tool without stiffness still divides: so much is nothing to a hand [N/m], [N m/rad].
+inline constexpr double kSoftest = 1e-3;
+
 struct GuideSettings {
   GuidanceMethod method = GuidanceMethod::kExact;
   double delta = 2e-4;                 // published method's step in S [m]

@@ -29,7 +29,7 @@ double stiffness_of(const HapticSettings& settings, const ToolDefinition& tool) 
 double torque_stiffness_of(const HapticSettings& settings, const ToolDefinition& tool) {
   const double wanted =
       tool.kind == ToolKind::kNone ? settings.guide.torque_stiffness : tool.stiffness;
-  return std::min(wanted, settings.guide.most_torque_stiffness);
+  return std::max(kSoftest, std::min(wanted, settings.guide.most_torque_stiffness));
 }
 
 bool trusted(const HapticInput& in, SessionState session) {

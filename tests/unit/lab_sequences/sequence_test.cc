@@ -194,7 +194,13 @@ TEST_F(WatchTest, ATorqueFollowsTheHandAndNoFurther) {
   out.f_H_M.torque.y() -= 2.0 * (0.025 + 0.2 / 25.0);
   see();
   EXPECT_NEAR(ratio(Bound::kTorqueStep), 2.0, 1e-6);
-  // Nor does a hand in a hold.
+  // One without stiffness is as soft as any can be.
+  settings.guide.torque_stiffness = 0.0;
+  in.hand.X_MH.q = rotation_exp({0, 0.1, 0}) * in.hand.X_MH.q;
+  out.f_H_M.torque.y() += 0.1 * kSoftest + 0.2 / 25.0;
+  see();
+  EXPECT_NEAR(ratio(Bound::kTorqueStep), 1.0, 1e-6);
+  // In a hold the hand explains nothing.
   out.link.state = SessionState::kHold;
   in.hand.X_MH.q = rotation_exp({0, 0.1, 0}) * in.hand.X_MH.q;
   out.f_H_M.torque.y() += 2.0 * 0.2 / 25.0;
