@@ -141,7 +141,8 @@ TEST_F(ComediJoystickTest, OneThatGoesFurtherThanItCanLetsGoSaysSoAndIsHomedAnew
   EXPECT_TRUE(pushes(0, 1.18421, Vec3(3.0, 0.0, 0.0)));
 }
 
-// 300 counts are 28.3 mm.
+// 300 counts are 28.3 mm. A card whose readings come 2.8 ms apart takes them for a hand's way, which
+// is right: then they are taken back as a hand does, and leap again.
 TEST_F(ComediJoystickTest, CountsThatLeapLoseTheCard) {
   for (const int motor : {0, 1}) {
     for (const int way : {300, -300}) {
@@ -149,8 +150,7 @@ TEST_F(ComediJoystickTest, CountsThatLeapLoseTheCard) {
       options.reopen_pause = 200 * kMillisecond;
       turn(motor, 0);
       ASSERT_NO_FATAL_FAILURE(open());
-      leap(motor, way);
-      ASSERT_TRUE(becomes([&] { return (void)read(), device->tick().losses == 1; }));
+      ASSERT_TRUE(becomes([&] { return leap_is_seen(motor, way); }));
       EXPECT_FALSE(read().valid);
       const std::string said = trouble();
       EXPECT_THAT(said, HasSubstr(motor == 0 ? "its encoder right-left leapt by "

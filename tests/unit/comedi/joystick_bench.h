@@ -55,6 +55,17 @@ class JoystickBench : public ComediBench {
     });
     at_[static_cast<std::size_t>(motor)] = counts;
   }
+  // Whether a leap from the centre loses the card at once. If it does not, the tip is back there.
+  bool leap_is_seen(int motor, int counts) {
+    leap(motor, counts);
+    for (int i = 0; i < 100; ++i) {
+      (void)read();
+      if (device->tick().losses == 1) return true;
+      sleep_until(monotonic_now() + kMillisecond);
+    }
+    turn(motor, 0);
+    return false;
+  }
   // As a hand does, which passes each count: one in 0.1 ms or more is 0.94 m/s or less.
   void turn(int motor, int counts) {
     int& at = at_[static_cast<std::size_t>(motor)];
