@@ -141,8 +141,8 @@ TEST_F(ComediJoystickTest, OneThatGoesFurtherThanItCanLetsGoSaysSoAndIsHomedAnew
   EXPECT_TRUE(pushes(0, 1.18421, Vec3(3.0, 0.0, 0.0)));
 }
 
-// 300 counts are 28.3 mm. A card whose readings come 2.8 ms apart takes them for a hand's way, as it
-// must: then they are taken back as a hand does, and leap again.
+// 300 counts are 28.3 mm. A card whose readings come 2.8 ms apart takes them for a hand's way, as
+// it must: then they are taken back as a hand does, and leap again.
 TEST_F(ComediJoystickTest, CountsThatLeapLoseTheCard) {
   for (const int motor : {0, 1}) {
     for (const int way : {300, -300}) {
