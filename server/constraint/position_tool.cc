@@ -81,6 +81,16 @@ void PositionTool::advance_by_steps(const Vec3& p_SH) noexcept {
   }
 }
 
+Vec3 PositionTool::along(const Vec3& v) const noexcept {
+  if (!active()) return v;
+  Vec3 out = Vec3::Zero();
+  for (int i = 0; i < dimensions_; ++i) {
+    const Vec3& axis = axis_[static_cast<std::size_t>(i)];
+    out += v.dot(axis) * axis;
+  }
+  return out;
+}
+
 double PositionTool::distance(const Vec3& p) const noexcept {
   if (!active()) return 0.0;
   Vec3 d = p - tool_.p_SA;

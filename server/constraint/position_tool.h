@@ -41,6 +41,9 @@ class PositionTool {
   // Distance of `p` from the set, ignoring direction and end [m]; 0 without a tool.
   double distance(const Vec3& p) const noexcept;
 
+  // Of the vector `v` what points along the set; all of it without a tool.
+  Vec3 along(const Vec3& v) const noexcept;
+
   // Travel of `p` along the forward direction from the anchor [m]; 0 without one.
   double travel(const Vec3& p) const noexcept;
 

@@ -152,7 +152,7 @@ struct Wanted {
   Vec3 tool_spring = Vec3::Zero();  // of `tool`, without its damper
   double torque_stiffness = 0.0;    // [N m/rad]
   Vec3 surface = Vec3::Zero();      // that the tip touches
-  double stiffness = 0.0;           // of tool and surface together, at most [N/m]
+  double stiffness = 0.0;           // the stiffer of tool and surface [N/m]
   double surface_stiffness = 0.0;   // [N/m]
 
   // What is left where the link or the arm's state is in doubt. `holds`: the arm stands where the
@@ -170,7 +170,7 @@ struct Wanted {
 // The surface in place of what of the spring is along it.
 void render_surface(const HapticSettings& settings, const HapticInput& in, const Guidance& guidance,
                     double dt, HapticState& s, Wanted& wanted, HapticOutput& out) {
-  if (!settings.local_surface) return;
+  if (settings.surface_stiffness == 0.0) return;
   LocalSurfaceInput touched;
   if (in.slave.has_pose) touched.told = in.slave.surface;
   // The command as it will be when the smoother has come after.
@@ -179,16 +179,20 @@ void render_surface(const HapticSettings& settings, const HapticInput& in, const
   touched.f_E_S = in.slave.f_E_S.force;
   touched.has_force = in.slave.has_wrench;
   touched.scale = settings.mapping.scale;
-  // No stiffer than the scene's tools: without a governor that is what bounds them.
-  touched.most_stiffness = std::min(settings.guide.stiffness, settings.guide.most_stiffness);
+  touched.most_stiffness = settings.surface_stiffness;
   const LocalSurfaceForce felt = s.force.surface.step(touched, dt);
   if (felt.why != Reason::kNone) out.reasons.add(felt.why);
-  const Vec3 n_M = s.command.engagement.turn_to_hand(felt.n_S);
+  // It pushes the tip, whose tool bears what is across it: the hand feels what is along the tool.
+  // All of it would make energy on a way around, as where the tip is does not say where the hand
+  // is.
+  const Vec3 n_M = s.command.engagement.turn_to_hand(s.command.guide.position().along(felt.n_S));
   wanted.surface = felt.push * n_M;
   wanted.spring -= felt.share * wanted.spring.dot(n_M) * n_M;
-  const bool alone = wanted.tool_spring.isZero(0.0);
   wanted.surface_stiffness = felt.stiffness;
-  if (felt.stiffness > 0.0) wanted.stiffness = felt.stiffness + (alone ? 0.0 : wanted.stiffness);
+  // Neither adds to the other, as they are at right angles.
+  const bool alone = !s.command.guide.position().active();
+  if (felt.stiffness > 0.0)
+    wanted.stiffness = alone ? felt.stiffness : std::max(felt.stiffness, wanted.stiffness);
 }
 
 // The command by the hand, and what that is to feel like.

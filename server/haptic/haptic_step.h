@@ -23,7 +23,9 @@ struct HapticSettings {
   GuideSettings guide;
   double damping = 0.0;             // B of (2.1), tools only [N s/m]
   double spring_stiffness = 200.0;  // K_s of (3.3) at the hand [N/m]
-  bool local_surface = false;  // what is touched is rendered here, not through the spring alone
+  // Of the surface that the tip touches, rendered here at most so stiff; 0: it is felt through the
+  // spring alone [N/m].
+  double surface_stiffness = 0.0;
   ForceLimits force;
   GovernorSettings governor;       // of the energy at the hand; off unless set
   GovernorSettings turn_governor;  // the same of turning it, in N m and rad

@@ -134,11 +134,19 @@ std::vector<CheckedRendering> check_renderings(const Scene& scene,
         share_within(kGoverned * most_stiffness(device.dynamics, loop, least * c.rendering.damping),
                      c.rendering);
   }
+  for (const Rendering& r : touched_of(scene)) {
+    const double damping = least * scene.guidance.damping;
+    out.push_back(checked_on(device.dynamics, loop, r));
+    out.back().by_itself = true;
+    out.back().share =
+        share_within(kGoverned * most_surface_stiffness(device.dynamics, loop, damping), r);
+  }
   if (!device.actuates_torque) return out;
   const RenderingLoop turns = turning_loop(device);
   const double most = kGoverned * most_stiffness(device.turning, turns, 0.0);
   for (const Rendering& r : turnings_of(scene)) {
     out.push_back(checked_on(device.turning, turns, r));
+    out.back().by_itself = true;
     out.back().share = share_within(most, r);
   }
   return out;
@@ -147,7 +155,7 @@ std::vector<CheckedRendering> check_renderings(const Scene& scene,
 double governed_share(const std::vector<CheckedRendering>& checked) {
   double share = 1.0;
   for (const CheckedRendering& c : checked) {
-    if (!c.bounded && !c.rendering.turns) share = std::min(share, kGoverned * c.margin.share);
+    if (!c.bounded && !c.by_itself) share = std::min(share, kGoverned * c.margin.share);
   }
   return share;
 }

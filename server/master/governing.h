@@ -22,6 +22,8 @@ struct CheckedRendering {
   // Its other end is told over the link: what it may give back is bounded while it runs, and it
   // stays as stiff as the scene says.
   bool bounded = false;
+  // Nothing else comes down with it: torque, and the surface that is touched.
+  bool by_itself = false;
   // Of its stiffness and its damping, what is rendered with the governor on. Walls and effects come
   // down together, all as far as the one that has to most; and so do the dampers of tools, whose
   // springs come down as far as each has to beside them.

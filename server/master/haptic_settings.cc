@@ -1,6 +1,7 @@
 #include "server/master/haptic_settings.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "server/master/governing.h"
 
@@ -31,11 +32,13 @@ HapticSettings haptic_settings(const Scene& scene, const HapticCapabilities& dev
   out.guide.reach = scene.guidance.tool_reach;
   out.guide.smoother_length = scene.smoother_samples;
   out.damping = scene.guidance.damping;
+  double most_of_surface = std::numeric_limits<double>::infinity();
   if (governor && !scene.walls && device.max_force > 0.0) {
     const RenderingLoop loop = rendering_loop(device);
     // A damper that the device does not hold comes down with the scene's tools.
     out.damping *= governed_share(check_renderings(scene, device));
     out.guide.most_stiffness = kGoverned * most_stiffness(device.dynamics, loop, out.damping);
+    most_of_surface = kGoverned * most_surface_stiffness(device.dynamics, loop, out.damping);
   }
   if (governor && device.actuates_torque) {
     out.guide.most_torque_stiffness =
@@ -44,7 +47,8 @@ HapticSettings haptic_settings(const Scene& scene, const HapticCapabilities& dev
   out.governor = governor_settings(device, governor);
   out.turn_governor = turn_governor_settings(device, governor);
   out.spring_stiffness = scene.guidance.spring;
-  out.local_surface = scene.guidance.local_surface;
+  if (scene.guidance.local_surface)
+    out.surface_stiffness = std::min(scene.guidance.stiffness, most_of_surface);
   out.force.peak = device.max_force;
   out.force.continuous = device.continuous_force;
   out.has_torque = device.actuates_torque;

@@ -14,7 +14,8 @@
 namespace handrail {
 namespace {
 
-constexpr double kWorthSaying = 0.2;  // [mm] or [deg]
+constexpr double kWorthSaying = 0.2;       // [mm] or [deg]
+constexpr double kForceWorthSaying = 0.1;  // chosen: about the least that a hand notices [N]
 // Parts at a right angle to each other add up to 1.4 times their sum as vectors.
 constexpr double kCancels = 1.5;
 
@@ -154,6 +155,13 @@ std::string stage_text(const Share& share, int joint, const LinkSnapshot& link, 
   return out;
 }
 
+// "; the hand feels 0.4 N less: force lowered so that it makes no energy"
+std::string governed_text(const ForceLedger& force) {
+  const double less = force.governor.norm();
+  if (less < kForceWorthSaying) return "";
+  return fmt::format("; the hand feels {:.1f} N less: {}", less, describe(Reason::kForceEnergy));
+}
+
 void add_order(WayOutOrder order, pb::Ledger& out) {
   pb::Request& request = *out.add_way_out_order();
   switch (order) {
@@ -220,7 +228,7 @@ void set_sentence(pb::Ledger* out, const HapticReport& report, const SlaveState&
     text += separator + stage_text(share, ledger.joint, link, now);
     separator = "; ";
   }
-  out->set_sentence(text);
+  out->set_sentence(text + governed_text(report.out.force));
   if (shares[0].size() >= kWorthSaying) set_way_out(shares[0].why);
 }
 

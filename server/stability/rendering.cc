@@ -264,8 +264,18 @@ double most_stiffness(const DeviceDynamics& device, const RenderingLoop& loop, d
   return std::max(stiffness_onset(*wall), held_by_friction(device, loop, *wall).share);
 }
 
+double most_surface_stiffness(const DeviceDynamics& device, const RenderingLoop& loop,
+                              double damping) {
+  return std::min(most_stiffness(device, loop, 0.0), most_stiffness(device, loop, damping));
+}
+
 std::vector<Rendering> renderings_of(const Scene& scene, const RenderingLoop& loop) {
   return scene.walls ? of_walls(scene, loop) : of_tools(scene, loop);
+}
+
+std::vector<Rendering> touched_of(const Scene& scene) {
+  if (scene.walls || !scene.guidance.local_surface) return {};
+  return {make("surface that is touched", scene.guidance.stiffness, 0.0)};
 }
 
 std::vector<Rendering> turnings_of(const Scene& scene) {

@@ -61,10 +61,19 @@ StabilityMargin margin_of(const DeviceDynamics& device, const RenderingLoop& loo
 // own.
 double most_stiffness(const DeviceDynamics& device, const RenderingLoop& loop, double damping);
 
+// The same of the surface that the tip touches: without a tool nothing damps it, along a slanted
+// tool that tool's damper does.
+double most_surface_stiffness(const DeviceDynamics& device, const RenderingLoop& loop,
+                              double damping);
+
 // All that `scene` renders: each tool, wall and spring, and last, where several can act at the same
 // place, all of them together. What makes up by itself for being held for a period counts with the
 // damper by which it does.
 std::vector<Rendering> renderings_of(const Scene& scene, const RenderingLoop& loop);
+
+// The surface that the tip touches, where `scene` has the master render it: no stiffer than its
+// tools.
+std::vector<Rendering> touched_of(const Scene& scene);
 
 // The torque springs of the orientation tools of `scene`, none of a scene of walls. They give less
 // beyond 2.6 rad, nowhere more.

@@ -48,6 +48,7 @@ std::string stability_json(const Scene& scene) {
     if (std::isfinite(c.margin.share)) out.set_margin(c.margin.share);
     out.set_limited_by(name_of(c.margin.by));
     out.set_governed_share(c.share);
+    out.set_governed_damping_share(c.damping_share);
     out.set_energy_bounded(c.bounded);
   }
   return json_text(report, false) + '\n';

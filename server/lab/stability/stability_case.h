@@ -75,6 +75,8 @@ std::vector<StabilityCase> truth_cases();
 std::vector<StabilityCase> rendered_cases();
 // The walls and effects of the master's own step.
 std::vector<StabilityCase> wall_cases();
+// The force of position tools, and of a surface that is touched.
+std::vector<StabilityCase> guidance_cases();
 // The torque of orientation tools.
 std::vector<StabilityCase> turn_cases();
 // Both sides, the link and the arm, in free space and in contact.

@@ -4,18 +4,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
-#include <numbers>
 
 #include "devices/hand/hand_model.h"
 #include "devices/omni/omni_data.h"
 #include "server/base/random.h"
 #include "server/base/units.h"
-#include "server/haptic/haptic_step.h"
-#include "server/lab/sequences/played_slave.h"
 #include "server/lab/stability/bare_device.h"
 #include "server/lab/stability/bench_device.h"
 #include "server/lab/stability/contact_meter.h"
+#include "server/lab/stability/engaged_step.h"
 #include "server/lab/stability/stability_case.h"
 #include "server/lab/stability/wall_cell.h"
 #include "server/master/governing.h"
@@ -26,7 +23,6 @@ namespace {
 
 // What a swing may be anyway: two counts of what the device reads, as at walls [rad].
 constexpr double kFine = 2.0 * kOmniTurnResolution;
-constexpr int kEngages = 6;  // ticks that it takes
 
 // SI.
 struct TurnCell {
@@ -57,66 +53,46 @@ PassiveGrip turning_grip(GripKind kind) {
           stiffness, Vec2::Zero()};
 }
 
-// The master's own step, engaged, with an arm that is where it is told to be, and a stylus that
-// turns about an axis that is drawn, as in a gimbal: what of a torque is across it does nothing.
+// A stylus that turns about an axis that is drawn, as in a gimbal: what of a torque is across it
+// does nothing.
 class TurnBench {
  public:
   TurnBench(const TurnCell& cell, std::uint64_t seed);
   CaseFigures run();
 
  private:
-  void step();
   void tick();
 
   const HapticCapabilities device_ = omni_capabilities(true);
-  const HapticSettings settings_;
   Random random_;
   double kick_;      // [rad/s]
-  double period_;    // [s]
   Vec3 axis_M_;      // unit
   BareDevice body_;  // turned by the X of its position [rad]
-  std::unique_ptr<HapticState> state_ = std::make_unique<HapticState>();
-  HapticInput in_;
-  HapticOutput out_;
+  EngagedStep master_;
   ContactMeter meter_{true, 0.0};
   std::array<Swing, static_cast<std::size_t>(kSeconds / kWindow)> windows_;
   double t_ = 0.0;  // [s]
 };
 
 TurnBench::TurnBench(const TurnCell& cell, std::uint64_t seed)
-    : settings_(settings_of(cell, device_)),
-      random_(seed),
+    : random_(seed),
       kick_(cell.kick * (0.8 + 0.4 * random_.uniform())),
-      period_(settings_.turn_governor.period),
       axis_M_(Vec3(random_.normal(), random_.normal(), random_.normal()).normalized()),
       body_({device_.turning.mass, device_.turning.damping, device_.turning.friction},
-            turning_grip(cell.grip), Vec2::Zero()) {
-  in_.hand.valid = true;
-  in_.slave = played_slave({Vec3(0.35, 0.05, 0.43), rotation_exp({std::numbers::pi, 0.0, 0.0})});
-  in_.slave_known = true;
-  in_.slave_age = 0;
-  step();  // says which scene and settings the slave has to share
-  in_.order.kind = OrderKind::kEngage;
-  for (int i = 0; i < kEngages; ++i) step();
-  in_.order.kind = OrderKind::kTool;
-  in_.order.tool.kind = cell.tool;
-  step();
-}
-
-void TurnBench::step() {
-  haptic_step(settings_, in_, period_, *state_, out_);
-  in_.order = HapticOrder();
-  play_slave(out_.link, in_.slave);
+            turning_grip(cell.grip), Vec2::Zero()),
+      master_(settings_of(cell, device_)) {
+  ToolCall tool;
+  tool.kind = cell.tool;
+  master_.call(tool);
 }
 
 void TurnBench::tick() {
-  in_.hand.X_MH.q = rotation_exp(body_.position().x() * axis_M_);
-  step();
-  const Vec2 torque(out_.f_H_M.torque.dot(axis_M_), 0.0);
-  const double work = body_.given(), taken = body_.lost();
-  body_.advance(period_, torque);
+  const Pose X_MH{Vec3::Zero(), rotation_exp(body_.position().x() * axis_M_)};
+  const Vec2 torque(master_.step(X_MH, Vec3::Zero()).torque.dot(axis_M_), 0.0);
+  const double work = body_.given(), taken = body_.lost(), period = master_.period();
+  body_.advance(period, torque);
   meter_.add(true, torque.norm(), body_.given() - work, body_.lost() - taken, 0.0);
-  t_ += period_;
+  t_ += period;
   const auto window = static_cast<std::size_t>(t_ / kWindow);
   windows_[std::min(window, windows_.size() - 1)].add(body_.position());
 }
@@ -135,9 +111,10 @@ CaseFigures TurnBench::run() {
           judged("swing_deg", last / kDeg, (kMoreSwing * before + kFine) / kDeg),
           judged("drift_deg", (windows_[2].mean() - windows_[1].mean()).norm() / kDeg,
                  (0.5 * before + kFine) / kDeg),
-          judged("engaged", out_.link.state == SessionState::kEngaged ? 0.0 : 1.0, 0.0),
+          judged("engaged", master_.engaged() ? 0.0 : 1.0, 0.0),
           told("given_mj", 1e3 * meter_.worst()),
-          told("rendered_n_m_rad", state_->command.guide.torque_stiffness(settings_.guide))};
+          told("rendered_n_m_rad",
+               master_.state().command.guide.torque_stiffness(master_.settings().guide))};
 }
 
 }  // namespace

@@ -52,6 +52,22 @@ TEST(PositionTool, WithoutAToolTheProxyIsTheHand) {
   EXPECT_EQ(tool.distance(hand), 0.0);
 }
 
+// Of a vector what is along the set is what the proxy of a hand that goes that way does.
+TEST(PositionTool, WhatIsAlongTheSetIsHowTheProxyFollowsAHand) {
+  Dice dice(4);
+  for (int i = 0; i < 50; ++i) {
+    const Vec3 anchor = dice.within(0.3), v = dice.within(0.05);
+    ToolDefinition plane = plane_across(anchor, dice.unit());
+    plane.direction_S = plane.normal_S.unitOrthogonal();
+    for (const ToolDefinition& definition :
+         {ToolDefinition(), point_at(anchor), line_along(anchor, dice.unit()), plane}) {
+      PositionTool tool = exact(definition);
+      const Vec3 hand = anchor + dice.within(0.05), start = tool.start(hand, hand);
+      EXPECT_LT((tool.advance(hand + v) - start - tool.along(v)).norm(), 1e-15);
+    }
+  }
+}
+
 TEST(PositionTool, APointHoldsItsPlaceForEveryHand) {
   Dice dice(1);
   const Vec3 anchor(0.3, -0.1, 0.4);

@@ -231,7 +231,7 @@ TEST(GovernedStep, AStandingTipGivesBackWhatWasPutIntoTheSpring) {
 // A floor that the slave tells of, where the tip stands; the smoother adds nothing.
 struct OnAFloor : HapticRig {
   explicit OnAFloor(bool governor, double stiffness = 60e3) {
-    settings.local_surface = true;
+    settings.surface_stiffness = 800.0;
     settings.guide.smoother_length = 1;
     engage();
     settings.governor = governed(0.0, 3.3);

@@ -145,6 +145,38 @@ TEST(Governing, NoToolIsStifferThanTheDeviceHolds) {
   EXPECT_GT(haptic_settings(scene, device).guide.most_stiffness, 1e6);
 }
 
+// Nothing damps it without a tool, and along a slanted one that tool's damper does.
+TEST(Governing, WhatIsSaidOfASurfaceThatIsTouchedIsWhatIsRendered) {
+  HapticCapabilities device = omni_capabilities(false);
+  device.dynamics.friction = 0.0;
+  device.dynamics.damping = 0.5;
+  Scene scene;
+  EXPECT_EQ(haptic_settings(scene, device, true).surface_stiffness, 0.0) << "it is off";
+  EXPECT_EQ(check_renderings(scene, device).size(), 2u);
+  scene.guidance.local_surface = true;
+  scene.guidance.stiffness = 5e3;
+  EXPECT_EQ(haptic_settings(scene, device, false).surface_stiffness, 5e3);
+  HapticCapabilities unknown = device;
+  unknown.dynamics = DeviceDynamics();
+  EXPECT_EQ(haptic_settings(scene, unknown, true).surface_stiffness, 0.0) << "the spring stays";
+  for (const double damping : {0.0, 5.0, 100.0}) {
+    scene.guidance.damping = damping;
+    const HapticSettings run = haptic_settings(scene, device, true);
+    EXPECT_LE(run.surface_stiffness, run.guide.most_stiffness) << damping;
+    EXPECT_LE(run.surface_stiffness,
+              kGoverned * most_stiffness(device.dynamics, rendering_loop(device), 0.0));
+    EXPECT_GT(run.surface_stiffness, 100.0) << damping;
+    const auto checked = check_renderings(scene, device);
+    ASSERT_EQ(checked.size(), 3u);
+    EXPECT_NEAR(checked[2].share * 5e3, run.surface_stiffness, 1e-6) << damping;
+    EXPECT_NEAR(governed_share(checked) * damping, run.damping, 1e-9) << damping;
+    EXPECT_THAT(stability_lines(checked, device, true)[3],
+                HasSubstr(fmt::format("surface that is touched: 5 N/mm; {} holds", device.name)));
+    EXPECT_THAT(stability_lines(checked, device, true)[3],
+                HasSubstr(fmt::format("rendered at {:.3g} N/mm", 1e-3 * run.surface_stiffness)));
+  }
+}
+
 TEST(Governing, ADeviceThatDeclaresNothingIsRenderedNothing) {
   HapticCapabilities unknown = joystick_capabilities();
   unknown.dynamics = DeviceDynamics();

@@ -80,6 +80,15 @@ TEST_F(WhyReportTest, TheNumbersAreTheLedgersAndAddUp) {
   EXPECT_DOUBLE_EQ(out.device().force_n(2), 2.0);
 }
 
+TEST_F(WhyReportTest, WhatTheGovernorTakesIsSaidWhereAHandNoticesIt) {
+  const std::string alone = why().sentence();
+  report.out.force.governor = Vec3(0.03, 0, -0.04);
+  EXPECT_EQ(why().sentence(), alone);
+  report.out.force.governor = Vec3(0.3, 0, -0.4);
+  EXPECT_EQ(why().sentence(),
+            alone + "; the hand feels 0.5 N less: force lowered so that it makes no energy");
+}
+
 TEST_F(WhyReportTest, AnArmThatHoldsSaysWhyBeforeAnyNumber) {
   off(MotionStage::kLimits, Vec3(50, 0, 0), Reason::kJointSpeed);
   report.out.link.state = SessionState::kFault;

@@ -1,0 +1,47 @@
+// The force of position tools and of a surface, as the suite kicks it.
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+
+#include "server/lab/stability/stability_case.h"
+
+namespace handrail {
+namespace {
+
+bool guidance_holds(const std::string& name) {
+  for (const StabilityCase& one : guidance_cases()) {
+    if (one.name == "guidance/" + name) return all_hold(one.run(1).figures);
+  }
+  ADD_FAILURE() << name;
+  return false;
+}
+
+TEST(GuidanceCases, EachHasANameOfItsOwnAndMustHoldWithTheGovernor) {
+  std::set<std::string> names;
+  for (const StabilityCase& one : guidance_cases()) {
+    EXPECT_TRUE(names.insert(one.name).second) << one.name;
+    EXPECT_EQ(one.must_hold, one.name.ends_with("/on")) << one.name;
+  }
+  EXPECT_EQ(names.size(), 972u);
+}
+
+// The linear axis takes up 2 b / T = 1 N/mm by itself.
+TEST(GuidanceCases, AStiffToolMakesEnergyAndTheMasterRendersWhatTheDeviceHolds) {
+  EXPECT_TRUE(guidance_holds("linear/light/line/K0.5/off"));
+  EXPECT_FALSE(guidance_holds("linear/none/line/K3/off"));
+  EXPECT_TRUE(guidance_holds("linear/none/line/K3/on"));
+}
+
+// All of a surface's push beside a slanted line made energy on each way around.
+TEST(GuidanceCases, ASurfaceBesideASlantedLineMakesNone) {
+  for (const char* name :
+       {"joystick/none/line60+surface/K10/on", "joystick/light/line60+surface/K10/on",
+        "linear/none/line30+surface/K1.5/on", "linear/none/line60+surface/K0.5/on",
+        "linear/light/line60+surface/K0.8/on"}) {
+    EXPECT_TRUE(guidance_holds(name)) << name;
+  }
+}
+
+}  // namespace
+}  // namespace handrail
