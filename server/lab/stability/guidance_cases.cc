@@ -17,10 +17,10 @@
 namespace handrail {
 namespace {
 
-constexpr double kCounts = 2.0;   // of the device, what a swing may be anyway, as at walls
+constexpr double kCounts = 2.0;    // of the device, what a swing may be anyway, as at walls
 constexpr double kWatched = 24.0;  // what is not over by then, as at walls [s]
-constexpr double kSettles = 0.3;  // until what is called and told is whole [s]
-constexpr double kRigid = 1e6;    // more than any hand is let feel [N/m]
+constexpr double kSettles = 0.3;   // until what is called and told is whole [s]
+constexpr double kRigid = 1e6;     // more than any hand is let feel [N/m]
 
 // SI. The hand moves in a plane: Y along the surface, X out of it.
 struct GuidanceCell {

@@ -28,8 +28,8 @@ bool begins_with(const std::string& name, const std::string& only) {
 std::vector<StabilityCase> chosen(const StabilityCommand& command,
                                   const std::atomic<bool>* cancelled = nullptr) {
   std::vector<StabilityCase> out = long_cases(cancelled);
-  for (auto* cases :
-       {&teleop_cases, &arm_cases, &truth_cases, &rendered_cases, &wall_cases, &guidance_cases, &turn_cases}) {
+  for (auto* cases : {&teleop_cases, &arm_cases, &truth_cases, &rendered_cases, &wall_cases,
+                      &guidance_cases, &turn_cases}) {
     for (StabilityCase& one : cases()) out.push_back(std::move(one));
   }
   std::erase_if(out, [&](const StabilityCase& one) {
