@@ -137,11 +137,11 @@ void Watch::see_force(const HapticInput& in, double dt, bool hand_ok, double mov
   if (hand_ok) {
     const ToolDefinition& tool = out.link.position_tool;
     const bool trust = trusted(in, out.link.state);
-    double allowed = trust ? limits.step * dt * 1e3 + stiffness_of(settings_, tool) * moved
-                           : limits.peak * dt / limits.fade_out;
-    const bool beside =
-        trust ? tool.kind != ToolKind::kNone : out.link.state == SessionState::kHold;
-    if (surface && beside) allowed += stiffness_of(settings_, ToolDefinition()) * moved;
+    const double touched = surface ? settings_.surface_stiffness : 0.0;
+    double allowed =
+        trust ? limits.step * dt * 1e3 + std::max(stiffness_of(settings_, tool), touched) * moved
+              : limits.peak * dt / limits.fade_out;
+    if (!trust && out.link.state == SessionState::kHold) allowed += touched * moved;
     const double most = std::max(force.norm(), wrench_.force.norm());
     if (cue || cue_) {
       // The arbiter's own force is the device's without the cue.

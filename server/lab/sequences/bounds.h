@@ -39,9 +39,9 @@ constexpr bool breaks(double ratio) noexcept { return !(ratio <= 1.0 + 1e-9); }
 //
 // Force step. The arbiter's: limits.step a millisecond, plus K |m| for a hand that moved by m since
 // its last reading, K of the position tool, or without one the settings', as far as the device
-// holds it; where the reading, the link or the slave is not trusted, peak dt / fade_out instead. A
-// surface that the tip touches, no stiffer than the settings' tools, adds its own K |m| beside a
-// tool and while the arm holds. While a cue plays, its own slope too, 0.05 N a millisecond; and
+// holds it, or of a surface that the tip touches where that is stiffer; where the reading, the link
+// or the slave is not trusted, peak dt / fade_out instead, to which a surface adds its own K |m|
+// while the arm holds. While a cue plays, its own slope too, 0.05 N a millisecond; and
 // where less than the largest cue is left of the peak, so much again as the arbiter's, because the
 // cue gives way to it. A tick without a reading has no force at all, however much there was.
 //

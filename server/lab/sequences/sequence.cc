@@ -5,6 +5,7 @@
 
 #include "devices/omni/omni_data.h"
 #include "server/lab/sequences/hand_course.h"
+#include "server/lab/sequences/surface_course.h"
 #include "server/lab/sequences/tip_stand_in.h"
 #include "server/lab/sequences/tool_draw.h"
 #include "server/master/haptic_settings.h"
@@ -12,9 +13,10 @@
 namespace handrail {
 namespace {
 
-constexpr double kTick = 1e-3;         // [s]
-constexpr double kLongestStep = 5e-3;  // as the haptic loop's [s]
-constexpr double kOrderEvery = 0.04;   // mean, chosen: some twenty a sequence [s]
+constexpr double kTick = 1e-3;                           // [s]
+constexpr double kLongestStep = 5e-3;                    // as the haptic loop's [s]
+constexpr std::uint64_t kSurfaces = 0x5375726661636573;  // chosen: numbers of their own
+constexpr double kOrderEvery = 0.04;                     // mean, chosen: some twenty a sequence [s]
 
 std::vector<HapticSettings> all_settings() {
   std::vector<HapticSettings> out;
@@ -26,6 +28,7 @@ std::vector<HapticSettings> all_settings() {
           scene.name = "sequences";
           scene.mapping.scale = scale;
           scene.guidance.damping = damping;
+          scene.guidance.local_surface = true;
           out.push_back(haptic_settings(scene, omni_capabilities(torque), governor));
         }
       }
@@ -128,12 +131,15 @@ SequenceFigures run_sequence(std::uint64_t seed, const SequenceOptions& options)
   HapticOutput out;
   TipStandIn tip(draw);
   Course course(draw);
+  Draw surfaces(seed ^ kSurfaces);
+  SurfaceCourse surface(surfaces);
   Watch watch(judged_by);
   SequenceFigures figures;
   figures.sequences = 1;
   double elapsed = kTick;
   for (int i = 0; i < kSequenceTicks; ++i) {
     tip.step(draw, out.link, elapsed, in);
+    surface.tell(surfaces, elapsed, out.link.X_SU.p, in.slave);
     elapsed = course.next(draw, out, in);
     const double dt = std::min(elapsed, kLongestStep);
     haptic_step(settings, in, dt, *state, out);
