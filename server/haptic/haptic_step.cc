@@ -89,8 +89,9 @@ void fill_link(const HapticSettings& settings, const HapticState& s, MasterState
 
 // How far the hand moved since the last tick, frame M.
 struct Moved {
-  Vec3 by = Vec3::Zero();    // [m]
-  Vec3 turn = Vec3::Zero();  // rotation vector [rad]
+  Vec3 by = Vec3::Zero();      // [m]
+  Vec3 turn = Vec3::Zero();    // rotation vector [rad]
+  Vec3 faster = Vec3::Zero();  // [m/s]
 };
 
 // Takes over the hand's reading if it is one. `turns`: the turn is asked for, too.
@@ -101,8 +102,10 @@ Moved hear_hand(const HandReading& hand, bool ok, bool turns, double dt, HandTra
     return moved;
   }
   if (track.known) moved.by = hand.X_MH.p - track.X_MH.p;
+  if (track.known) moved.faster = hand.v_MH - track.v_MH;
   if (track.known && turns) moved.turn = rotation_log(hand.X_MH.q * track.X_MH.q.conjugate());
   track.X_MH = hand.X_MH;
+  track.v_MH = hand.v_MH;
   track.known = true;
   track.gap = 0.0;
   return moved;
@@ -154,6 +157,7 @@ struct Wanted {
   Vec3 surface = Vec3::Zero();      // that the tip touches
   double stiffness = 0.0;           // the stiffer of tool and surface [N/m]
   double surface_stiffness = 0.0;   // [N/m]
+  double damping = 0.0;             // of the tool [N s/m]
 
   // What is left where the link or the arm's state is in doubt. `holds`: the arm stands where the
   // tip touches the surface, which pushes by where the hand is, not by what is told: it stays.
@@ -167,7 +171,7 @@ struct Wanted {
   }
 };
 
-// The surface in place of what of the spring is along it.
+// The surface in place of what of the spring is along it or across the tool.
 void render_surface(const HapticSettings& settings, const HapticInput& in, const Guidance& guidance,
                     double dt, HapticState& s, Wanted& wanted, HapticOutput& out) {
   if (settings.surface_stiffness == 0.0) return;
@@ -182,17 +186,20 @@ void render_surface(const HapticSettings& settings, const HapticInput& in, const
   touched.most_stiffness = settings.surface_stiffness;
   const LocalSurfaceForce felt = s.force.surface.step(touched, dt);
   if (felt.why != Reason::kNone) out.reasons.add(felt.why);
-  // It pushes the tip, whose tool bears what is across it: the hand feels what is along the tool.
-  // All of it would make energy on a way around, as where the tip is does not say where the hand
-  // is.
-  const Vec3 n_M = s.command.engagement.turn_to_hand(s.command.guide.position().along(felt.n_S));
-  wanted.surface = felt.push * n_M;
-  wanted.spring -= felt.share * wanted.spring.dot(n_M) * n_M;
+  // It pushes the tip, whose tool bears what is across it: of push and spring the hand feels what
+  // is along the tool. All of them would make energy on a way around, as where the tip is does not
+  // say where the hand is.
+  const PositionTool& tool = s.command.guide.position();
+  const Engagement& engagement = s.command.engagement;
+  const Vec3 n_S = tool.along(felt.n_S), off_S = in.slave.X_ST.p - s.command.X_SU.p;
+  wanted.surface = felt.push * engagement.turn_to_hand(n_S);
+  const Vec3 beside_S = tool.along(off_S) - off_S.dot(n_S) * n_S;
+  wanted.spring +=
+      felt.share * (settings.spring_stiffness * engagement.to_hand(beside_S) - wanted.spring);
   wanted.surface_stiffness = felt.stiffness;
   // Neither adds to the other, as they are at right angles.
-  const bool alone = !s.command.guide.position().active();
   if (felt.stiffness > 0.0)
-    wanted.stiffness = alone ? felt.stiffness : std::max(felt.stiffness, wanted.stiffness);
+    wanted.stiffness = tool.active() ? std::max(felt.stiffness, wanted.stiffness) : felt.stiffness;
 }
 
 // The command by the hand, and what that is to feel like.
@@ -218,7 +225,10 @@ Wanted lead_tip(const HapticSettings& settings, const HapticInput& in, bool hand
   const Vec3 pull_M = command.engagement.to_hand(guidance.pull);
   wanted.tool = command.guide.stiffness(settings.guide) * pull_M;  // (3.4)
   wanted.tool_spring = wanted.tool;
-  if (command.guide.position().active() && hand_ok) wanted.tool -= settings.damping * in.hand.v_MH;
+  if (command.guide.position().active() && hand_ok) {
+    wanted.damping = settings.damping;
+    wanted.tool -= settings.damping * in.hand.v_MH;
+  }
   // (3.3), against the command before the bumper, so that contact is felt.
   wanted.spring =
       settings.spring_stiffness * command.engagement.to_hand(in.slave.X_ST.p - command.X_SU.p);
@@ -266,8 +276,10 @@ void give_force(const HapticSettings& settings, const HapticInput& in, const Wan
   const Wanted given = trusted ? wanted : wanted.in_doubt(trust == Trust::kTool);
   const GovernedForces governed = govern(settings, in, given, force_share, moved, dt, s.force);
   out.energy_made = governed.tool.made + governed.torque.made;
+  // A damper that came after the hand by its step limit alone would push it on.
+  const double follows = given.stiffness * moved.by.norm() + given.damping * moved.faster.norm();
   out.shares = s.force.arbiter.share(settings.force, governed.tool.force, governed.spring.force,
-                                     given.stiffness * moved.by.norm(), trust, dt);
+                                     follows, trust, dt);
   // What the step limit left of a force that was to be gone counts where it can be taken back.
   const Vec3 spring = governed.tool.force.isZero(0.0) ? out.shares.device : out.shares.spring;
   s.force.governor.told(out.shares.device - spring);

@@ -108,7 +108,8 @@ struct HapticOutput {
 
 // The hand, and since when it is not heard.
 struct HandTrack {
-  Pose X_MH;  // last valid
+  Pose X_MH;                 // last valid
+  Vec3 v_MH = Vec3::Zero();  // with it [m/s]
   bool known = false;
   double gap = 0.0;  // since the last valid reading, at most 1 [s]
   bool button_was_down = false;

@@ -111,25 +111,27 @@ void Watch::see(const HapticInput& in, double dt, const HapticState& state,
   // As the step says itself.
   const bool hand_ok = in.hand.valid && is_place(in.hand.X_MH) && is_finite(in.hand.v_MH) &&
                        in.hand.v_MH.cwiseAbs().maxCoeff() <= kFastestHand;
-  double moved = 0.0, turned = 0.0;
+  double moved = 0.0, turned = 0.0, faster = 0.0;
   if (hand_ok) {
     if (hand_known_) {
       moved = (in.hand.X_MH.p - hand_.p).norm();
       turned = angle_between(in.hand.X_MH.q, hand_.q);
+      faster = (in.hand.v_MH - v_).norm();
     }
     hand_ = in.hand.X_MH;
+    v_ = in.hand.v_MH;
     hand_known_ = true;
   }
   judge(Bound::kFinite, not_finite(out), 0.0);
   judge(Bound::kUnit, std::abs(out.link.X_SU.q.norm() - 1.0), kUnitTolerance);
-  see_force(in, dt, hand_ok, moved, state.force.surface.known(), out);
+  see_force(in, dt, hand_ok, moved, faster, state.force.surface.known(), out);
   see_torque(in, dt, hand_ok, turned, out);
   wrench_ = out.f_H_M;
   see_command(dt, moved, state, out);
 }
 
-void Watch::see_force(const HapticInput& in, double dt, bool hand_ok, double moved, bool surface,
-                      const HapticOutput& out) {
+void Watch::see_force(const HapticInput& in, double dt, bool hand_ok, double moved, double faster,
+                      bool surface, const HapticOutput& out) {
   const ForceLimits& limits = settings_.force;
   const Vec3& force = out.f_H_M.force;
   judge(Bound::kForcePeak, force.norm(), limits.peak);
@@ -141,6 +143,7 @@ void Watch::see_force(const HapticInput& in, double dt, bool hand_ok, double mov
     double allowed =
         trust ? limits.step * dt * 1e3 + std::max(stiffness_of(settings_, tool), touched) * moved
               : limits.peak * dt / limits.fade_out;
+    if (trust && tool.kind != ToolKind::kNone) allowed += settings_.damping * faster;
     if (!trust && out.link.state == SessionState::kHold) allowed += touched * moved;
     const double most = std::max(force.norm(), wrench_.force.norm());
     if (cue || cue_) {

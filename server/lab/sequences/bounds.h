@@ -39,11 +39,12 @@ constexpr bool breaks(double ratio) noexcept { return !(ratio <= 1.0 + 1e-9); }
 //
 // Force step. The arbiter's: limits.step a millisecond, plus K |m| for a hand that moved by m since
 // its last reading, K of the position tool, or without one the settings', as far as the device
-// holds it, or of a surface that the tip touches where that is stiffer; where the reading, the link
-// or the slave is not trusted, peak dt / fade_out instead, to which a surface adds its own K |m|
-// while the arm holds. While a cue plays, its own slope too, 0.05 N a millisecond; and
-// where less than the largest cue is left of the peak, so much again as the arbiter's, because the
-// cue gives way to it. A tick without a reading has no force at all, however much there was.
+// holds it, or of a surface that the tip touches where that is stiffer, and beside a position tool
+// B times what the hand's velocity changed by since then; where the reading, the link or the slave
+// is not trusted, peak dt / fade_out instead, to which a surface adds its own K |m| while the arm
+// holds. While a cue plays, its own slope too, 0.05 N a millisecond; and where less than the
+// largest cue is left of the peak, so much again as the arbiter's, because the cue gives way to it.
+// A tick without a reading has no force at all, however much there was.
 //
 // Torque step: max_torque dt / fade_out, plus K |t| for a hand that turned by t since its last
 // reading, K of the orientation tool, or without one the settings', as far as the device holds it;
@@ -85,14 +86,15 @@ class Watch {
   void judge(Bound bound, double measured, double allowed);
   void see_torque(const HapticInput& in, double dt, bool hand_ok, double turned,
                   const HapticOutput& out);
-  void see_force(const HapticInput& in, double dt, bool hand_ok, double moved, bool surface,
-                 const HapticOutput& out);
+  void see_force(const HapticInput& in, double dt, bool hand_ok, double moved, double faster,
+                 bool surface, const HapticOutput& out);
   void see_command(double dt, double moved, const HapticState& state, const HapticOutput& out);
 
   const HapticSettings& settings_;
   std::array<Judged, kBounds> judged_{};
   bool hand_known_ = false, led_ = false, may_lead_ = false, drove_ = false;
   Pose hand_;
+  Vec3 v_ = Vec3::Zero();  // of it [m/s]
   Wrench wrench_;
   bool cue_ = false;  // in the tick before
   Pose X_SU_;

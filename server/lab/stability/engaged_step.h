@@ -32,11 +32,12 @@ class EngagedStep {
   }
   // From now on the slave tells of it, and it holds the tip.
   void touch(const Surface& surface) { in_.slave.surface = surface; }
-  // A tick with the hand there, and the force asked for until the next one.
-  Wrench step(const Pose& X_MH, const Vec3& v_MH) {
+  // A tick with the hand there, `dt` after the one before [s], and what is asked for until the
+  // next.
+  Wrench step(const Pose& X_MH, const Vec3& v_MH, double dt) {
     in_.hand.X_MH = X_MH;
     in_.hand.v_MH = v_MH;
-    step();
+    step(dt);
     return out_.f_H_M;
   }
 
@@ -50,8 +51,9 @@ class EngagedStep {
  private:
   static constexpr int kEngages = 6;  // ticks that it takes
 
-  void step() {
-    haptic_step(settings_, in_, period_, *state_, out_);
+  void step() { step(period_); }
+  void step(double dt) {
+    haptic_step(settings_, in_, dt, *state_, out_);
     in_.order = HapticOrder();
     play_slave(out_.link, in_.slave);
     if (!in_.slave.surface) return;

@@ -88,7 +88,7 @@ TurnBench::TurnBench(const TurnCell& cell, std::uint64_t seed)
 
 void TurnBench::tick() {
   const Pose X_MH{Vec3::Zero(), rotation_exp(body_.position().x() * axis_M_)};
-  const Vec2 torque(master_.step(X_MH, Vec3::Zero()).torque.dot(axis_M_), 0.0);
+  const Vec2 torque(master_.step(X_MH, Vec3::Zero(), master_.period()).torque.dot(axis_M_), 0.0);
   const double work = body_.given(), taken = body_.lost(), period = master_.period();
   body_.advance(period, torque);
   meter_.add(true, torque.norm(), body_.given() - work, body_.lost() - taken, 0.0);

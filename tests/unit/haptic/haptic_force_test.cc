@@ -234,6 +234,28 @@ TEST(HapticForce, LeavesAndComesWithoutAStepAroundAClutch) {
   EXPECT_NEAR(rig.out.f_H_M.force.y(), -0.8, 1e-9);
 }
 
+// One that came by the step limit alone would push on a hand that has turned back by then.
+TEST(HapticForce, ADamperComesWithTheHandAndGoesWithIt) {
+  HapticRig rig;
+  rig.settings.damping = 20.0;
+  rig.engage();
+  rig.call(line_call({1, 0, 0}));
+  rig.ticks(50);
+  for (const double speed : {0.1, -0.1, 0.0}) {
+    rig.in.hand.v_MH = {speed, 0.0, 0.0};
+    rig.tick();
+    EXPECT_NEAR(rig.out.f_H_M.force.x(), -20.0 * speed, 0.05) << speed;
+  }
+  // Without a tool nothing follows it: there is no damper.
+  HapticOrder off;
+  off.kind = OrderKind::kToolOff;
+  rig.in.hand.v_MH = {0.1, 0.0, 0.0};
+  rig.ticks(50);
+  rig.in.order = off;
+  rig.tick();
+  EXPECT_NEAR(rig.out.f_H_M.force.x(), -2.0 + 0.05, 1e-6);
+}
+
 TEST(HapticForce, DampingOpposesTheHandsVelocityOnAToolOnly) {
   HapticRig rig;
   rig.settings.damping = 2.0;

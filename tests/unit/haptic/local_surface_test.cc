@@ -231,6 +231,12 @@ TEST(LocalSurface, OfASlantedToolTheHandFeelsWhatIsAlongIt) {
   const double push = 800.0 * 2e-3 * along_S.z();
   EXPECT_LT((rig.out.force.walls - push * along_S.z() * along_M).norm(), 1e-6);
   EXPECT_LT(rig.out.force.tool.norm(), 1e-6);
+  // And of the spring a quarter of what is along it, wherever the tip is held beside it.
+  for (const double beside : {0.0, 1e-3}) {
+    rig.in.slave.X_ST.p.y() += beside;
+    rig.ticks(400);
+    EXPECT_LT((rig.out.force.spring - 0.25 * 200.0 * 2e-3 * along_M).norm(), 1e-6) << beside;
+  }
   // A point holds the tip whatever pushes it.
   rig.call(test::call_of(ToolKind::kPoint));
   rig.ticks(400);

@@ -23,22 +23,31 @@ TEST(GuidanceCases, EachHasANameOfItsOwnAndMustHoldWithTheGovernor) {
     EXPECT_TRUE(names.insert(one.name).second) << one.name;
     EXPECT_EQ(one.must_hold, one.name.ends_with("/on")) << one.name;
   }
-  EXPECT_EQ(names.size(), 972u);
+  EXPECT_EQ(names.size(), 2592u);
 }
 
 // The linear axis takes up 2 b / T = 1 N/mm by itself.
 TEST(GuidanceCases, AStiffToolMakesEnergyAndTheMasterRendersWhatTheDeviceHolds) {
-  EXPECT_TRUE(guidance_holds("linear/light/line/K0.5/off"));
-  EXPECT_FALSE(guidance_holds("linear/none/line/K3/off"));
-  EXPECT_TRUE(guidance_holds("linear/none/line/K3/on"));
+  EXPECT_TRUE(guidance_holds("linear/light/line/K0.1/off"));
+  EXPECT_FALSE(guidance_holds("linear/none/line/K10/off"));
+  EXPECT_TRUE(guidance_holds("linear/none/line/K10/on"));
 }
 
 // All of a surface's push beside a slanted line made energy on each way around.
 TEST(GuidanceCases, ASurfaceBesideASlantedLineMakesNone) {
   for (const char* name :
        {"joystick/none/line60+surface/K10/on", "joystick/light/line60+surface/K10/on",
-        "linear/none/line30+surface/K1.5/on", "linear/none/line60+surface/K0.5/on",
-        "linear/light/line60+surface/K0.8/on"}) {
+        "linear/none/line30+surface/K1.5/on", "linear/none/line60+surface/K0.8/on",
+        "linear/none/line60+surface/K0.8/delay5ms/on", "linear/light/line60+surface/K0.8/on"}) {
+    EXPECT_TRUE(guidance_holds(name)) << name;
+  }
+}
+
+// A damper that came after the hand by its step limit alone made up to 92 mJ.
+TEST(GuidanceCases, ADampersForceComesWithTheHand) {
+  for (const char* name :
+       {"omni/none/point+surface+damper/K0.8/on", "joystick/none/line+damper/K10/on",
+        "linear/light/point+surface+damper/K10/on"}) {
     EXPECT_TRUE(guidance_holds(name)) << name;
   }
 }
