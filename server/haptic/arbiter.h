@@ -45,8 +45,8 @@ class Arbiter {
   void cut() noexcept { last_.setZero(); }
 
   // `f_tool`, `f_spring`: wanted forces on the hand, frame M [N]. `hand_allowance`: stiffness times
-  // the hand's motion since the last tick, and damping times its change of velocity [N]; without trust in anything it counts as none. `dt`
-  // [s]. Non-finite input counts as no force.
+  // the hand's motion since the last tick, and damping times its change of velocity [N]; without
+  // trust in anything it counts as none. `dt` [s]. Non-finite input counts as no force.
   ForceShares share(const ForceLimits& limits, Vec3 f_tool, Vec3 f_spring, double hand_allowance,
                     Trust trust, double dt) noexcept;
 
