@@ -7,6 +7,7 @@
 
 #include "devices/ft_mount.h"
 #include "devices/ft_sensor.h"
+#include "devices/input/reopen_pause.h"
 #include "devices/net_ft/rdt_client.h"
 #include "devices/udp/udp_client.h"
 
@@ -20,6 +21,10 @@ struct NetFtOptions {
   double range_n_m = 100.0;      // |torque| per axis [N m]
   RdtClientOptions client;
   FtMount mount;
+  // Where start() fails, poll() opens its address again and again; it is then not real-time safe
+  // until it has.
+  bool waits = false;
+  Nanos reopen_pause = kReopenPause;
 };
 
 class NetFtSensor : public FtSensor {
@@ -41,6 +46,8 @@ class NetFtSensor : public FtSensor {
   const RdtCounters& counters() const noexcept { return client_.counters(); }
 
  private:
+  Status open();
+  bool opened_again(Nanos now) noexcept;
   void send_settings() noexcept;
 
   NetFtOptions options_;
@@ -48,6 +55,8 @@ class NetFtSensor : public FtSensor {
   RdtClient client_;
   UdpClient socket_;
   bool started_ = false;
+  bool wanted_ = false;  // and to be opened again
+  Nanos open_at_ = -kForever;
 };
 
 }  // namespace handrail
