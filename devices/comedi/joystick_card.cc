@@ -150,14 +150,12 @@ Status JoystickCard::set_up_ni() {
 
 Status JoystickCard::begin() {
   std::array<unsigned int, 5> raw{};
-  const Nanos from = monotonic_now();
   const int error = card_.read(std::span(inputs_).first(input_count_), raw);
   if (error != 0) {
     return card_.error(std::string("its inputs cannot be read: ") + std::strerror(error) +
                        "; comedi_board_info shows the channels");
   }
   for (std::size_t i = 0; i < 2; ++i) counts_[i].begin(raw[i], card_.max_data(encoders_[i]));
-  (void)guard_.next(Vec3::Zero(), from, monotonic_now());
   return Status::ok();
 }
 

@@ -50,7 +50,8 @@ const PadWish& force_stick_wish(ForceStickAxes axes) noexcept;
 // Readings are not valid while the device is away, and while an axis reads as at its end and has
 // not moved since it was opened: some read so until they are first moved. An axis that leaps, as no
 // hand does within the time between two readings and the device's own delay, is one whose device is
-// lost for at least a pause. Plugged in again the force begins anew. The buttons are those of a gamepad or joystick: clutch, drop, enable.
+// lost for at least a pause. Plugged in again the force begins anew. The buttons are those of a
+// gamepad or joystick: clutch, drop, enable.
 class ForceStick final : public HapticDevice {
  public:
   explicit ForceStick(const ForceStickOptions& options, EvdevKernel& kernel = evdev_kernel());

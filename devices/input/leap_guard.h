@@ -24,8 +24,8 @@ class LeapGuard {
  public:
   // Straight punches of Olympic boxers come at 9.14 m/s, with a deviation of 2.06 (Walilko, Viano
   // and Bir 2005, doi 10.1136/bjsm.2004.014126), and have more room to get so fast than a stick
-  // has. Let go of under its motors' peak force the dissertation's joystick comes to less: 25 N move
-  // 0.3 kg over 0.2 m to 5.8 m/s. [m/s]
+  // has. Let go of under its motors' peak force the dissertation's joystick comes to less: 25 N
+  // move 0.3 kg over 0.2 m to 5.8 m/s. [m/s]
   static constexpr double kFastest = 10.0;
 
   // `count`: the least step of each axis, >= 0 [m]; a reading of N counts is a way of more than

@@ -302,8 +302,7 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
   const bool hand_ok = in.hand.valid && is_place(in.hand.X_MH) && is_finite(in.hand.v_MH) &&
                        in.hand.v_MH.cwiseAbs().maxCoeff() <= kFastestHand;
   if (!hand_ok) out.reasons.add(Reason::kDeviceInvalid);
-  const Moved moved =
-      hear_hand(in, hand_ok, settings.has_torque, dt, s.hand, s.command.driving);
+  const Moved moved = hear_hand(in, hand_ok, settings.has_torque, dt, s.hand, s.command.driving);
   const Nanos slave_age = age_after(in.unseen, in.slave_age);
   const LadderStep ladder = ladder_step(settings.ladder, in.slave_known, slave_age, in.link,
                                         std::max(dt, to_seconds(in.unseen)), s.ladder);

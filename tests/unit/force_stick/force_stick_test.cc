@@ -192,6 +192,7 @@ TEST_F(ForceStickDeviceTest, AnAxisThatLeapsIsLostAndComesBackWhereItIs) {
       // As the kernel has it when it is opened again.
       kernel.make({BTN_TRIGGER}, {{ABS_X, {0, 1023, up ? 512 : counts, 0}},
                                   {ABS_Y, {0, 1023, up ? counts : 512, 0}}});
+      const int opened = kernel.opened();
       ASSERT_TRUE(leaps(up ? ABS_Y : ABS_X, counts));
       EXPECT_EQ(read().buttons, 0u);
       const bool positive = (counts > 512) != up;
@@ -201,6 +202,7 @@ TEST_F(ForceStickDeviceTest, AnAxisThatLeapsIsLostAndComesBackWhereItIs) {
       const Nanos lost = monotonic_now();
       ASSERT_TRUE(becomes(true));
       EXPECT_GE(monotonic_now() - lost, 90 * kMillisecond) << "or the master would bridge it";
+      EXPECT_EQ(kernel.opened(), opened + 1);
       EXPECT_EQ(read().v_MH.norm(), 0.0);
       EXPECT_GT(std::abs(read().X_MH.p[up ? 1 : 0]), 0.09);
     }
@@ -234,6 +236,7 @@ TEST_F(ForceStickDeviceTest, AfterALeapTheForceBeginsAnew) {
     device->write({Vec3(4.0, 0.0, 0.0), Vec3::Zero()});
     return kernel.push()[0] == 0.0;
   }));
+  EXPECT_TRUE(comes([&] { return !device->pushed().there; })) << "its motors are let go of";
   EXPECT_FALSE(read().valid);
   EXPECT_TRUE(pushes(0.9));
 }

@@ -120,20 +120,21 @@ TEST(HapticInput, ADeviceThatComesBackWithAnotherMiddleMovesNothing) {
   }
 }
 
-// Or it was lost and is back within the time in which the loop itself stood still: one reading was
-// invalid, or none.
+// Or it was lost and is back about the time in which the loop itself stood still: no reading was
+// invalid, the one before that time, or the one after it.
 TEST(HapticInput, NorDoesOneThatDidSoWhileTheLoopStoodStill) {
-  for (const int invalid : {0, 1}) {
+  for (const int invalid : {0, 1, 2}) {
     for (const Nanos unseen : {22 * kMillisecond, 150 * kMillisecond}) {
       HapticRig rig;
       rig.settings.guide.smoother_length = 1;
       rig.engage();
       const Pose frozen = rig.command();
       rig.in.hand.valid = invalid == 0;
-      rig.ticks(invalid);
+      rig.in.unseen = invalid == 2 ? unseen : kMillisecond;
+      if (invalid > 0) rig.tick();
       rig.in.hand.valid = true;
       rig.in.hand.X_MH.p += Vec3(0.06, -0.06, 0.0);
-      rig.in.unseen = unseen;
+      rig.in.unseen = invalid == 2 ? kMillisecond : unseen;
       for (int i = 0; i < 1000; ++i) {
         rig.tick();
         rig.in.unseen = kMillisecond;
