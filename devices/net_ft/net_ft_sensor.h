@@ -7,7 +7,6 @@
 
 #include "devices/ft_mount.h"
 #include "devices/ft_sensor.h"
-#include "devices/input/reopen_pause.h"
 #include "devices/net_ft/rdt_client.h"
 #include "devices/udp/udp_client.h"
 
@@ -24,7 +23,7 @@ struct NetFtOptions {
   // Where start() fails, poll() opens its address again and again; it is then not real-time safe
   // until it has.
   bool waits = false;
-  Nanos reopen_pause = kReopenPause;
+  Nanos reopen_pause = 100 * kMillisecond;  // as of every device that is looked for
 };
 
 class NetFtSensor : public FtSensor {

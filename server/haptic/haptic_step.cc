@@ -94,7 +94,8 @@ struct Moved {
 };
 
 // Takes over the hand's reading if it is one. `turns`: the turn is asked for, too. After too long
-// without one, readings that were invalid and time that nobody saw alike, the hand does not drive.
+// without one, readings that were invalid and time that nobody saw alike, the hand does not drive;
+// nor after time unseen alone in which its device may have been lost.
 Moved hear_hand(const HapticInput& in, bool ok, bool turns, double dt, HandTrack& track,
                 bool& driving) {
   Moved moved;
@@ -104,7 +105,8 @@ Moved hear_hand(const HapticInput& in, bool ok, bool turns, double dt, HandTrack
     track.gap = std::min(gap, 1.0);
     return moved;
   }
-  if (gap > kLongestHandGap) driving = false;
+  const double most = track.gap > 0.0 ? kLongestHandGap : kShortestLoss;
+  if (gap > most) driving = false;
   if (track.known) moved.by = hand.X_MH.p - track.X_MH.p;
   if (track.known && turns) moved.turn = rotation_log(hand.X_MH.q * track.X_MH.q.conjugate());
   track.X_MH = hand.X_MH;

@@ -124,7 +124,7 @@ TEST(HapticInput, ADeviceThatComesBackWithAnotherMiddleMovesNothing) {
 // invalid, the one before that time, or the one after it.
 TEST(HapticInput, NorDoesOneThatDidSoWhileTheLoopStoodStill) {
   for (const int invalid : {0, 1, 2}) {
-    for (const Nanos unseen : {22 * kMillisecond, 150 * kMillisecond}) {
+    for (const Nanos unseen : {(invalid == 0 ? 101 : 22) * kMillisecond, 150 * kMillisecond}) {
       HapticRig rig;
       rig.settings.guide.smoother_length = 1;
       rig.engage();
