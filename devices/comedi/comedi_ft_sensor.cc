@@ -28,15 +28,9 @@ ComediFtSensor::ComediFtSensor(const ComediFtOptions& options, Say say)
 
 Status ComediFtSensor::start() {
   stop();
-  if (!loaded_) {
-    const auto api = load_comedi(options_.place.library);
-    if (!api) return Status::error("force sensor: " + api.message());
-    api_ = *api;
-    loaded_ = true;
-  }
   source_ = make_ft_source(options_);
   if (!options_.waits) {
-    if (const Status opened = source_->open(api_); !opened) {
+    if (const Status opened = open_source(); !opened) {
       source_.reset();
       return Status::error("force sensor: " + opened.message());
     }
@@ -53,6 +47,16 @@ Status ComediFtSensor::start() {
   const SignalsBlocked blocked;
   thread_ = std::thread([this] { run(); });
   return Status::ok();
+}
+
+Status ComediFtSensor::open_source() {
+  if (!loaded_) {
+    const auto api = load_comedi(options_.place.library);
+    if (!api) return api.status();
+    api_ = *api;
+    loaded_ = true;
+  }
+  return source_->open(api_);
 }
 
 void ComediFtSensor::stop() noexcept {
@@ -96,7 +100,7 @@ void ComediFtSensor::open_again(bool already) {
   std::string last;
   while (!already) {
     if (!waits_until(monotonic_now() + options_.reopen_pause)) return;
-    const Status opened = source_->open(api_);
+    const Status opened = open_source();
     if (opened) break;
     if (opened.message() != last) say(true, opened.message());
     last = opened.message();

@@ -47,6 +47,7 @@ class ComediFtSensor final : public FtSensor {
 
  private:
   void run();
+  Status open_source();
   void open_again(bool already);
   void note(FtTaken taken, const FtReading& reading) noexcept;
   void publish(const FtReading& reading, std::uint32_t status) noexcept;
@@ -58,7 +59,7 @@ class ComediFtSensor final : public FtSensor {
   FtCapabilities capabilities_;
   ComediApi api_;
   std::unique_ptr<ComediFtSource> source_;
-  bool loaded_ = false;
+  bool loaded_ = false;  // of who starts it, and of the thread while there is one
   std::thread thread_;
   std::atomic<bool> stopping_{false};
   std::atomic<double> full_force_{0.0}, full_torque_{0.0};

@@ -24,6 +24,8 @@ class EncoderCount {
     step_ = step;
     return count_ += step;
   }
+  // As next() gave it last.
+  std::int64_t count() const noexcept { return count_; }
   // How far it went with the last next().
   std::int64_t step() const noexcept { return step_; }
 

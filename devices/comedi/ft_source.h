@@ -32,7 +32,8 @@ struct ComediFtOptions {
   double range_n_m = 100.0;    // |torque| per axis [N m]
   FtMount mount;
   Nanos reopen_pause = kReopenPause;  // from a millisecond on
-  // A card that is not there as it is started is no error: it is looked for, as one that was lost.
+  // A card or a library that is not there as it is started is no error: it is looked for, as one
+  // that was lost.
   // Starting opens nothing by itself then, and so does not block.
   bool waits = false;
 };

@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <cstring>
 #include <numbers>
-#include <utility>
 
 #include "devices/comedi/ft_scale.h"
 #include "server/base/clock.h"
@@ -23,11 +22,6 @@ constexpr unsigned int kLeastCounter = 0xffff;
 constexpr const char* kMotors[] = {"right-left", "up-down"};
 
 constexpr double kStickTurn = 2.0 * std::numbers::pi * kJoystickStick;  // at the tip [m]
-// Straight punches of Olympic boxers come at 9.14 m/s, with a deviation of 2.06 (Walilko, Viano and
-// Bir 2005, doi 10.1136/bjsm.2004.014126), and have more room to get so fast than a stick has.
-// Let go of under its motors' peak force this one comes to less: 25 N move 0.3 kg over 0.2 m to
-// 5.8 m/s. [m/s]
-constexpr double kFastestStick = 10.0;
 
 }  // namespace
 
@@ -156,7 +150,6 @@ Status JoystickCard::set_up_ni() {
 
 Status JoystickCard::begin() {
   std::array<unsigned int, 5> raw{};
-  read_from_ = monotonic_now();
   const int error = card_.read(std::span(inputs_).first(input_count_), raw);
   if (error != 0) {
     return card_.error(std::string("its inputs cannot be read: ") + std::strerror(error) +
@@ -166,21 +159,21 @@ Status JoystickCard::begin() {
   return Status::ok();
 }
 
-// N counts are a way of more than N - 1 of them.
-DeviceTrouble JoystickCard::leap_in(Nanos time) const noexcept {
-  for (std::size_t i = 0; i < 2; ++i) {
-    const auto counts = static_cast<double>(counts_[i].step());
-    const double a_count = kStickTurn / std::abs(options_.counts_per_turn[i]);
-    if ((std::abs(counts) - 1.0) * a_count <= kFastestStick * to_seconds(time)) continue;
-    std::array<char, 200> text{};
-    std::snprintf(text.data(), text.size(),
-                  "its encoder %s leapt by %.0f counts, %.1f mm, in %.2f ms: %.0f m/s, and at most "
-                  "%.0f are a hand's; look at its cable",
-                  kMotors[i], counts, 1e3 * counts * a_count, 1e3 * to_seconds(time),
-                  std::abs(counts) * a_count / to_seconds(time), kFastestStick);
-    return fixed_text<DeviceTrouble>(text.data());
-  }
-  return {};
+Vec3 JoystickCard::a_count(const ComediJoystickOptions& options) {
+  const auto& turn = options.counts_per_turn;
+  return Vec3(kStickTurn / std::abs(turn[0]), kStickTurn / std::abs(turn[1]), 0.0);
+}
+
+DeviceTrouble JoystickCard::leap_of(Nanos from, Nanos to) noexcept {
+  const Vec3 counts(static_cast<double>(counts_[0].count()),
+                    static_cast<double>(counts_[1].count()), 0.0);
+  const auto leap = guard_.next(counts.cwiseProduct(a_count(options_)), from, to);
+  if (!leap) return {};
+  const auto i = static_cast<std::size_t>(leap->axis);
+  std::array<char, 80> what{};
+  std::snprintf(what.data(), what.size(), "its encoder %s leapt by %lld counts,", kMotors[i],
+                static_cast<long long>(counts_[i].step()));
+  return leap_text(what.data(), *leap);
 }
 
 int JoystickCard::read(StickReading& out) noexcept {
@@ -188,12 +181,11 @@ int JoystickCard::read(StickReading& out) noexcept {
   const Nanos from = monotonic_now();
   const int error = card_.read(std::span(inputs_).first(input_count_), raw);
   if (error != 0) return error;
-  const Nanos since = std::exchange(read_from_, from);
   for (std::size_t i = 0; i < 2; ++i) {
     const auto counts = static_cast<double>(counts_[i].next(raw[i]));
     out.way[i] = kStickTurn * counts / options_.counts_per_turn[i];
   }
-  out.leap = leap_in(monotonic_now() - since);
+  out.leap = leap_of(from, monotonic_now());
   out.buttons = 0;
   for (std::size_t i = 2; i < input_count_; ++i) {
     if ((raw[i] == 0) == options_.button_low) out.buttons |= 1u << (i - 2);

@@ -8,6 +8,7 @@
 #include "devices/comedi/comedi_card.h"
 #include "devices/comedi/encoder_count.h"
 #include "devices/comedi/joystick_homing.h"
+#include "devices/input/leap_guard.h"
 #include "devices/input/reopen_pause.h"
 #include "devices/joystick/joystick_data.h"
 
@@ -74,8 +75,7 @@ class JoystickCard {
   // DRIVER".
   static Result<std::string> look(const ComediApi& api, const ComediJoystickOptions& options);
 
-  // 0, or errno. Real-time safe as far as the card's driver is. What is a leap is judged by the
-  // time from before the last reading to after this one, so that one which comes late is none.
+  // 0, or errno. Real-time safe as far as the card's driver is.
   int read(StickReading& out) noexcept;
   // Force at the tip [N].
   int push(const Vec2& force) noexcept { return torques_.push(card_, force); }
@@ -85,13 +85,15 @@ class JoystickCard {
 
  private:
   JoystickCard(ComediCard card, const ComediJoystickOptions& options)
-      : card_(std::move(card)), options_(options) {}
+      : card_(std::move(card)), options_(options), guard_(a_count(options)) {}
   static Result<JoystickCard> found(const ComediApi& api, const ComediJoystickOptions& options);
   Status find_encoders();
   Status find_buttons();
   Status set_up_ni();
   Status begin();
-  DeviceTrouble leap_in(Nanos time) const noexcept;
+  // Of each motor, at the tip [m].
+  static Vec3 a_count(const ComediJoystickOptions& options);
+  DeviceTrouble leap_of(Nanos from, Nanos to) noexcept;
 
   ComediCard card_;
   ComediJoystickOptions options_;
@@ -100,7 +102,7 @@ class JoystickCard {
   std::size_t input_count_ = 2;
   JoystickTorques torques_;
   std::array<EncoderCount, 2> counts_;
-  Nanos read_from_ = 0;  // when the last reading began
+  LeapGuard guard_;
 };
 
 }  // namespace handrail

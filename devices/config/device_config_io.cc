@@ -148,7 +148,9 @@ MadeSensor make_sensor(const pb::FtConfig& config, ComediFtSensor::Say say, bool
     options.waits = waits;
     return {std::make_unique<ComediFtSensor>(options, std::move(say)), nullptr};
   }
-  auto net = std::make_unique<NetFtSensor>(sensor_options(config));
+  NetFtOptions options = sensor_options(config);
+  options.waits = waits;
+  auto net = std::make_unique<NetFtSensor>(options);
   NetFtSensor* const known = net.get();
   return {std::move(net), known};
 }

@@ -26,7 +26,7 @@ struct MadeSensor {
   NetFtSensor* net = nullptr;     // the same, where it is on the network
 };
 // Not yet started. `say`: told what becomes of a sensor at a card, as ComediFtSensor has it.
-// `waits`: as ComediFtOptions has it.
+// `waits`: as ComediFtOptions and NetFtOptions have it.
 MadeSensor make_sensor(const pb::FtConfig& config, ComediFtSensor::Say say, bool waits = false);
 
 // None: no switch is configured.

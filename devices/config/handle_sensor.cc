@@ -10,7 +10,7 @@ void HandleSensor::start(const ComediFtSensor::Say& say) const {
   if (any() == nullptr) return;
   if (const Status started = any()->start(); !started) {
     say(true, "force sensor on the handle, handle_sensor: " + started.message() +
-                  "; nothing is measured there, and nothing else needs it");
+                  "; it is tried again, and nothing else needs it");
   }
 }
 

@@ -19,8 +19,8 @@ struct HandleSensor {
   // Null: none is to be used.
   FtSensor* any() const noexcept { return simulated ? simulated.get() : real.any.get(); }
   std::string name() const { return any() != nullptr ? any()->capabilities().name : std::string(); }
-  // One that cannot be started is told, as nothing else needs it. A card that is away is looked
-  // for until it is there.
+  // One that cannot be started is told, as nothing else needs it, and tried again: a card, its
+  // library or an address on the network.
   void start(const ComediFtSensor::Say& say) const;
   void stop() const noexcept;
 };

@@ -28,8 +28,12 @@ EvdevTurn EvdevReader::listen() noexcept {
     stream_.begin(opened_.state);
   }
   if (take_events(opened_.fd, stream_)) return was_there ? EvdevTurn::kThere : EvdevTurn::kCame;
-  reopener_.lost(std::exchange(opened_.fd, -1));
+  lose();
   return EvdevTurn::kLeft;
+}
+
+void EvdevReader::lose() noexcept {
+  if (there()) reopener_.lost(std::exchange(opened_.fd, -1));
 }
 
 void EvdevReader::stop() noexcept {

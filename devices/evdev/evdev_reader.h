@@ -27,6 +27,8 @@ class EvdevReader {
   void stop() noexcept;
   // Takes what came. A device whose events the kernel had no room for is lost as well.
   EvdevTurn listen() noexcept;
+  // What it says cannot be: it is lost, and opened again. Nothing where it is away. Real-time safe.
+  void lose() noexcept;
 
   bool there() const noexcept { return opened_.fd >= 0; }
   // As it was opened last.

@@ -38,6 +38,11 @@ double most_stick_force(const ForceStickOptions& o) {
   return std::min(x, y);
 }
 
+LeapGuard stick_guard(const ForceStickOptions& o) {
+  const double count = 2.0 * o.reach / o.axis_counts;
+  return LeapGuard(Vec3(count, count, 0.0), from_seconds(o.delay));
+}
+
 HapticCapabilities stick_capabilities(const ForceStickOptions& o) {
   HapticCapabilities c;
   const bool wheel = o.axes == ForceStickAxes::kWheel;
@@ -83,7 +88,8 @@ ForceStick::ForceStick(const ForceStickOptions& options, EvdevKernel& kernel)
       kernel_(kernel),
       capabilities_(stick_capabilities(options)),
       reader_([this] { return open_device(); }, options.reopen_pause),
-      pusher_(kernel, force_options(options)) {}
+      pusher_(kernel, force_options(options)),
+      guard_(stick_guard(options)) {}
 
 Result<EvdevOpened> ForceStick::open_device() const {
   Result<EvdevOpened> out =
@@ -110,6 +116,9 @@ Status ForceStick::open() {
   reader_.start(*first);
   pusher_.start();
   sample_ = HapticSample();
+  guard_.reset();
+  away_until_ = -kForever;
+  lost_for_ = DeviceTrouble();
   started_ = false;
   open_ = true;
   return Status::ok();
@@ -118,13 +127,8 @@ Status ForceStick::open() {
 HapticSample ForceStick::read(Nanos now) noexcept {
   if (!open_) return {};
   if (started_ && now <= last_) return sample_;
-  const EvdevTurn turn = reader_.listen();
-  if (turn == EvdevTurn::kCame || turn == EvdevTurn::kLeft) {
-    pusher_.use(reader_.device());
-    known_ = {};
-  }
   const bool was_valid = sample_.valid;
-  sample_.valid = reader_.there() && moved_off(0) && moved_off(1);
+  sample_.valid = is_somewhere();
   if (sample_.valid) {
     const Vec3 p = place();
     const double dt = to_seconds(std::max<Nanos>(now - last_, 1));
@@ -132,6 +136,7 @@ HapticSample ForceStick::read(Nanos now) noexcept {
         was_valid ? joystick_velocity(sample_.v_MH, sample_.X_MH.p, p, dt) : Vec3::Zero().eval();
     sample_.X_MH.p = p;
     sample_.buttons = pad_buttons(reader_.device(), reader_.state());
+    lost_for_ = DeviceTrouble();
   } else {
     sample_ = HapticSample();
   }
@@ -140,12 +145,39 @@ HapticSample ForceStick::read(Nanos now) noexcept {
   return sample_;
 }
 
+bool ForceStick::is_somewhere() noexcept {
+  const Nanos from = monotonic_now();
+  if (from < away_until_) return false;
+  const EvdevTurn turn = reader_.listen();
+  if (turn == EvdevTurn::kCame || turn == EvdevTurn::kLeft) {
+    pusher_.use(reader_.device());
+    known_ = {};
+  }
+  if (!reader_.there() || !moved_off(0) || !moved_off(1)) return false;
+  const Nanos to = monotonic_now();
+  const auto leap = guard_.next(place(), from, to);
+  if (leap) lose(*leap, to);
+  return !leap;
+}
+
+// It may be open again at once, and who reads would then go on as if one reading had been missed.
+void ForceStick::lose(const Leap& leap, Nanos now) noexcept {
+  lost_for_ = leap_text(leap.axis == 0 ? "its axis X leapt by" : "its axis Y leapt by", leap);
+  away_until_ = now + options_.reopen_pause;
+  guard_.reset();
+  reader_.lose();
+  pusher_.use(reader_.device());
+}
+
 DeviceTrouble ForceStick::trouble() const noexcept {
-  return fixed_text<DeviceTrouble>(!open_ ? "it is not open"
-                                   : !reader_.there()
-                                       ? kUnpluggedInput
-                                       : "it reads as at its end, as some do until they are "
-                                         "first moved: move it once");
+  const auto said = [](const char* text) { return fixed_text<DeviceTrouble>(text); };
+  if (!open_) return said("it is not open");
+  if (text_of(lost_for_).empty()) {
+    return said(!reader_.there() ? kUnpluggedInput
+                                 : "it reads as at its end, as some do until they are first moved: "
+                                   "move it once");
+  }
+  return and_then(lost_for_, reader_.there() ? "move it once" : "");
 }
 
 bool ForceStick::moved_off(int axis) noexcept {

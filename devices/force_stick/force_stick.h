@@ -8,6 +8,7 @@
 #include "devices/evdev/pad.h"
 #include "devices/force_stick/stick_pusher.h"
 #include "devices/haptic_device.h"
+#include "devices/input/leap_guard.h"
 
 namespace handrail {
 
@@ -47,8 +48,10 @@ const PadWish& force_stick_wish(ForceStickAxes axes) noexcept;
 //
 // Where an axis is is read in the haptic thread; the force is in a thread of its own, StickPusher.
 // Readings are not valid while the device is away, and while an axis reads as at its end and has
-// not moved since it was opened: some read so until they are first moved. Plugged in again the
-// force begins anew. The buttons are those of a gamepad or joystick: clutch, drop, enable.
+// not moved since it was opened: some read so until they are first moved. An axis that leaps, as no
+// hand does within the time between two readings and the device's own delay, is one whose device is
+// lost for at least a pause. Plugged in again the force begins anew. The buttons are those of a
+// gamepad or joystick: clutch, drop, enable.
 class ForceStick final : public HapticDevice {
  public:
   explicit ForceStick(const ForceStickOptions& options, EvdevKernel& kernel = evdev_kernel());
@@ -71,6 +74,8 @@ class ForceStick final : public HapticDevice {
   Result<EvdevOpened> open_device() const;
   bool moved_off(int axis) noexcept;
   Vec3 place() const noexcept;
+  bool is_somewhere() noexcept;
+  void lose(const Leap& leap, Nanos now) noexcept;
 
   ForceStickOptions options_;
   EvdevKernel& kernel_;
@@ -78,6 +83,9 @@ class ForceStick final : public HapticDevice {
   EvdevReader reader_;
   StickPusher pusher_;
   std::array<bool, 2> known_{};  // where the axis is
+  LeapGuard guard_;
+  Nanos away_until_ = -kForever;  // by monotonic_now()
+  DeviceTrouble lost_for_{};      // of a leap, until readings are valid again
   HapticSample sample_;
   Nanos last_ = 0;
   bool open_ = false;

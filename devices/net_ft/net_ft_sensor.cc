@@ -23,6 +23,12 @@ NetFtSensor::~NetFtSensor() { stop(); }
 
 Status NetFtSensor::start() {
   stop();
+  wanted_ = options_.waits;
+  open_at_ = monotonic_now() + options_.reopen_pause;
+  return open();
+}
+
+Status NetFtSensor::open() {
   if (Status s = socket_.open(options_.address, options_.port, kReceiveBuffer); !s) {
     return Status::error("force sensor " + s.message());
   }
@@ -30,6 +36,12 @@ Status NetFtSensor::start() {
   send_settings();
   socket_.send(client_.start(monotonic_now()));
   return Status::ok();
+}
+
+bool NetFtSensor::opened_again(Nanos now) noexcept {
+  if (!wanted_ || now < open_at_) return false;
+  open_at_ = now + options_.reopen_pause;
+  return static_cast<bool>(open());
 }
 
 void NetFtSensor::send_settings() noexcept {
@@ -41,7 +53,7 @@ void NetFtSensor::send_settings() noexcept {
 }
 
 bool NetFtSensor::poll(Nanos now, FtSample& sample) noexcept {
-  if (!started_) return false;
+  if (!started_ && !opened_again(now)) return false;
   bool fresh = false;
   std::array<std::uint8_t, 2 * kRdtRecordSize> buffer;
   for (int i = 0; i < kMaxDrain; ++i) {
@@ -66,7 +78,7 @@ void NetFtSensor::bias() noexcept {
 
 void NetFtSensor::stop() noexcept {
   if (started_) socket_.send(client_.stop());
-  started_ = false;
+  started_ = wanted_ = false;
   socket_.close();
 }
 

@@ -20,6 +20,10 @@ struct NetFtOptions {
   double range_n_m = 100.0;      // |torque| per axis [N m]
   RdtClientOptions client;
   FtMount mount;
+  // Where start() fails, poll() opens its address again and again; it is then not real-time safe
+  // until it has.
+  bool waits = false;
+  Nanos reopen_pause = 100 * kMillisecond;  // as of every device that is looked for
 };
 
 class NetFtSensor : public FtSensor {
@@ -41,6 +45,8 @@ class NetFtSensor : public FtSensor {
   const RdtCounters& counters() const noexcept { return client_.counters(); }
 
  private:
+  Status open();
+  bool opened_again(Nanos now) noexcept;
   void send_settings() noexcept;
 
   NetFtOptions options_;
@@ -48,6 +54,8 @@ class NetFtSensor : public FtSensor {
   RdtClient client_;
   UdpClient socket_;
   bool started_ = false;
+  bool wanted_ = false;  // and to be opened again
+  Nanos open_at_ = -kForever;
 };
 
 }  // namespace handrail

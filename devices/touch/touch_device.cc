@@ -49,12 +49,19 @@ HdEnum best_style(HdEnum known) {
 // on USB (logs of its owners). The place may be as old.
 constexpr Nanos kReadingTakes = 100 * kMicrosecond;
 
+// By TouchHoming.
+constexpr const char* kToHome[] = {"", "it is not homed yet, and does so by itself",
+                                   "it is not homed: put the stylus into the inkwell",
+                                   "it is not homed: do as the vendor's manual says"};
+
 std::string text_or_empty(const char* text) { return text == nullptr ? "" : shown(text); }
 
 }  // namespace
 
 TouchDevice::TouchDevice(const TouchOptions& options)
-    : options_(options), capabilities_(omni_capabilities(false)) {
+    : options_(options),
+      capabilities_(omni_capabilities(false)),
+      guard_(Vec3::Constant(kOmniResolution)) {
   capabilities_.name = "Touch";
   capabilities_.simulated = false;
   capabilities_.dynamics.delay = to_seconds(kReadingTakes + kAnswerPatience);
@@ -71,6 +78,7 @@ Status TouchDevice::open() {
   gate_.reset();
   tick_ = TouchTick();
   servo_.losses = 0;
+  servo_.lost_for = DeviceTrouble();
   if (Status s = begin(false); !s) return s;
   ask_identity();
   (void)gate_.take(tick_);
@@ -144,10 +152,12 @@ void TouchDevice::ask_abilities() {
 }
 
 Status TouchDevice::start(bool again) {
-  const std::uint64_t losses = servo_.losses;
+  const TouchTick last = servo_;
   servo_ = TouchTick();
-  servo_.losses = losses + (again ? 1 : 0);
-  output_ = hot_ = false;
+  servo_.losses = last.losses + (again ? 1 : 0);
+  servo_.lost_for = last.lost_for;
+  output_ = hot_ = leapt_ = false;
+  guard_.reset();
   failed_at_ = again ? monotonic_now() : -kForever;
   const std::uint64_t turns = turns_.load(std::memory_order_acquire);
   scheduled_ = api_->schedule(
@@ -183,7 +193,8 @@ void TouchDevice::servo() noexcept {
   note_errors(servo_);
   servo_.sample.valid = servo_.sample.valid && servo_.homing == TouchHoming::kDone &&
                         !loses_device(servo_.error.code);
-  failing_.store(loses_device(servo_.error.code), std::memory_order_relaxed);
+  look_for_leap(servo_);
+  failing_.store(leapt_ || loses_device(servo_.error.code), std::memory_order_relaxed);
   const bool pushes = may_push(servo_);
   gate_.give(servo_, monotonic_now());
   turns_.fetch_add(1, std::memory_order_release);
@@ -275,6 +286,24 @@ void TouchDevice::note_errors(TouchTick& out) noexcept {
   }
 }
 
+// Until it is opened anew: what it is homed to may have leapt as well.
+void TouchDevice::look_for_leap(TouchTick& out) noexcept {
+  if (out.sample.valid && !leapt_) {
+    const auto leap = guard_.next(out.sample.X_MH.p, out.at, monotonic_now());
+    if (leap) {
+      static constexpr const char* kWhat[] = {"its X leapt by", "its Y leapt by", "its Z leapt by"};
+      out.lost_for = leap_text(kWhat[leap->axis], *leap);
+      leapt_ = true;
+      ++out.force_offs;
+    } else {
+      out.lost_for = DeviceTrouble();
+    }
+  }
+  if (!leapt_) return;
+  out.sample.valid = false;
+  failed_at_ = out.at;
+}
+
 HapticSample TouchDevice::read(Nanos) noexcept {
   if (!open_) return {};
   (void)gate_.take(tick_);
@@ -293,15 +322,12 @@ DeviceTrouble TouchDevice::trouble() const noexcept {
                   hd_hint(tick_.error.code));
     return out;
   }
+  const char* const homing = kToHome[static_cast<std::size_t>(tick_.homing)];
+  if (!text_of(tick_.lost_for).empty()) return and_then(tick_.lost_for, homing);
   if (monotonic_now() - tick_.at > kTickPatience) {
     return said("its library gives no readings; look at cable and power");
   }
-  switch (tick_.homing) {
-    case TouchHoming::kByItself: return said("it is not homed yet, and does so by itself");
-    case TouchHoming::kInkwell: return said("it is not homed: put the stylus into the inkwell");
-    case TouchHoming::kByHand: return said("it is not homed: do as the vendor's manual says");
-    case TouchHoming::kDone: break;
-  }
+  if (*homing != '\0') return said(homing);
   return said("its library gives no pose; look at its cable, and the vendor's diagnostic");
 }
 

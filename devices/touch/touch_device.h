@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "devices/haptic_device.h"
+#include "devices/input/leap_guard.h"
 #include "devices/input/reopen_pause.h"
 #include "devices/input/turn_gate.h"
 #include "devices/touch/hd_api.h"
@@ -43,6 +44,7 @@ struct TouchTick {
   std::uint64_t frozen = 0;      // of these, in a row, with the very same place and angles
   std::uint64_t force_offs = 0;  // times the force was let go of, for an error or a hot motor
   std::uint64_t losses = 0;      // times that it was lost and opened again
+  DeviceTrouble lost_for{};      // of a leap, until readings are valid again
 };
 
 // Reckoned with as a Touch, whatever the model: its data sheet's mass, friction, resolution and
@@ -55,9 +57,9 @@ struct TouchTick {
 // the servo thread after kForceStands, at an error, and while a motor is hot; half a second after
 // an error it is switched on again and comes back within half a second.
 //
-// A device that is lost, unplugged or with a scheduler that stopped, is closed and opened again by
-// a thread of its own, every 100 ms until it works: homing is asked anew, and the force comes back
-// as after an error.
+// A device that is lost, unplugged, with a scheduler that stopped or with a place that leaps as no
+// hand does, is closed and opened again by a thread of its own, every 100 ms until it works: homing
+// is asked anew, and the force comes back as after an error.
 class TouchDevice final : public HapticDevice {
  public:
   explicit TouchDevice(const TouchOptions& options);
@@ -94,6 +96,7 @@ class TouchDevice final : public HapticDevice {
   bool may_push(const TouchTick& out) noexcept;
   Vec3 share_of(const Vec3& asked, Nanos written) const noexcept;
   void note_errors(TouchTick& out) noexcept;
+  void look_for_leap(TouchTick& out) noexcept;
 
   TouchOptions options_;
   HapticCapabilities capabilities_;
@@ -119,6 +122,8 @@ class TouchDevice final : public HapticDevice {
   bool output_ = false;  // the force is switched on
   bool hot_ = false;
   Nanos failed_at_ = -kForever;  // newest error that takes the force away
+  LeapGuard guard_;
+  bool leapt_ = false;  // since it was opened
 
   // Of who reads.
   TouchTick tick_;

@@ -8,6 +8,8 @@ namespace handrail {
 inline constexpr double kFastestHand = 100.0;  // no hand moves so [m/s]
 // A hand silent for longer takes over again like after a clutch, wherever it comes back [s].
 inline constexpr double kLongestHandGap = 0.020;
+// A device that was lost, and may be homed anew, is away for at least as long [s].
+inline constexpr double kShortestLoss = 0.100;
 
 // The device's newest reading, frame M.
 struct HandReading {

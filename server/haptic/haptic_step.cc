@@ -94,13 +94,20 @@ struct Moved {
   Vec3 faster = Vec3::Zero();  // [m/s]
 };
 
-// Takes over the hand's reading if it is one. `turns`: the turn is asked for, too.
-Moved hear_hand(const HandReading& hand, bool ok, bool turns, double dt, HandTrack& track) {
+// Takes over the hand's reading if it is one. `turns`: the turn is asked for, too. After too long
+// without one, readings that were invalid and time that nobody saw alike, the hand does not drive;
+// nor after time unseen alone in which its device may have been lost.
+Moved hear_hand(const HapticInput& in, bool ok, bool turns, double dt, HandTrack& track,
+                bool& driving) {
   Moved moved;
+  const HandReading& hand = in.hand;
+  const double gap = track.gap + std::max(dt, to_seconds(in.unseen));
   if (!ok) {
-    track.gap = std::min(track.gap + dt, 1.0);
+    track.gap = std::min(gap, 1.0);
     return moved;
   }
+  const double most = track.gap > 0.0 ? kLongestHandGap : kShortestLoss;
+  if (gap > most) driving = false;
   if (track.known) moved.by = hand.X_MH.p - track.X_MH.p;
   if (track.known) moved.faster = hand.v_MH - track.v_MH;
   if (track.known && turns) moved.turn = rotation_log(hand.X_MH.q * track.X_MH.q.conjugate());
@@ -313,7 +320,7 @@ void haptic_step(const HapticSettings& settings, const HapticInput& in, double d
   const bool hand_ok = in.hand.valid && is_place(in.hand.X_MH) && is_finite(in.hand.v_MH) &&
                        in.hand.v_MH.cwiseAbs().maxCoeff() <= kFastestHand;
   if (!hand_ok) out.reasons.add(Reason::kDeviceInvalid);
-  const Moved moved = hear_hand(in.hand, hand_ok, settings.has_torque, dt, s.hand);
+  const Moved moved = hear_hand(in, hand_ok, settings.has_torque, dt, s.hand, s.command.driving);
   const Nanos slave_age = age_after(in.unseen, in.slave_age);
   const LadderStep ladder = ladder_step(settings.ladder, in.slave_known, slave_age, in.link,
                                         std::max(dt, to_seconds(in.unseen)), s.ladder);

@@ -182,8 +182,9 @@ void begin_epochs(std::uint64_t unique, HapticState& state) noexcept;
 
 // Pure and bounded: no clock, lock, log or allocation. `dt` > 0 [s]. What the slave said counts as
 // at least as old as a time unseen of over 20 ms. On an invalid reading the last
-// valid hand is kept and the force is zero for that tick; after 20 ms of them the command freezes
-// and the hand takes over again, wherever it comes back, as after a clutch.
+// valid hand is kept and the force is zero for that tick; after 20 ms of them, time unseen among
+// them, or of 100 ms unseen alone the command freezes and the hand takes over again, wherever it
+// comes back, as after a clutch.
 void haptic_step(const HapticSettings& settings, const HapticInput& in, double dt,
                  HapticState& state, HapticOutput& out) noexcept;
 

@@ -183,7 +183,8 @@ void hdGetDoublev(std::uint32_t what, double* out) {
     case 0x2052: {  // column by column
       need_frame("transform outside a frame");
       const double wild = s.not_a_pose ? std::nan("") : 0.0;
-      const std::array<double, 3> p = s.frozen ? std::array<double, 3>{} : s.place;
+      std::array<double, 3> p = s.frozen ? std::array<double, 3>{} : s.place;
+      for (std::size_t i = 0; i < 3; ++i) p[i] += s.off[i];
       const double m[16] = {1 - 2 * (y * y + z * z),
                             2 * (x * y + w * z),
                             2 * (x * z - w * y),

@@ -27,6 +27,7 @@ struct HdState {
   bool not_a_pose = false;                            // the transform is not finite
   std::array<double, 3> target{};                     // where the hand around it wants it [mm]
   std::array<double, 4> turn = {1.0, 0.0, 0.0, 0.0};  // w x y z
+  std::array<double, 3> off{};                        // its encoders are wrong by so much [mm]
   int pause_us = 1000;  // between two ticks, but for a jitter as measured
 
   // A turn in so many begins 20 ms late; 0: none does.

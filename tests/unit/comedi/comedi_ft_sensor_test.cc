@@ -6,10 +6,12 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <filesystem>
 #include <numbers>
 
 #include "devices/comedi/comedi_scan.h"
 #include "tests/support/no_allocation.h"
+#include "tests/support/temp_folder.h"
 #include "tests/unit/comedi/comedi_bench.h"
 
 namespace handrail {
@@ -158,6 +160,24 @@ TEST_F(ComediFtSensorTest, ACardThatIsWaitedForMayComeLater) {
   options.waits = false;
   card([](ComediState& s) { s.open_error = ENOENT; });
   EXPECT_THAT(start_error(), HasSubstr("cannot be opened: No such file"));
+}
+
+TEST_F(ComediFtSensorTest, ALibraryThatIsWaitedForMayComeLater) {
+  const TempFolder folder;
+  options.place.library = folder.path() + "/libcomedi.so.0";
+  options.waits = false;
+  EXPECT_THAT(start_error(), HasSubstr("libcomedi.so.0: cannot be loaded"));
+  options.waits = true;
+  options.reopen_pause = kMillisecond;
+  ASSERT_NO_FATAL_FAILURE(start());
+  EXPECT_TRUE(take_until([](const FtSample& s) { return s.status == kFtLost; }));
+  EXPECT_TRUE(says("bad: force sensor: comedi: "));
+  EXPECT_TRUE(says("sudo apt-get install libcomedi0"));
+  std::filesystem::create_symlink(HANDRAIL_COMEDI_STAND_IN, options.place.library);
+  EXPECT_TRUE(reads());
+  sensor->stop();
+  ASSERT_TRUE(sensor->start()) << "and with the library that is there";
+  EXPECT_TRUE(reads());
 }
 
 TEST_F(ComediFtSensorTest, AnAxisAtItsEndIsAStatusOfItsOwn) {

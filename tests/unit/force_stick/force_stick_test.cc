@@ -26,6 +26,21 @@ class ForceStickDeviceTest : public test::ReadBench {
     ASSERT_TRUE(opened) << opened.message();
   }
   HapticDevice& read_device() override { return *device; }
+  // So long for its next way, in ms.
+  static void hand_has(int time) { std::this_thread::sleep_for(std::chrono::milliseconds(time)); }
+  // Whether a leap from the middle to `counts` is seen; if it is not, the axis is back there. A
+  // computer that paused for so long takes it for a hand's way, as it must: then it is tried again.
+  bool leaps(int code, int counts) {
+    for (int i = 0; i < 20; ++i) {
+      kernel.axis(code, counts);
+      if (!read().valid) return true;
+      hand_has(50);
+      kernel.axis(code, 512);
+      (void)read();
+    }
+    return false;
+  }
+  std::string trouble() { return std::string(text_of(device->trouble())); }
 
   FakeForceStick kernel;
   ForceStickOptions options;
@@ -42,6 +57,7 @@ TEST_F(ForceStickDeviceTest, TheHandIsWhereTheStickIs) {
   EXPECT_NEAR(read().X_MH.p.x(), 0.08, 1e-12);
   kernel.axis(ABS_Y, 1023);
   EXPECT_NEAR(read().X_MH.p.y(), -0.08, 1e-12) << "the kernel's Y is toward the user";
+  hand_has(50);
   kernel.axis(ABS_Y, 0);
   EXPECT_NEAR(read().X_MH.p.y(), 0.08, 1e-12);
   kernel.axis(ABS_X, 5000);
@@ -160,6 +176,87 @@ TEST_F(ForceStickDeviceTest, UnpluggedItIsNotValidAndComesBackWithoutALeap) {
   ASSERT_TRUE(becomes(true));
   EXPECT_LT(read().X_MH.p.x(), 0.01);
   EXPECT_LT(read().v_MH.norm(), 1e-6);
+}
+
+// With a device that may tell of a place 2 ms late: 20 mm and the computer's own time.
+TEST_F(ForceStickDeviceTest, AnAxisThatLeapsIsLostAndComesBackWhereItIs) {
+  options.delay = 2e-3;
+  for (const bool up : {false, true}) {
+    for (const int counts : {1000, 20}) {
+      ASSERT_NO_FATAL_FAILURE(open());
+      ASSERT_TRUE(becomes(true));
+      hand_has(50);
+      kernel.axis(ABS_X, 512);
+      kernel.axis(ABS_Y, 512);
+      ASSERT_TRUE(read().valid);
+      // As the kernel has it when it is opened again.
+      kernel.make({BTN_TRIGGER}, {{ABS_X, {0, 1023, up ? 512 : counts, 0}},
+                                  {ABS_Y, {0, 1023, up ? counts : 512, 0}}});
+      const int opened = kernel.opened();
+      ASSERT_TRUE(leaps(up ? ABS_Y : ABS_X, counts));
+      EXPECT_EQ(read().buttons, 0u);
+      const bool positive = (counts > 512) != up;
+      EXPECT_THAT(trouble(), HasSubstr(std::string(up ? "its axis Y" : "its axis X") +
+                                       " leapt by " + (positive ? "9" : "-9")));
+      EXPECT_THAT(trouble(), HasSubstr("m/s, and at most 10 are a hand's; look at its cable"));
+      const Nanos lost = monotonic_now();
+      ASSERT_TRUE(becomes(true));
+      EXPECT_GE(monotonic_now() - lost, 90 * kMillisecond) << "or the master would bridge it";
+      EXPECT_EQ(kernel.opened(), opened + 1);
+      EXPECT_EQ(read().v_MH.norm(), 0.0);
+      EXPECT_GT(std::abs(read().X_MH.p[up ? 1 : 0]), 0.09);
+    }
+  }
+}
+
+TEST_F(ForceStickDeviceTest, ALoopThatWasLateTakesNoWayForALeap) {
+  options.delay = 0.0;
+  ASSERT_NO_FATAL_FAILURE(open());
+  ASSERT_TRUE(becomes(true));
+  hand_has(25);
+  kernel.axis(ABS_X, 1000);
+  EXPECT_TRUE(read().valid);
+}
+
+TEST_F(ForceStickDeviceTest, AfterALeapTheForceBeginsAnew) {
+  options.full = {4.0, 4.0};
+  options.delay = 2e-3;
+  ASSERT_NO_FATAL_FAILURE(open());
+  const auto pushes = [this](double least) {
+    return comes([&] {
+      (void)read();
+      device->write({Vec3(4.0, 0.0, 0.0), Vec3::Zero()});
+      return kernel.push()[0] >= least;
+    });
+  };
+  ASSERT_TRUE(pushes(0.9));
+  // It is let go of while the readings are not valid, whatever is written.
+  ASSERT_TRUE(leaps(ABS_X, 1000));
+  ASSERT_TRUE(comes([&] {
+    device->write({Vec3(4.0, 0.0, 0.0), Vec3::Zero()});
+    return kernel.push()[0] == 0.0;
+  }));
+  EXPECT_TRUE(comes([&] { return !device->pushed().there; })) << "its motors are let go of";
+  EXPECT_FALSE(read().valid);
+  EXPECT_TRUE(pushes(0.9));
+}
+
+TEST_F(ForceStickDeviceTest, LeaptToItsEndItHasToBeMoved) {
+  options.delay = 0.0;
+  ASSERT_NO_FATAL_FAILURE(open());
+  ASSERT_TRUE(becomes(true));
+  kernel.make({BTN_TRIGGER}, {{ABS_X, {0, 1023, 0, 0}}, {ABS_Y, {0, 1023, 512, 0}}});
+  ASSERT_TRUE(leaps(ABS_X, 0));
+  ASSERT_TRUE(comes([&] {
+    (void)read();
+    return trouble().ends_with("look at its cable; then move it once");
+  }));
+  EXPECT_FALSE(read().valid);
+  kernel.axis(ABS_X, 30);
+  EXPECT_TRUE(becomes(true));
+  kernel.pull_out();
+  ASSERT_TRUE(becomes(false));
+  EXPECT_EQ(trouble(), kUnpluggedInput) << "the leap is done with";
 }
 
 }  // namespace

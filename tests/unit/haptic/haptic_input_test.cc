@@ -83,6 +83,82 @@ TEST(HapticInput, AHandThatComesBackElsewhereAfterASilenceTakesOverLikeAfterAClu
   }
 }
 
+// A device that was lost and is homed anew may have its middle elsewhere: the same hand reads as 60
+// mm off. With a dead-man's switch the arm waits meanwhile, and after two seconds it is engaged by
+// nobody but the operator.
+TEST(HapticInput, ADeviceThatComesBackWithAnotherMiddleMovesNothing) {
+  for (const bool button : {false, true}) {
+    for (const int away : {100, 2500}) {
+      HapticRig rig;
+      if (button) rig.settings.presence = Presence::kButton;
+      rig.in.hand.enable_button = button;
+      rig.settings.guide.smoother_length = 1;
+      rig.engage();
+      ASSERT_EQ(rig.session(), SessionState::kEngaged);
+      const Pose frozen = rig.command();
+      rig.in.hand.valid = false;
+      for (int i = 0; i < away; ++i) {
+        rig.tick();
+        ASSERT_LT((rig.command().p - frozen.p).norm(), 1e-12);
+      }
+      const bool off = button && away > 2000;
+      EXPECT_EQ(rig.session(), off      ? SessionState::kOff
+                               : button ? SessionState::kClutched
+                                        : SessionState::kEngaged);
+      rig.in.hand.X_MH.p += Vec3(0.06, -0.06, 0.0);
+      rig.in.hand.valid = true;
+      for (int i = 0; i < 500; ++i) {
+        rig.tick();
+        ASSERT_LT((rig.command().p - frozen.p).norm(), 1e-12);
+      }
+      EXPECT_EQ(rig.session(), off ? SessionState::kOff : SessionState::kEngaged);
+      // From there it leads.
+      rig.in.hand.X_MH.p += Vec3(0.0, 0.001, 0.0);
+      rig.ticks(10);
+      EXPECT_NEAR((rig.command().p - frozen.p).norm(), off ? 0.0 : 0.002, 1e-9);
+    }
+  }
+}
+
+// Or it was lost and is back about the time in which the loop itself stood still: no reading was
+// invalid, the one before that time, or the one after it.
+TEST(HapticInput, NorDoesOneThatDidSoWhileTheLoopStoodStill) {
+  for (const int invalid : {0, 1, 2}) {
+    for (const Nanos unseen : {(invalid == 0 ? 101 : 22) * kMillisecond, 150 * kMillisecond}) {
+      HapticRig rig;
+      rig.settings.guide.smoother_length = 1;
+      rig.engage();
+      const Pose frozen = rig.command();
+      rig.in.hand.valid = invalid == 0;
+      rig.in.unseen = invalid == 2 ? unseen : kMillisecond;
+      if (invalid > 0) rig.tick();
+      rig.in.hand.valid = true;
+      rig.in.hand.X_MH.p += Vec3(0.06, -0.06, 0.0);
+      rig.in.unseen = invalid == 2 ? kMillisecond : unseen;
+      for (int i = 0; i < 1000; ++i) {
+        rig.tick();
+        rig.in.unseen = kMillisecond;
+        ASSERT_LT((rig.command().p - frozen.p).norm(), 1e-12) << i;
+      }
+      EXPECT_EQ(rig.session(), SessionState::kEngaged);
+      rig.in.hand.X_MH.p += Vec3(0.0, 0.001, 0.0);
+      rig.ticks(10);
+      EXPECT_NEAR((rig.command().p - frozen.p).norm(), 0.002, 1e-9) << "from there it leads";
+    }
+  }
+}
+
+TEST(HapticInput, AHandIsFollowedOverATickThatIsLate) {
+  HapticRig rig;
+  rig.settings.guide.smoother_length = 1;
+  rig.engage();
+  const Pose before = rig.command();
+  rig.in.hand.X_MH.p += Vec3(0.0, 0.002, 0.0);
+  rig.in.unseen = 15 * kMillisecond;
+  rig.tick();
+  EXPECT_NEAR((rig.command().p - before.p).norm(), 0.004, 1e-9);
+}
+
 TEST(HapticInput, OneMissedReadingDoesNotInterruptTheMotion) {
   HapticRig rig;
   rig.settings.guide.smoother_length = 1;

@@ -87,6 +87,19 @@ TEST(DeflectionHand, ALeapOfTheDeflectionIsAVelocityWithoutLeaps) {
   }
 }
 
+// So it needs no guard of its own: two lags in series go at most reach / (e x smoothing).
+TEST(DeflectionHand, ALeapOfTheDeflectionIsSlowerThanAFastHand) {
+  DeflectionSettings settings = settings_of(DeflectionMode::kPosition);
+  settings.reach = 0.1;
+  DeflectionHand hand(settings);
+  double most = 0.0;
+  for (int i = 0; i < 200; ++i) {
+    hand.step({Vec3(1.0, 0.0, 0.0), Vec3::Zero()}, false, 1e-3);
+    most = std::max(most, hand.velocity().norm());
+  }
+  EXPECT_NEAR(most, 2.3, 0.1) << "and a leap is what is faster than 10 m/s";
+}
+
 TEST(DeflectionHand, WhoIsGoneMovesNothingMore) {
   for (const DeflectionMode mode : {DeflectionMode::kVelocity, DeflectionMode::kPosition}) {
     DeflectionHand hand(settings_of(mode));

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <poll.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -93,6 +94,43 @@ TEST_F(MadeUpHex, IsToldPeriodAndFilterAndThenToStreamAndIsReadInItsScale) {
   while (last == kTwoMs || last == kFifteenHz || last == kBegin) last = told();
   EXPECT_EQ(last, kZero);
   EXPECT_EQ(told(), kEnough);
+}
+
+// No descriptor is to be had, as without a network there is no way to its address.
+TEST_F(MadeUpHex, AnAddressThatCannotBeOpenedIsTriedAgainWhereItIsWaitedFor) {
+  rlimit all{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &all), 0);
+  const rlimit none{0, all.rlim_max};
+  for (const bool waits : {false, true}) {
+    options.waits = waits;
+    options.reopen_pause = 20 * kMillisecond;
+    NetFtSensor sensor(options);
+    ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+    const Status started = sensor.start();
+    const Nanos now = monotonic_now();
+    FtSample sample;
+    EXPECT_FALSE(sensor.poll(now + 25 * kMillisecond, sample));
+    ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &all), 0);
+    EXPECT_NE(started.message().find("Too many open files"), std::string::npos);
+    EXPECT_FALSE(sensor.poll(now + 30 * kMillisecond, sample));
+    pollfd told_now{socket_, POLLIN, 0};
+    EXPECT_EQ(::poll(&told_now, 1, 0), 0) << "not before its pause is over";
+    EXPECT_FALSE(sensor.poll(now + 50 * kMillisecond, sample));
+    ASSERT_EQ(::poll(&told_now, 1, waits ? 5000 : 100), waits ? 1 : 0);
+    if (!waits) continue;
+    EXPECT_EQ(told(), kBegin);
+    send_record(7);
+    const Nanos until = monotonic_now() + 10 * kSecond;
+    while (!sensor.poll(monotonic_now() + 50 * kMillisecond, sample)) {
+      ASSERT_LT(monotonic_now(), until);
+      sleep_until(monotonic_now() + kMillisecond / 2);
+    }
+    EXPECT_NEAR(sample.wrench.force.x(), -2.5, 1e-12);
+    sensor.stop();
+    EXPECT_FALSE(sensor.poll(monotonic_now() + kSecond, sample));
+    EXPECT_EQ(told(), kEnough);
+    EXPECT_EQ(::poll(&told_now, 1, 100), 0) << "stopped, it is not wanted any more";
+  }
 }
 
 TEST_F(MadeUpHex, AfterASilenceItIsToldAllAgain) {
