@@ -30,7 +30,7 @@ class ForceStickDeviceTest : public test::ReadBench {
   static void hand_has(int time) { std::this_thread::sleep_for(std::chrono::milliseconds(time)); }
   // Whether a leap from the middle to `counts` is seen; if it is not, the axis is back there. A
   // computer that paused for so long takes it for a hand's way, as it must: then it is tried again.
-  bool leaps(int code, int counts) {
+  bool leaps(unsigned int code, int counts) {
     for (int i = 0; i < 20; ++i) {
       kernel.axis(code, counts);
       if (!read().valid) return true;
