@@ -57,8 +57,8 @@ Result<ComediScan> ComediScan::start(ComediCard& card, std::span<const ComediCha
                                      double rate) {
   const ComediApi& api = card.api();
   std::array<unsigned int, kMostComediChannels> list{};
-  const auto count =
-      static_cast<unsigned int>(std::clamp<std::size_t>(channels.size(), 1, list.size()));
+  const auto count = static_cast<unsigned int>(std::min(channels.size(), list.size()));
+  if (count == 0) return card.error("streams no channels, as none were asked for");
   for (std::size_t i = 0; i < count; ++i) list[i] = channels[i].spec();
   ComediCommand command;
   command.subdev = channels[0].subdevice;
