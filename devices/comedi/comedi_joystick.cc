@@ -190,7 +190,7 @@ DeviceTrouble ComediJoystick::trouble() const noexcept {
   if (text_of(tick_.lost_for).empty()) {
     return fixed_text<DeviceTrouble>("it is not homed: move it to its four stops");
   }
-  return and_then(tick_.lost_for, tick_.there ? "move it to its four stops" : "");
+  return and_then(tick_.lost_for, tick_.there ? "then move it to its four stops" : "");
 }
 
 void ComediJoystick::write(const Wrench& f_H_M) noexcept {

@@ -177,7 +177,7 @@ DeviceTrouble ForceStick::trouble() const noexcept {
                                  : "it reads as at its end, as some do until they are first moved: "
                                    "move it once");
   }
-  return and_then(lost_for_, reader_.there() ? "move it once" : "");
+  return and_then(lost_for_, reader_.there() ? "then move it once" : "");
 }
 
 bool ForceStick::moved_off(int axis) noexcept {

@@ -33,7 +33,7 @@ DeviceTrouble and_then(const DeviceTrouble& trouble, std::string_view next) noex
   if (next.empty()) return trouble;
   DeviceTrouble out = trouble;
   std::size_t end = text_of(trouble).size();
-  for (const std::string_view part : {std::string_view("; then "), next}) {
+  for (const std::string_view part : {std::string_view("; "), next}) {
     for (const char c : part) {
       if (end + 1 < out.size()) out[end++] = c;
     }

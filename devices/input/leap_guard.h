@@ -50,7 +50,7 @@ class LeapGuard {
 // safe.
 DeviceTrouble leap_text(const char* what, const Leap& leap) noexcept;
 
-// "TROUBLE; then NEXT", cut to what fits; as it is where NEXT is empty. Real-time safe.
+// "TROUBLE; NEXT", cut to what fits; as it is where NEXT is empty. Real-time safe.
 DeviceTrouble and_then(const DeviceTrouble& trouble, std::string_view next) noexcept;
 
 }  // namespace handrail

@@ -15,6 +15,15 @@ inline constexpr double kSeconds = 6.0, kWindow = 2.0, kSecondKick = 1.0;
 inline constexpr double kMostGiven = 1e-3;
 // Chosen: what a swing may be more than a window before.
 inline constexpr double kMoreSwing = 1.05;
+// Chosen: of a device's counts, what a swing may be anyway.
+inline constexpr double kSwingCounts = 2.0;
+// A run of which that cannot say whether the swing grows, or whether the hand comes to rest, goes
+// on: each time for so many times as long, at most to kLongestWatch. A swing that wanders by a
+// tenth from window to window, as the widest seen do, is then known to 1.3 %, a quarter of what
+// kMoreSwing lets pass.
+inline constexpr double kWatchLonger = 4.0, kLongestWatch = 384.0;  // [s]
+// Of the ticks, where they are late at random.
+inline constexpr double kLateShare = 0.02;
 
 // What is given in a contact is the work of the force so far, less what the device's own friction
 // and damping took meanwhile: a spring that begins and ends at rest gives nothing, and before it

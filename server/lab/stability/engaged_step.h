@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <memory>
 #include <numbers>
-#include <optional>
 
 #include "server/haptic/haptic_step.h"
 #include "server/lab/sequences/played_slave.h"
@@ -14,8 +13,7 @@ namespace handrail {
 class EngagedStep {
  public:
   // The hand is at M's origin.
-  explicit EngagedStep(const HapticSettings& settings)
-      : settings_(settings), period_(settings.governor.period) {
+  explicit EngagedStep(const HapticSettings& settings) : settings_(settings) {
     in_.hand.valid = true;
     in_.slave = played_slave(kStart);
     in_.slave_known = true;
@@ -41,7 +39,7 @@ class EngagedStep {
     return out_.f_H_M;
   }
 
-  double period() const noexcept { return period_; }  // [s]
+  double period() const noexcept { return settings_.governor.period; }  // [s]
   bool engaged() const noexcept { return out_.link.state == SessionState::kEngaged; }
   const HapticSettings& settings() const noexcept { return settings_; }
   const HapticState& state() const noexcept { return *state_; }
@@ -49,9 +47,9 @@ class EngagedStep {
   static inline const Pose kStart{{0.35, 0.05, 0.43}, rotation_exp({std::numbers::pi, 0.0, 0.0})};
 
  private:
-  static constexpr int kEngages = 6;  // ticks that it takes
+  static constexpr int kEngages = 6;  // ticks until master and slave have answered each other
 
-  void step() { step(period_); }
+  void step() { step(period()); }
   void step(double dt) {
     haptic_step(settings_, in_, dt, *state_, out_);
     in_.order = HapticOrder();
@@ -62,7 +60,6 @@ class EngagedStep {
   }
 
   HapticSettings settings_;
-  double period_;
   std::unique_ptr<HapticState> state_ = std::make_unique<HapticState>();
   HapticInput in_;
   HapticOutput out_;

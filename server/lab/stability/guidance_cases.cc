@@ -12,18 +12,14 @@
 #include "server/lab/stability/engaged_step.h"
 #include "server/lab/stability/stability_case.h"
 #include "server/lab/stability/wall_cell.h"
-#include "server/master/governing.h"
 #include "server/master/haptic_settings.h"
 
 namespace handrail {
 namespace {
 
-constexpr double kCounts = 2.0;  // of the device, what a swing may be anyway, as at walls
-// As at walls, what is not over by then is watched for longer [s].
-constexpr double kWatched = 24.0, kTimes = 4.0, kEnds = 384.0;
-constexpr double kSettles = 0.3;     // until what is called and told is whole [s]
-constexpr double kRigid = 1e6;       // more than any hand is let feel [N/m]
-constexpr double kLateShare = 0.02;  // of the ticks that are late, as at walls
+constexpr double kSmallest = 1e-6;  // chosen: where there are none [m]
+constexpr double kSettles = 0.3;    // until what is called and told is whole [s]
+constexpr double kRigid = 1e6;      // more than any hand is let feel [N/m]
 
 struct Arrangement {
   const char* name = "";
@@ -182,7 +178,7 @@ CaseFigures GuidanceBench::figures() const {
   const double kicked = cell_.gap > 0.0 ? kicked_.peak_to_peak() : 0.0;
   const double first = std::max(swing.first, kicked);
   const double moved = std::max(before.peak_to_peak(), kicked);
-  const double fine = std::max(kCounts * resolution_, 1e-6);
+  const double fine = std::max(kSwingCounts * resolution_, kSmallest);
   return {
       over(),
       judged("swing_mm", swing.second / kMm, (kMoreSwing * first + fine) / kMm),
@@ -201,8 +197,9 @@ CaseFigures GuidanceBench::run() {
   watch(kSecondKick);
   kick(0.5 * kick_);
   watch(kSeconds);
-  for (double end = kWatched; end <= kEnds && !all_hold(figures()) && over().holds(); end *= kTimes)
-    watch(end);
+  for (double end = kSeconds; end < kLongestWatch && over().holds() && !all_hold(figures());) {
+    watch(end *= kWatchLonger);
+  }
   return figures();
 }
 

@@ -22,7 +22,7 @@ namespace handrail {
 namespace {
 
 // What a swing may be anyway: two counts of what the device reads, as at walls [rad].
-constexpr double kFine = 2.0 * kOmniTurnResolution;
+constexpr double kFine = kSwingCounts * kOmniTurnResolution;
 
 // SI.
 struct TurnCell {

@@ -14,19 +14,13 @@
 namespace handrail {
 namespace {
 
-// A run of which that cannot say whether the swing grows, or whether the hand comes to rest, goes
-// on: each time for so long, at most to kLongest. A swing that wanders by a tenth from window to
-// window, as the widest seen do, is then known to 1.3 %, a quarter of what kMoreSwing lets pass.
-constexpr double kLonger = 4.0, kLongest = 384.0;  // [s]
-constexpr double kComes = 0.050;                   // in which effects come on [s]
-constexpr double kEffectsAreOn = 2.0 * kComes;     // [s]
-constexpr double kNominalRate = 1000.0;            // of the master's loop [Hz]
-constexpr double kStart = 0.2e-3;                  // from the wall [m]
-constexpr double kCounts = 2.0;                    // chosen: of counts, what a swing may be anyway
-constexpr double kSmall = 0.02e-3;                 // where there are none [m]
-constexpr double kLateShare = 0.02;                // of the ticks that are late at random
-constexpr int kLateEvery = 50;                     // ticks, where they are late periodically
-constexpr double kMostAngle = 0.35;  // of the first kick from straight at the wall [rad]
+constexpr double kComes = 0.050;                // in which effects come on [s]
+constexpr double kEffectsAreOn = 2.0 * kComes;  // [s]
+constexpr double kNominalRate = 1000.0;         // of the master's loop [Hz]
+constexpr double kStart = 0.2e-3;               // from the wall [m]
+constexpr double kSmall = 0.02e-3;              // where there are none [m]
+constexpr int kLateEvery = 50;                  // ticks, where they are late periodically
+constexpr double kMostAngle = 0.35;             // of the first kick from straight at the wall [rad]
 
 HapticCapabilities seen(const WallCell& cell) {
   HapticCapabilities out = cell.device->capabilities;
@@ -82,7 +76,7 @@ class Bench {
   double came_by_itself() const;
   void tick();
   bool driven() const { return cell_.lateness != Lateness::kNone; }
-  double fine() const { return std::max(kCounts * resolution(), kSmall); }
+  double fine() const { return std::max(kSwingCounts * resolution(), kSmall); }
   bool undecided() const;
   CaseFigure over() const { return judged("over_mj", 1e3 * meter_.over(), 1e3 * kMostGiven); }
   CaseFigure swing() const;
@@ -200,7 +194,7 @@ CaseFigures Bench::run() {
       const double anywhere = 2.0 * std::numbers::pi * random_.uniform();
       device_.kick(0.5 * speed * Vec2(std::cos(anywhere), std::sin(anywhere)));
     }
-    if (t_ >= end_ && end_ < kLongest && undecided()) end_ *= kLonger;
+    if (t_ >= end_ && end_ < kLongestWatch && undecided()) end_ *= kWatchLonger;
   }
   return figures();
 }

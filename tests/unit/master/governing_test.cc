@@ -156,6 +156,9 @@ TEST(Governing, WhatIsSaidOfASurfaceThatIsTouchedIsWhatIsRendered) {
   scene.guidance.local_surface = true;
   scene.guidance.stiffness = 5e3;
   EXPECT_EQ(haptic_settings(scene, device, false).surface_stiffness, 5e3);
+  scene.guidance.stiffness = 0.0;
+  EXPECT_EQ(haptic_settings(scene, device, true).surface_stiffness, 0.0) << "nor is a tool felt";
+  scene.guidance.stiffness = 5e3;
   HapticCapabilities unknown = device;
   unknown.dynamics = DeviceDynamics();
   EXPECT_EQ(haptic_settings(scene, unknown, true).surface_stiffness, 0.0) << "the spring stays";
