@@ -41,7 +41,7 @@ Reason reset(HapticState& s, const HapticInput& in) {
 
 // No hand, or no link good enough to know the slave by.
 Reason obstacle_of_link(const HapticInput& in, const LadderStep& ladder, const HapticState& s) {
-  if (!s.hand.known || s.hand.gap > kLongestHandGap) return Reason::kDeviceInvalid;
+  if (!s.hand.known || s.hand.gap.too_long()) return Reason::kDeviceInvalid;
   if (ladder.rung == LinkRung::kHold) return Reason::kLinkQuality;
   if (ladder.rung != LinkRung::kFresh && ladder.rung != LinkRung::kSlow) {
     return reason_of(ladder.rung);
@@ -112,7 +112,7 @@ void place_command(const HapticSettings& settings, const HapticInput& in, bool c
     // A tool left over would pull the arm at the next engagement, with the hand still.
     drop_tools(settings, true, true, s);
   }
-  const bool driving = may_drive(s.lead.session) && !clutched && s.hand.gap <= kLongestHandGap;
+  const bool driving = may_drive(s.lead.session) && !clutched && !s.hand.gap.too_long();
   if (driving && !s.command.driving) {
     const Pose X_SH = s.command.guide.restart(settings.guide, s.command.X_SU);
     // The way to a reference takes the hand to be turned as that wants.

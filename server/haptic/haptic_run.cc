@@ -50,6 +50,7 @@ void HapticRun::feel_walls(const HapticTick& tick, const HapticInput& in) noexce
   WallInput& wall_in = memory_.walls;
   WallOutput& felt = memory_.result.walls;
   wall_in.hand = in.hand;
+  wall_in.unseen = in.unseen;
   // Whoever leads by a cursor feels walls while the dead-man is held; a hand on a device lets go of
   // it.
   const LeadState& lead = memory_.state.lead;

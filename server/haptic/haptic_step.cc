@@ -95,26 +95,22 @@ struct Moved {
 };
 
 // Takes over the hand's reading if it is one. `turns`: the turn is asked for, too. After too long
-// without one, readings that were invalid and time that nobody saw alike, the hand does not drive;
-// nor after time unseen alone in which its device may have been lost.
+// without one the hand does not drive.
 Moved hear_hand(const HapticInput& in, bool ok, bool turns, double dt, HandTrack& track,
                 bool& driving) {
   Moved moved;
   const HandReading& hand = in.hand;
-  const double gap = track.gap + std::max(dt, to_seconds(in.unseen));
   if (!ok) {
-    track.gap = std::min(gap, 1.0);
+    track.gap.goes_on(dt, in.unseen);
     return moved;
   }
-  const double most = track.gap > 0.0 ? kLongestHandGap : kShortestLoss;
-  if (gap > most) driving = false;
+  if (track.gap.ends(dt, in.unseen)) driving = false;
   if (track.known) moved.by = hand.X_MH.p - track.X_MH.p;
   if (track.known) moved.faster = hand.v_MH - track.v_MH;
   if (track.known && turns) moved.turn = rotation_log(hand.X_MH.q * track.X_MH.q.conjugate());
   track.X_MH = hand.X_MH;
   track.v_MH = hand.v_MH;
   track.known = true;
-  track.gap = 0.0;
   return moved;
 }
 
@@ -261,10 +257,10 @@ GovernedForces govern(const HapticSettings& settings, const HapticInput& in, con
   const RenderedForce tool{force_share * (wanted.tool + wanted.surface),
                            force_share * (wanted.tool_spring + wanted.surface),
                            force_share * wanted.stiffness};
-  GovernedForces out{s.governor.govern(settings.governor, tool, moved.by, dt, missed),
-                     s.tank.govern(settings.governor, force_share * wanted.spring,
-                                   settings.spring_stiffness, moved.by, dt, missed),
-                     {}};
+  GovernedForces out;
+  out.tool = s.governor.govern(settings.governor, tool, moved.by, dt, missed);
+  out.spring = s.tank.govern(settings.governor, force_share * wanted.spring,
+                             settings.spring_stiffness, moved.by, dt, missed, out.tool.used);
   if (!settings.has_torque) return out;
   const Vec3 torque = force_share * wanted.torque;
   out.torque = s.turn_governor.govern(settings.turn_governor,

@@ -111,7 +111,7 @@ struct HandTrack {
   Pose X_MH;                 // last valid
   Vec3 v_MH = Vec3::Zero();  // with it [m/s]
   bool known = false;
-  double gap = 0.0;  // since the last valid reading, at most 1 [s]
+  HandGap gap;
   bool button_was_down = false;
 };
 

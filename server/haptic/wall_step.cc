@@ -80,8 +80,7 @@ void wall_step(const WallSettings& settings, const WallInput& in, double dt, Wal
   Vec2 force = Vec2::Zero();
   Governed governed;  // nothing while the hand is not heard
   if (hand_ok) {
-    const bool back = s.hand_gap > kLongestHandGap;
-    s.hand_gap = 0.0;
+    const bool back = s.gap.ends(dt, in.unseen);
     const Vec2 there = s.turn.transpose() * (hand - s.pose.p);
     if (!s.started || back) {
       s.proxy->start(there);
@@ -117,7 +116,7 @@ void wall_step(const WallSettings& settings, const WallInput& in, double dt, Wal
     s.velocity = velocity;
     allowed = allowance(s, effect.wall, motion, acceleration);
   } else {
-    s.hand_gap = std::min(s.hand_gap + dt, 1.0);
+    s.gap.goes_on(dt, in.unseen);
     s.cut();
     out.reasons.add(Reason::kDeviceInvalid);
   }

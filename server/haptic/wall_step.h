@@ -26,6 +26,7 @@ struct WallSettings {
 
 struct WallInput {
   HandReading hand;
+  Nanos unseen = 0;                // as HapticInput's [ns]
   int stage = 0;                   // of Walls::stages, as ordered; outside them: the nearest
   std::uint32_t stage_orders = 0;  // counts the orders: one for the same stage is one, too
   bool release = false;            // the force goes, as after a stop
@@ -57,7 +58,7 @@ struct WallMemory {
   Vec2 velocity = Vec2::Zero();                        // [m/s]
   double wall_stiffness = 0.0;                         // of the wall last touched [N/m]
   bool started = false;                                // the proxy follows the hand
-  double hand_gap = 0.0;  // since the last valid reading, at most 1 [s]
+  HandGap gap;
 
   // The force is gone at once: the device does not say where the hand is, or has let go.
   void cut() noexcept {

@@ -30,20 +30,19 @@ bool usable(const Vec3& moved, double dt, double most_way) {
 // same way. With 1 it would never catch up. Chosen; with 4 the suite shows the same within 1 %.
 constexpr double kReturn = 2.0;
 
-// `force` made smaller, so that it pushes the way the hand goes by `less` [N] less than by `push`
-// [N]. Its direction stays: what is taken from a slanted one along that way alone would push the
-// hand to the side.
-Governed reduced(const Vec3& force, double push, double less) {
-  Governed out{force};
-  if (!(less > 0.0)) return out;
+// Makes the force smaller, so that it pushes the way the hand goes by `less` [N] less than by
+// `push` [N]. Its direction stays: what is taken from a slanted one along that way alone would push
+// the hand to the side.
+void reduce(Governed& out, double push, double less) {
+  if (!(less > 0.0)) return;
   out.force *= 1.0 - std::min(less, push) / push;
   out.acted = true;
-  return out;
 }
 
 }  // namespace
 
-double HandWay::add(const GovernorSettings& settings, const Vec3& moved, double dt) noexcept {
+double HandWay::add(const GovernorSettings& settings, const Vec3& moved, double dt,
+                    double used) noexcept {
   // A clock that has leapt does not make the hand faster than it was.
   still_ += std::max(dt, settings.period);
   if (moved.isZero(0.0)) return 0.0;
@@ -52,8 +51,12 @@ double HandWay::add(const GovernorSettings& settings, const Vec3& moved, double 
   way_ = kKept * way_ + moved;
   if (const double size = way_.norm(); size > 0.0) along_ = way_ / size;
   last_ = std::abs(along_.dot(moved));
-  taken_ = last_ * (settings.friction + settings.damping * last_ / time);
-  return way * (settings.friction + settings.damping * way / time);
+  const auto left = [&](double on_way) {
+    const double taken = on_way * (settings.friction + settings.damping * on_way / time);
+    return std::max(taken - used, 0.0);
+  };
+  taken_ = left(last_);
+  return left(way);
 }
 
 void ToldForces::add(const Vec3& force) noexcept {
@@ -94,16 +97,18 @@ Governed EnergyGovernor::govern(const GovernorSettings& settings, const Rendered
   const double law =
       0.5 * pushed_part(before, springs, stiffness_, way) * (before + springs).dot(moved);
   const double taken = hand_.add(settings, moved, dt);
-  made_ = std::max(made_ + told_.acting(settings, missed).dot(moved) - law - taken, 0.0);
+  const double made = made_ + told_.acting(settings, missed).dot(moved) - law;
+  out.used = std::clamp(made, 0.0, taken);
+  made_ = std::max(made - taken, 0.0);
   // The next way is taken to be as this one was, and those after it until what is told now acts.
   const double push = way > 0.0 ? force.wanted.dot(moved) / way : 0.0;
   if (push > 0.0 && force.stiffness > 0.0) {
     const double left = made_ * force.stiffness / size;  // spread over size / stiffness
     // A wall's spring changes with the part of the way along its force alone.
     const double along = push / size;
-    const double made =
+    const double makes =
         (0.5 + settings.delay + settings.late) * force.stiffness * way * along * along;
-    out = reduced(force.wanted, push, made + left - taken / way);
+    reduce(out, push, makes + left - taken / way);
     asked_ = out.force.norm();
   }
   out.made = made_;
@@ -111,7 +116,7 @@ Governed EnergyGovernor::govern(const GovernorSettings& settings, const Rendered
 }
 
 Governed EnergyTank::govern(const GovernorSettings& settings, const Vec3& wanted, double stiffness,
-                            const Vec3& moved, double dt, bool missed) noexcept {
+                            const Vec3& moved, double dt, bool missed, double used) noexcept {
   const bool known = is_finite(wanted) && stiffness > 0.0;
   Governed out{is_finite(wanted) ? wanted : Vec3(Vec3::Zero())};
   if (!settings.on || !known || !usable(moved, dt, settings.most_way)) {
@@ -119,7 +124,7 @@ Governed EnergyTank::govern(const GovernorSettings& settings, const Vec3& wanted
     return out;
   }
   const double size = wanted.norm(), had = energy_;
-  energy_ += hand_.add(settings, moved, dt) - told_.acting(settings, missed).dot(moved);
+  energy_ += hand_.add(settings, moved, dt, used) - told_.acting(settings, missed).dot(moved);
   // What was put in stays in a spring that is cut off. What the device takes of a hand that meets
   // no spring is not put in.
   if (size == 0.0) {

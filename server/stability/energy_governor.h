@@ -39,6 +39,7 @@ struct RenderedForce {
 struct Governed {
   Vec3 force = Vec3::Zero();  // what was wanted or less, in its direction [N]
   double made = 0.0;          // energy that was made and not yet taken back, >= 0 [J]
+  double used = 0.0;          // of what the device took in this tick, for what was made, >= 0 [J]
   bool acted = false;
 };
 
@@ -69,7 +70,9 @@ class HandWay {
  public:
   // One tick, `dt` > 0 [s]. What the device took [J], the least that it can have been: the way
   // counts along where the hand went before, and a count as gone in all of the time since the last.
-  double add(const GovernorSettings& settings, const Vec3& moved, double dt) noexcept;
+  // `used` of it is not there any more [J].
+  double add(const GovernorSettings& settings, const Vec3& moved, double dt,
+             double used = 0.0) noexcept;
   // Unit, the last counts together; none: it has not moved yet.
   const Vec3& along() const noexcept { return along_; }
   // The last [m], along that, > 0 where there is one, and what the device took of it [J].
@@ -134,9 +137,10 @@ class EnergyGovernor {
 // keeps its direction, so that none is made beside it. `stiffness` > 0 [N/m].
 class EnergyTank {
  public:
-  // One tick, as EnergyGovernor's.
+  // One tick, as EnergyGovernor's. `used`: what a governor of other forces has used of what the
+  // device took in this tick. It takes it once [J].
   Governed govern(const GovernorSettings& settings, const Vec3& wanted, double stiffness,
-                  const Vec3& moved, double dt, bool missed = false) noexcept;
+                  const Vec3& moved, double dt, bool missed = false, double used = 0.0) noexcept;
   void told(const Vec3& force) noexcept { told_.add(force); }
   void restart() noexcept { *this = EnergyTank(); }
 

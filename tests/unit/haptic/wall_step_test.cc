@@ -102,6 +102,28 @@ TEST(WallStep, AReadingThatIsNoPlaceCutsTheForceAndMovesNothing) {
   }
 }
 
+// A device that was lost meanwhile may have been homed anew, elsewhere.
+TEST(WallStep, AHandThatNobodySawForAsLongAsALossTakesOverAnew) {
+  WallRig rig;
+  rig.move({-0.01, 0.0});
+  for (int i = 0; i <= 120; ++i) rig.move({-0.01 + 1e-4 * i, 0.0});
+  ASSERT_TRUE(rig.out.contact.touching);
+  rig.in.unseen = from_seconds(kShortestLoss) - kMillisecond;
+  rig.move({2e-3, 0.0});
+  EXPECT_EQ(rig.proxy->starts, 1);
+  rig.in.unseen = from_seconds(kShortestLoss) + kMillisecond;
+  rig.move({2e-3, 0.0});
+  EXPECT_EQ(rig.proxy->starts, 2);
+  // With readings that are invalid the time in between counts, too.
+  rig.in.unseen = kMillisecond;
+  rig.in.hand.valid = false;
+  rig.step();
+  rig.in.hand.valid = true;
+  rig.in.unseen = from_seconds(kLongestHandGap) + kMillisecond;
+  rig.move({-0.01, 0.0});
+  EXPECT_EQ(rig.proxy->starts, 3);
+}
+
 TEST(WallStep, ASpeedThatIsNotFiniteCutsTheForceToo) {
   WallRig rig;
   rig.move({-0.01, 0.0});

@@ -37,6 +37,7 @@ struct Port {
   ToldForces on_way;
   Vec3 last = Vec3::Zero(), force = Vec3::Zero();
   double given = 0.0;    // to the hand [J]
+  double used = 0.0;     // for it, of what the device took [J]
   double changed = 0.0;  // sum of |change of the force| [N]
   double asked = 0.0;    // sum of |force| that the law asks for [N]
 
@@ -53,6 +54,7 @@ struct Port {
     const Governed out = governor.govern(settings, law, moved, dt);
     EXPECT_LE(out.force.norm(), law.wanted.norm() * (1.0 + 1e-12));
     EXPECT_GE(out.force.dot(law.wanted), -1e-12);
+    used += out.used;
     changed += (out.force - law.wanted).norm();
     asked += law.wanted.norm();
     const double most = std::min(settings.peak, warm), size = out.force.norm();
@@ -192,6 +194,28 @@ TEST(EnergyGovernor, APressingHandMeetsAllOfTheForce) {
     EXPECT_EQ(port.push(x), i == 0 ? 0.0 : -1000.0 * x);
   }
   for (int i = 0; i < 100; ++i) EXPECT_EQ(port.push(10e-3), -10.0);
+}
+
+// In whole swings the law's spring gives nothing: what is given was made, and the device took it.
+TEST(EnergyGovernor, OfWhatTheDeviceTakesNoMoreIsUsedThanIsMade) {
+  constexpr double kSwing = 5e-3, kHz = 2.0;
+  const auto swung = [](double damping) {
+    Port port;
+    port.settings = governed(0.0, damping);
+    port.both_sides = true;
+    for (int i = 1; i <= 5000; ++i)
+      port.push(kSwing * std::sin(2.0 * std::numbers::pi * kHz * kTick * i));
+    return port;
+  };
+  const Port damped = swung(5.0);
+  EXPECT_GT(damped.given, 1e-3);
+  EXPECT_NEAR(damped.used, damped.given, 1e-3 * damped.given);
+  EXPECT_EQ(damped.changed, 0.0);
+  EXPECT_EQ(swung(0.0).used, 0.0);
+  // What is made and cannot be taken is no more than what there is to take.
+  const double way = 2.0 * std::numbers::pi * kHz * kSwing;
+  EXPECT_LE(swung(0.1).used, 0.1 * 0.5 * way * way * 5.0);
+  EXPECT_GT(swung(0.1).used, 0.09 * 0.5 * way * way * 5.0);
 }
 
 // What a slanted way asked for alone would push the hand along the wall.

@@ -230,6 +230,37 @@ TEST(EnergyTank, AHandThatMovesByACountNowAndThenIsGivenNoMoreThanItGave) {
   EXPECT_LT(given, 4.0 * 5e-3 * kTankSpring * kCount);
 }
 
+// What the device takes is there once: where a tool has used it the tank is as of a device that
+// takes nothing.
+TEST(EnergyTank, WhatAGovernorUsedOfTheDevicesLossIsNotPutIn) {
+  Random random(23);
+  const auto any = [&random] {
+    return Vec3(random.uniform() - 0.5, random.uniform() - 0.5, random.uniform() - 0.5);
+  };
+  constexpr double kLosing = 0.2, kDamping = 3.0;
+  EnergyTank lossless, used_up, lossy;
+  Vec3 v = Vec3::Zero(), off = Vec3::Zero();
+  int more = 0;
+  for (int i = 0; i < 5000; ++i) {
+    v += 0.02 * any() - 0.01 * v;
+    off += 4e-4 * any() - 0.01 * off;
+    const Vec3 moved = v * kTankTick, wanted = kTankSpring * off;
+    const double way = moved.norm();
+    // Of any way what is taken is at most this.
+    const double used = way * (kLosing + kDamping * way / kTankTick);
+    const auto give = [&](EnergyTank& tank, const GovernorSettings& settings, double of_it) {
+      const Vec3 force =
+          tank.govern(settings, wanted, kTankSpring, moved, kTankTick, false, of_it).force;
+      tank.told(force);
+      return force;
+    };
+    const Vec3 least = give(lossless, tank_settings(), 0.0);
+    ASSERT_EQ(give(used_up, tank_settings(kLosing, kDamping), used * (1.0 + 1e-12)), least) << i;
+    more += give(lossy, tank_settings(kLosing, kDamping), 0.0).norm() > least.norm() ? 1 : 0;
+  }
+  EXPECT_GT(more, 1000) << "what is not used is given";
+}
+
 TEST(HandWay, AHandThatIsSeenInCountsLosesAsMuchAsOneThatIsSeenAsItGoes) {
   constexpr double kSpeed = 0.02, kCount = 0.1e-3, kSeconds = 2.0;
   const GovernorSettings settings = tank_settings(0.3, 3.0);
