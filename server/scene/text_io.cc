@@ -187,6 +187,11 @@ std::string TextSource::explain(std::string message, std::size_t& offset) const 
     move_back_to(value);
     return about(name, enum_hint(type, name, value));
   }
+  if (message.find("value for boolean field") != std::string::npos) {
+    const std::string value = quoted(message, 1);
+    move_back_to(value);
+    return about(quoted(message, 0), value + " is not one of true, false");
+  }
   if (message.empty()) message = "cannot be parsed";
   message.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(message.front())));
   while (!message.empty() && (message.back() == '.' || message.back() == ' ')) message.pop_back();

@@ -60,6 +60,11 @@ TEST(TextSource, RefusesAKeyGivenTwice) {
   EXPECT_EQ(text_error_of("mapping { }\nmapping { }"), "f.scene:2:1: field 'mapping': given twice");
 }
 
+TEST(TextSource, NamesTheValuesOfABoolean) {
+  EXPECT_EQ(text_error_of("name: 'a' guidance { local_surface: maybe }"),
+            "f.scene:1:37: field 'guidance.local_surface': maybe is not one of true, false");
+}
+
 TEST(TextSource, NamesTheValuesOfAnEnumeration) {
   EXPECT_EQ(text_error_of("guidance { method: FAST }"),
             "f.scene:1:20: field 'guidance.method': FAST is not one of EXACT, PUBLISHED");
