@@ -100,9 +100,9 @@ class HapticDevice {
   // Before read(): waits for the loop's next turn, which its own clock has at `due`, and returns
   // when that turn was due by monotonic_now(). A device that turns by itself calls the loop as soon
   // as it has a new reading, so that the force for it is written in the device's own turn, and
-  // returns the time of that reading; while it is silent, at kTurnPatience after `due` once and
-  // then at `due`, it returns `due`: the loop goes on by its own clock. Real-time safe but that it
-  // waits.
+  // returns the time of that reading. One that does not turn when it is expected to is waited for
+  // by kTurnPatience, and when that turn was expected is returned; while it is silent after that,
+  // `due`: the loop goes on by its own clock. Real-time safe but that it waits.
   virtual Nanos wait(Nanos due) noexcept {
     sleep_until(due);
     return due;

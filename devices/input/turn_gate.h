@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "devices/input/turn_bell.h"
+#include "devices/input/turn_clock.h"
 #include "server/base/clock.h"
 #include "server/base/mailbox.h"
 #include "server/base/spatial.h"
@@ -12,9 +13,10 @@
 
 namespace handrail {
 
-// A device that is silent for so long beyond a period lets the loop's own clock take over: as long
-// as its period, so that the loop misses no more than one.
-inline constexpr Nanos kTurnPatience = kMillisecond;
+// A turn that is later than expected by so much is not waited for: the loop then goes on by its own
+// clock, as long as the device is silent. It is what a device may cost the loop's punctuality, and
+// more than its turns vary by: 0.04 ms (turn_clock.h).
+inline constexpr Nanos kTurnPatience = 50 * kMicrosecond;
 // A device's turn waits no longer for the force that answers its reading: a quarter of its period.
 // The rest is the device's, for its bus. It is the force's delay at most, and so declared.
 inline constexpr Nanos kAnswerPatience = 250 * kMicrosecond;
@@ -32,6 +34,7 @@ class TurnGate {
     newest_ = Turn();
     newest_.number = taken_ = turn_;
     newest_.missed = seen_missed_ = missed_;
+    clock_ = TurnClock();
     silent_ = true;
     answers_.publish(Answer());
   }
@@ -59,18 +62,19 @@ class TurnGate {
   // The loop: as HapticDevice::wait.
   Nanos wait(Nanos due) noexcept {
     waits_ = true;
-    const Nanos until = silent_ ? due : due + kTurnPatience;
+    const Nanos next = silent_ ? due : clock_.expected(due);
+    const Nanos until = silent_ ? due : next + kTurnPatience;
     for (;;) {
       const std::uint32_t heard = turn_bell_.now();
-      (void)turns_.take(newest_);
+      hear();
       silent_ = newest_.number == taken_;
       if (!silent_) return newest_.at;
-      if (!turn_bell_.wait(heard, until)) return due;
+      if (!turn_bell_.wait(heard, until)) return next;
     }
   }
   // The newest reading; false, and `out` stays: there is none that was not taken before.
   bool take(Reading& out) noexcept {
-    (void)turns_.take(newest_);
+    hear();
     if (newest_.number == taken_) return false;
     taken_ = newest_.number;
     out = newest_.reading;
@@ -100,6 +104,9 @@ class TurnGate {
     std::uint32_t turn = 0;  // that it answers; 0: none
   };
 
+  void hear() noexcept {
+    if (turns_.take(newest_)) clock_.turned(newest_.number, newest_.at);
+  }
   void wait_for_answer() noexcept {
     while (answer_.turn != turn_) {
       const std::uint32_t heard = answer_bell_.now();
@@ -121,6 +128,7 @@ class TurnGate {
 
   // Of the loop.
   Turn newest_;
+  TurnClock clock_;
   std::uint32_t taken_ = 0, written_ = 0;
   std::uint64_t seen_missed_ = 0;
   bool waits_ = false;  // for turns, as a loop does that answers them
