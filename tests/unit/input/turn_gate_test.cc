@@ -145,6 +145,25 @@ TEST(TurnGate, WhileTheDeviceIsSilentTheLoopHasItsOwnClock) {
   EXPECT_TRUE(gate.take(reading));
 }
 
+// As one that pauses a millisecond between two turns.
+TEST(TurnGate, ATurnIsExpectedWhenTheDeviceIsToTurnByItsOwnPeriod) {
+  constexpr Nanos kPeriod = 1100 * kMicrosecond;
+  constexpr int kTurns = 200;
+  Gate gate;
+  gate.reset();
+  int reading = 0;
+  const Nanos last = monotonic_now() + kMillisecond;
+  for (int i = 1; i <= kTurns; ++i) {
+    const Nanos at = last - (kTurns - i) * kPeriod;
+    gate.give(i, at);
+    EXPECT_EQ(gate.wait(at), at);
+    ASSERT_TRUE(gate.take(reading));
+  }
+  const Nanos expected = gate.wait(last + kMillisecond);
+  EXPECT_NEAR(static_cast<double>(expected - last), static_cast<double>(kPeriod), 1e3);
+  EXPECT_GE(monotonic_now(), expected + kTurnPatience);
+}
+
 TEST(TurnGate, WhatIsWrittenAgainAfterAResetIsNotOfBefore) {
   Gate gate;
   gate.reset();
