@@ -249,8 +249,7 @@ TEST(EnergyTank, WhatAGovernorUsedOfTheDevicesLossIsNotPutIn) {
     // Of any way what is taken is at most this.
     const double used = way * (kLosing + kDamping * way / kTankTick);
     const auto give = [&](EnergyTank& tank, const GovernorSettings& settings, double of_it) {
-      const Vec3 force =
-          tank.govern(settings, wanted, kTankSpring, moved, kTankTick, false, of_it).force;
+      Vec3 force = tank.govern(settings, wanted, kTankSpring, moved, kTankTick, false, of_it).force;
       tank.told(force);
       return force;
     };
