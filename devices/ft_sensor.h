@@ -22,6 +22,7 @@ struct FtSample {
   Wrench wrench;
   std::uint32_t sequence = 0;  // the sensor's own counter
   std::uint32_t status = 0;    // non-zero: the sensor reports a fault; the wrench must not be used
+  bool overrange = false;  // ... that an axis is beyond its range; only with a status of non-zero
 };
 
 // A streaming sensor. All methods from one thread.

@@ -48,6 +48,7 @@ bool RdtClient::on_datagram(Bytes bytes, Nanos now, FtSample& sample) noexcept {
   }
   sample.sequence = record->rdt_sequence;
   sample.status = record->status;
+  sample.overrange = options_.dialect == RdtDialect::kAti && overrange(*record);
   return true;
 }
 

@@ -49,6 +49,16 @@ struct RdtRecord {
   std::array<std::int32_t, 6> counts{};  // Fx Fy Fz Tx Ty Tz
 };
 
+// Bits of ATI's status: a gage, or a force or torque made of the gages, is beyond its range.
+inline constexpr std::uint32_t kRdtGageOverrange = 1u << 27, kRdtOverrange = 1u << 30;
+// ... and this one stands beside every other that means an error.
+inline constexpr std::uint32_t kRdtError = 1u << 31;
+
+// Real-time safe.
+constexpr bool overrange(const RdtRecord& record) noexcept {
+  return (record.status & (kRdtGageOverrange | kRdtOverrange)) != 0;
+}
+
 // All real-time safe. Decoding gives nothing for a datagram of another size or header, or a
 // request with another command.
 std::array<std::uint8_t, kRdtRequestSize> encode_rdt(const RdtRequest& request) noexcept;

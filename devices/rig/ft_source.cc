@@ -96,7 +96,7 @@ void FtSource::tick() noexcept {
   if (!listener_) return;
   record.rdt_sequence = ++rdt_sequence_;
   record.ft_sequence = ft_sequence_;
-  record.status = saturated ? kFtSaturated : 0;
+  record.status = saturated ? kRdtOverrange | kRdtError : 0;
   const PeerId to = *listener_;
   if (samples_left_ > 0 && --samples_left_ == 0) listener_.reset();
   if (switch_.passes()) outgoing_ = Outgoing{to, encode_rdt(record)};

@@ -31,9 +31,6 @@ struct FtSourceOptions {
   double drop_share = 0.0;      // share of packets lost, each way, 0 to 1
 };
 
-// Set while an axis is beyond its range; a simulated sensor's own choice of bit.
-inline constexpr std::uint32_t kFtSaturated = 1u << 17;
-
 // Streams to whoever asked last, one record a period, from the period after the request. A bias
 // request takes the present wrench, without its noise, as zero from the next record on; the range
 // is the transducer's, before the bias. The zeros of the force axes wander from where they begin as

@@ -18,8 +18,8 @@ Reason read_force(const FollowSettings& settings, const FollowInput& in, const P
   const bool still = s.placed && standing(s.motion);
   // The sensor and what hangs on it are turned as the flange.
   const Pose sensor{X_ST.p, settings.motion->arm.turn_of_flange(X_ST.q)};
-  const WrenchReading reading{in.f_E_T, in.wrench_valid, sensor, still,
-                              settings.payload.reading(sensor.q).force};
+  const WrenchReading reading{in.f_E_T, in.wrench_valid, in.wrench_overrange,
+                              sensor,   still,           settings.payload.reading(sensor.q).force};
   const Reason wrong =
       s.wrench.judge(settings.bumper, settings.sensor_range, settings.motion->dt, reading);
   if (wrong == Reason::kNone) {

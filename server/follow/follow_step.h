@@ -62,6 +62,7 @@ struct FollowInput {
   GripperState gripper = GripperState::kNone;  // as the controller said last
   Wrench f_E_T;                                // sensor reading as it is, axes of the flange
   bool wrench_valid = false;                   // fresh and without a fault flag
+  bool wrench_overrange = false;               // fresh, and the sensor says: beyond its range
   Reason fault = Reason::kNone;                // a fault of robot or daemon, now
   bool shutdown = false;                       // come to a stop, take no more commands
   bool stop_input = false;                     // the local stop circuit is open

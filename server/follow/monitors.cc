@@ -18,9 +18,11 @@ constexpr int kLong = 1000;  // [cycles]: at kJump each further than any joint's
 Reason WrenchMonitor::judge(const BumperSettings& bumper, double range, double dt,
                             const WrenchReading& now) noexcept {
   if (!kept(Check::kSensor)) return Reason::kNone;
+  if (now.overrange) return Reason::kSensorOverrange;
   if (!now.fresh) return Reason::kSensorMissing;
+  if (!is_finite(now.f_E_T)) return Reason::kSensorInvalid;
   const Vec3& f = now.f_E_T.force;
-  if (!is_finite(now.f_E_T) || f.cwiseAbs().maxCoeff() > range) return Reason::kSensorInvalid;
+  if (f.cwiseAbs().maxCoeff() > range) return Reason::kSensorOverrange;
   // A spike comes and goes; what stays is a force.
   if (known_ && !jumped_ && (f - last_).norm() > kSpike) {
     jumped_ = true;

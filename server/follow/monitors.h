@@ -13,9 +13,9 @@ namespace handrail {
 // Judges the force sensor, once a cycle of about 7 ms. Real-time safe.
 class WrenchMonitor {
  public:
-  // What is wrong with the newest reading: kSensorMissing (not fresh), kSensorInvalid (not finite,
-  // a component over `range` [N], or a jump of over 100 N that has only just come), kSensorStuck
-  // (StuckMonitor), else kNone. `dt`: cycle [s].
+  // What is wrong with the newest reading: kSensorOverrange (the sensor says so, or a component is
+  // over `range` [N]), kSensorMissing (not fresh), kSensorInvalid (not finite, or a jump of over
+  // 100 N that has only just come), kSensorStuck (StuckMonitor), else kNone. `dt`: cycle [s].
   Reason judge(const BumperSettings& bumper, double range, double dt,
                const WrenchReading& now) noexcept;
 

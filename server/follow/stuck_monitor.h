@@ -13,6 +13,7 @@ namespace handrail {
 struct WrenchReading {
   Wrench f_E_T;               // as the sensor says it, in its own axes
   bool fresh = false;         // new enough, and without a fault flag
+  bool overrange = false;     // new enough, and the sensor says that an axis is beyond its range
   Pose X_ST;                  // the tip's place and the sensor's turn, measured
   bool still = false;         // no joint was told to move in the cycle before
   Vec3 own_T = Vec3::Zero();  // what the payload alone makes of it [N]

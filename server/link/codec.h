@@ -13,7 +13,7 @@
 
 namespace handrail {
 
-inline constexpr std::uint8_t kWireVersion = 11;
+inline constexpr std::uint8_t kWireVersion = 12;
 
 // Largest datagram: the longest is 578 bytes, a slave's with the longest name of a scene. With all
 // that the encrypted link puts around it, it fits twice into the 1280 of every IPv6 path (WIRE.md).

@@ -44,6 +44,9 @@ std::string put_right(Reason reason, int joint, const JointVector& q) {
     case Reason::kSensorMissing:
     case Reason::kSensorSign:
     case Reason::kContactUnrelieved: return "check the force sensor";
+    case Reason::kSensorOverrange:
+      return "move the arm off what it presses on, at the controller or led in a scene without a "
+             "bumper; where it presses on nothing, check the force sensor";
     case Reason::kHashTools:
     case Reason::kHashMapping:
     case Reason::kHashLimits:

@@ -94,6 +94,7 @@ constexpr auto kSentences = std::to_array<Sentence>({
      "the robot controller is silent: the program that answers does not run"},
     {Reason::kRobotSlow, "the robot controller is silent: its speed override is below 100 %"},
     {Reason::kRobotServosOff, "the robot controller is silent: its servos are off"},
+    {Reason::kSensorOverrange, "the force sensor is over its range"},
 });
 
 // One for every reason, in their order.

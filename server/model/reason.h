@@ -29,7 +29,7 @@ enum class Reason : std::uint8_t {
   kRobotLost,       // no reply from the controller for 1.4 s
   kRobotBadPacket,  // wrong size or type from the controller
   kSensorMissing,   // force sensor silent or in fault: bumper inactive
-  kSensorInvalid,   // non-finite or saturated reading
+  kSensorInvalid,   // non-finite reading, or a spike
   // Motion limits
   kCommandInvalid,  // non-finite or not a rotation: previous one kept
   kOutOfReach,      // no joint solution further along the path
@@ -96,6 +96,8 @@ enum class Reason : std::uint8_t {
   kRobotProgram,  // none runs that could answer, or another one
   kRobotSlow,     // its speed override is below 100 %
   kRobotServosOff,
+  // The force sensor again
+  kSensorOverrange,  // an axis is at the end of its range: how large the force is nobody knows
   kCount
 };
 

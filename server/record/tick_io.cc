@@ -329,6 +329,7 @@ void put(const KeptCycle& cycle, pb::RecordedCycle& out) {
   out.set_gripper(static_cast<pb::LinkGripper>(in.gripper));
   append(in.f_E_T, out.mutable_sensor());
   out.set_sensor_valid(in.wrench_valid);
+  out.set_sensor_overrange(in.wrench_overrange);
   out.set_fault(code_of(in.fault));
   out.set_ends(in.shutdown);
   out.set_stop_input(in.stop_input);
@@ -389,6 +390,7 @@ Status take(const pb::RecordedCycle& in, KeptCycle& out) {
   to.gripper = static_cast<GripperState>(in.gripper());
   Next(in.sensor())(to.f_E_T);
   to.wrench_valid = in.sensor_valid();
+  to.wrench_overrange = in.sensor_overrange();
   if (!to_enum(in.fault(), kLastReason, to.fault)) {
     return missing("fault", "is " + std::to_string(in.fault()) + ", which is none");
   }

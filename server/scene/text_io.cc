@@ -71,14 +71,31 @@ std::string unknown_field_hint(const Descriptor* type, const std::string& name) 
   return "no such field; expected one of " + joined(names, ", ");
 }
 
-std::string enum_hint(const Descriptor* type, const std::string& name, const std::string& value) {
+// The words that a boolean or an enumeration may be; none for other fields.
+std::vector<std::string> words_of(const Descriptor* type, const std::string& name) {
   const FieldDescriptor* f = type == nullptr ? nullptr : type->FindFieldByName(name);
-  std::vector<std::string> values;
-  for (int i = 0; f != nullptr && f->enum_type() != nullptr && i < f->enum_type()->value_count();
-       ++i) {
-    values.push_back(f->enum_type()->value(i)->name());
+  if (f == nullptr) return {};
+  if (f->type() == FieldDescriptor::TYPE_BOOL) return {"true", "false"};
+  std::vector<std::string> words;
+  for (int i = 0; f->enum_type() != nullptr && i < f->enum_type()->value_count(); ++i) {
+    words.push_back(f->enum_type()->value(i)->name());
   }
-  return value + " is not one of " + joined(values, ", ");
+  return words;
+}
+
+std::string is_none_of(const std::string& value, const std::vector<std::string>& words) {
+  return value + " is not one of " + joined(words, ", ");
+}
+
+// The value that begins at `at`, behind the sign that asks for one; empty: none does.
+std::string value_at(const std::string& text, std::size_t at) {
+  const std::size_t before = at == 0 ? at : text.find_last_not_of(" \t\r\n", at - 1);
+  if (at >= text.size() || before >= at || std::string(":[,").find(text[before]) > 2) return {};
+  const char quote = text[at];
+  const bool text_value = quote == '"' || quote == '\'';
+  const std::size_t end =
+      text_value ? text.find(quote, at + 1) + 1 : text.find_first_of(" \t\r\n,;]}>#", at);
+  return text.substr(at, end == std::string::npos ? end : end - at);
 }
 
 }  // namespace
@@ -185,13 +202,17 @@ std::string TextSource::explain(std::string message, std::size_t& offset) const 
     const std::string name = quoted(message, 1);
     const std::string value = quoted(message, 0);
     move_back_to(value);
-    return about(name, enum_hint(type, name, value));
+    return about(name, is_none_of(value, words_of(type, name)));
   }
   if (message.find("value for boolean field") != std::string::npos) {
+    const std::string name = quoted(message, 0);
     const std::string value = quoted(message, 1);
     move_back_to(value);
-    return about(quoted(message, 0), value + " is not one of true, false");
+    return about(name, is_none_of(value, words_of(type, name)));
   }
+  const std::vector<std::string> words = words_of(type, place.field);
+  const std::string value = words.empty() ? std::string() : value_at(text_, offset);
+  if (!value.empty()) return about(place.field, is_none_of(value, words));
   if (message.empty()) message = "cannot be parsed";
   message.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(message.front())));
   while (!message.empty() && (message.back() == '.' || message.back() == ' ')) message.pop_back();

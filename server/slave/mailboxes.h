@@ -18,8 +18,9 @@ struct MasterNews {
 
 // One record of the force sensor.
 struct ForceReading {
-  Wrench f_E_T;          // [N], [N m], axes of the tip frame
-  bool healthy = false;  // the sensor reports no fault
+  Wrench f_E_T;            // [N], [N m], axes of the tip frame
+  bool healthy = false;    // the sensor reports no fault
+  bool overrange = false;  // it reports that an axis is beyond its range
   Nanos received_at = -kForever;
 };
 

@@ -171,7 +171,9 @@ void RobotLoop::take_news(Nanos now) {
   input_.link = news_.link.view(now);
   (void)boxes_.force.take(force_);
   input_.f_E_T = force_.f_E_T;
-  input_.wrench_valid = force_.healthy && now - force_.received_at <= kForceFresh;
+  const bool fresh = now - force_.received_at <= kForceFresh;
+  input_.wrench_valid = fresh && force_.healthy;
+  input_.wrench_overrange = fresh && force_.overrange;
 }
 
 // Another scene takes effect only while the arm stands and follows nobody.

@@ -156,7 +156,7 @@ class SlaveServer final : public IoServer {
   void poll_sensor(Nanos now) {
     FtSample sample;
     if (sensor_ == nullptr || !sensor_->poll(now, sample)) return;
-    boxes_.force.publish({sample.wrench, sample.status == 0, now});
+    boxes_.force.publish({sample.wrench, sample.status == 0, sample.overrange, now});
   }
 
   SlaveMailboxes& boxes_;

@@ -221,6 +221,7 @@ void Cell::read_sensor(Nanos at) noexcept {
   if (!record) return;
   const auto decoded = decode_rdt_record(record->bytes);
   follow_in_.wrench_valid = decoded && decoded->status == 0;
+  follow_in_.wrench_overrange = decoded && overrange(*decoded);
   if (!follow_in_.wrench_valid) return;
   const FtSourceOptions& scale = options_.rig.sensor;
   for (int i = 0; i < 3; ++i) {

@@ -184,7 +184,7 @@ TEST_F(ComediFtSensorTest, AnAxisAtItsEndIsAStatusOfItsOwn) {
   ASSERT_NO_FATAL_FAILURE(start());
   ASSERT_TRUE(reads());
   push(2, 32767);
-  EXPECT_TRUE(take_until([](const FtSample& s) { return s.status == 4u; }));
+  EXPECT_TRUE(take_until([](const FtSample& s) { return s.status == 4u && s.overrange; }));
   push(2, 32000);
   EXPECT_TRUE(reads());
 }

@@ -44,6 +44,27 @@ TEST(WrenchMonitor, ANoisySensorThatRepeatsItselfIsStuckWithinATenthOfASecond) {
   EXPECT_EQ(judge(monitor, noise(dice)), Reason::kNone);
 }
 
+TEST(WrenchMonitor, BeyondItsRangeIsToldFromSilentAndFromInvalid) {
+  Dice dice(2);
+  const auto judged = [&](const Wrench& f, bool fresh, bool overrange) {
+    WrenchMonitor monitor;
+    WrenchReading now;
+    now.f_E_T = f;
+    now.fresh = fresh;
+    now.overrange = overrange;
+    return monitor.judge(BumperSettings(), kRange, kMonitorCycle, now);
+  };
+  const double limit = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(judged(noise(dice), true, false), Reason::kNone);
+  EXPECT_EQ(judged({Vec3(0, 0, kRange), Vec3::Zero()}, true, false), Reason::kNone);
+  EXPECT_EQ(judged({Vec3(0, 0, -1.001 * kRange), Vec3::Zero()}, true, false),
+            Reason::kSensorOverrange);
+  EXPECT_EQ(judged({Vec3(limit, 0, 0), Vec3::Zero()}, true, false), Reason::kSensorInvalid);
+  // A sensor that says so itself has a fault flag: its reading is not valid.
+  EXPECT_EQ(judged(noise(dice), false, true), Reason::kSensorOverrange);
+  EXPECT_EQ(judged(noise(dice), false, false), Reason::kSensorMissing);
+}
+
 TEST(WrenchMonitor, ASpikeOfOneReadingIsDroppedAndAForceThatStaysIsBelieved) {
   Dice dice(3);
   WrenchMonitor monitor;

@@ -214,7 +214,7 @@ class TwoSides {
     noise_ = -noise_ + 1e-3 * static_cast<double>(now() / kMillisecond % 7);
     Wrench f_E_T;
     f_E_T.force.z() = 0.1 * noise_;
-    slave_boxes_->force.publish({f_E_T, sensor, now()});
+    slave_boxes_->force.publish({f_E_T, sensor, false, now()});
     slave_boxes_->master.publish({net_.slave().newest(), net_.slave().snapshot()});
     slave_known_ = slave_boxes_->report.take(slave_report_) || slave_known_;
     if (!slave_known_) return;

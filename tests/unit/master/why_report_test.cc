@@ -183,6 +183,14 @@ TEST_F(WhyReportTest, WhereNothingIsLatchedNoWayOutNamesAReset) {
   EXPECT_EQ(why().way_out(), "check the force sensor, then reset and engage");
 }
 
+TEST_F(WhyReportTest, AnArmThatPressesBeyondTheSensorsRangeHasAWayBack) {
+  report.out.link.state = slave.state = SessionState::kFault;
+  report.out.reason = slave.fault = slave.reason = Reason::kSensorOverrange;
+  EXPECT_EQ(why().way_out(),
+            "move the arm off what it presses on, at the controller or led in a scene without a "
+            "bumper; where it presses on nothing, check the force sensor, then reset and engage");
+}
+
 TEST_F(WhyReportTest, WallsWithoutAnArmHaveAWayOut) {
   report.walls.present = true;
   report.out.link.state = SessionState::kOff;

@@ -71,6 +71,25 @@ TEST_F(RdtClientTest, GivesCountsInSiUnits) {
   EXPECT_EQ(sample_.status, 4u);
 }
 
+// Status codes as ATI's manual gives them (9610-05, table 4.9).
+TEST_F(RdtClientTest, TellsAForceBeyondTheRangeFromOtherFaults) {
+  client_.start(0);
+  std::uint32_t sequence = 0;
+  const auto overrange = [&](RdtClient& client, std::uint32_t status) {
+    EXPECT_TRUE(client.on_datagram(record(++sequence, 0, status), 0, sample_));
+    return sample_.overrange;
+  };
+  EXPECT_FALSE(overrange(client_, 0));
+  EXPECT_TRUE(overrange(client_, 0xC0000000));   // force or torque out of range
+  EXPECT_TRUE(overrange(client_, 0x88000000));   // gage out of range
+  EXPECT_FALSE(overrange(client_, 0x80000001));  // temperature
+  EXPECT_FALSE(overrange(client_, 0x80000004));  // broken gage
+  EXPECT_FALSE(overrange(client_, 0xA0000000));  // calibration checksum
+  RdtClient onrobot({.dialect = RdtDialect::kOnRobot});
+  onrobot.start(0);
+  EXPECT_FALSE(overrange(onrobot, 0xC0000000));  // its bits are its own
+}
+
 TEST_F(RdtClientTest, NeverGoesBackOrRepeats) {
   client_.start(0);
   EXPECT_TRUE(take(10));

@@ -178,6 +178,7 @@ TEST(TickIo, ACycleComesBackToTheBit) {
     in.gripper = GripperState::kBetween;
     in.f_E_T = {any(random), any(random)};
     in.wrench_valid = coin(random);
+    in.wrench_overrange = coin(random);
     in.fault = static_cast<Reason>(random.bits() % static_cast<int>(Reason::kCount));
     in.shutdown = coin(random);
     in.stop_input = coin(random);
@@ -191,6 +192,7 @@ TEST(TickIo, ACycleComesBackToTheBit) {
     EXPECT_EQ(is.given.master.record, in.master.record);
     EXPECT_EQ(is.given.f_E_T.torque, in.f_E_T.torque);
     EXPECT_EQ(is.given.stop_input, in.stop_input);
+    EXPECT_EQ(is.given.wrench_overrange, in.wrench_overrange);
     EXPECT_EQ(is.given.fault, in.fault);
     EXPECT_EQ(is.placed, was.placed);
     EXPECT_TRUE(!was.placed || is.place == was.place);

@@ -93,10 +93,10 @@ TEST(FtSource, SaturatesAtItsRangeAndSaysSo) {
   EXPECT_EQ(next(source)->status, 0u);
   source.set_wrench(wrench(-1000.5, 0.0));
   auto record = next(source);
-  EXPECT_EQ(record->status, kFtSaturated);
+  EXPECT_EQ(record->status, kRdtOverrange | kRdtError);
   EXPECT_EQ(record->counts[0], -1'000'000'000);
   source.set_wrench(wrench(0.0, 100.5));
-  EXPECT_EQ(next(source)->status, kFtSaturated);
+  EXPECT_EQ(next(source)->status, kRdtOverrange | kRdtError);
   source.set_wrench(wrench(1.0, 0.0));
   EXPECT_EQ(next(source)->status, 0u);
 }
@@ -117,7 +117,7 @@ TEST(FtSource, ReadsANonFiniteWrenchAsSaturated) {
   ask(source, RdtCommand::kStream);
   source.set_wrench(wrench(std::numeric_limits<double>::quiet_NaN(), 0.0));
   ask(source, RdtCommand::kBias);
-  EXPECT_EQ(next(source)->status, kFtSaturated);
+  EXPECT_EQ(next(source)->status, kRdtOverrange | kRdtError);
   source.set_wrench(wrench(1.0, 0.0));
   EXPECT_EQ(next(source)->counts[0], 1'000'000) << "a bias on nonsense changes nothing";
 }

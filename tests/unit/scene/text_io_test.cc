@@ -63,11 +63,22 @@ TEST(TextSource, RefusesAKeyGivenTwice) {
 TEST(TextSource, NamesTheValuesOfABoolean) {
   EXPECT_EQ(text_error_of("name: 'a' guidance { local_surface: maybe }"),
             "f.scene:1:37: field 'guidance.local_surface': maybe is not one of true, false");
+  EXPECT_EQ(text_error_of("name: 'a' guidance { local_surface: \"may be\" }"),
+            "f.scene:1:37: field 'guidance.local_surface': \"may be\" is not one of true, false");
+  EXPECT_EQ(text_error_of("name: 'a' guidance { local_surface: 7 }"),
+            "f.scene:1:37: field 'guidance.local_surface': 7 is not one of true, false");
+  EXPECT_EQ(text_error_of("name: 'a' guidance { local_surface: 'maybe"),
+            "f.scene:1:43: field 'guidance.local_surface': unexpected end of string");
+  // Behind the value a name is missed, no value.
+  EXPECT_EQ(text_error_of("name: 'a' guidance { local_surface: true 7 }"),
+            "f.scene:1:42: field 'guidance.local_surface': expected a field's name, got: 7");
 }
 
 TEST(TextSource, NamesTheValuesOfAnEnumeration) {
   EXPECT_EQ(text_error_of("guidance { method: FAST }"),
             "f.scene:1:20: field 'guidance.method': FAST is not one of EXACT, PUBLISHED");
+  EXPECT_EQ(text_error_of("guidance { method: 'FAST' }"),
+            "f.scene:1:20: field 'guidance.method': 'FAST' is not one of EXACT, PUBLISHED");
 }
 
 TEST(TextSource, SaysWhichTypeAFieldHas) {

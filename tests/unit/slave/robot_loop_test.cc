@@ -326,6 +326,25 @@ TEST_F(RobotLoopTest, OldOrFaultyForcesCountAsMissing) {
   EXPECT_FALSE(wrench_known(true, RobotLoop::kForceFresh + 1));
 }
 
+TEST_F(RobotLoopTest, AForceBeyondTheRangeIsToldAsSuchWhileItIsNew) {
+  FollowSettings needing = settings();
+  needing.sensor_required = true;
+  boxes.settings.publish(needing);
+  const auto told = [&](Nanos age) {
+    for (int i = 0; i < 5; ++i) {
+      ForceReading reading;
+      reading.overrange = true;
+      reading.received_at = now_value + kPeriod - age;
+      boxes.force.publish(reading);
+      turn();
+    }
+    return state.obstacle;
+  };
+  turn();
+  EXPECT_EQ(told(RobotLoop::kForceFresh), Reason::kSensorOverrange);
+  EXPECT_EQ(told(RobotLoop::kForceFresh + 1), Reason::kSensorMissing);
+}
+
 TEST_F(RobotLoopTest, DoesNotAllocateWhileConnected) {
   engage();
   test::NoAllocation guard("the robot loop");

@@ -29,11 +29,12 @@ class CountingSensor : public FtSensor {
     sample.sequence = ++sequence_;
     sample.wrench.force.z() = 3.0;
     sample.status = faulty ? 1 : 0;
+    sample.overrange = overrange;
     return true;
   }
   void bias() noexcept override {}
   void stop() noexcept override {}
-  std::atomic<bool> faulty{false};
+  std::atomic<bool> faulty{false}, overrange{false};
 
  private:
   FtCapabilities capabilities_;
@@ -145,6 +146,12 @@ TEST_F(SlaveServerTest, PassesOnForcesAndTheSensorsFaults) {
   EXPECT_TRUE(play([&] {
     (void)boxes.force.take(reading);
     return !reading.healthy;
+  }));
+  EXPECT_FALSE(reading.overrange);
+  sensor.overrange = true;
+  EXPECT_TRUE(play([&] {
+    (void)boxes.force.take(reading);
+    return reading.overrange;
   }));
 }
 
