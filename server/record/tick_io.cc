@@ -60,6 +60,9 @@ bool to_enum(std::uint32_t code, Enum last, Enum& out) {
   out = static_cast<Enum>(code);
   return true;
 }
+Status no_such(const char* field, std::uint32_t code) {
+  return missing(field, "is " + std::to_string(code) + ", which is none");
+}
 template <typename Enum>
 std::uint32_t code_of(Enum value) {
   return static_cast<std::uint32_t>(value);
@@ -165,12 +168,8 @@ void put_order(const HapticOrder& order, pb::RecordedOrder& out) {
 }
 
 Status take_order(const pb::RecordedOrder& in, HapticOrder& out) {
-  if (!to_enum(in.kind(), OrderKind::kGrip, out.kind)) {
-    return missing("order.kind", "is " + std::to_string(in.kind()) + ", which is none");
-  }
-  if (!to_enum(in.why(), kLastReason, out.why)) {
-    return missing("order.why", "is " + std::to_string(in.why()) + ", which is none");
-  }
+  if (!to_enum(in.kind(), OrderKind::kGrip, out.kind)) return no_such("order.kind", in.kind());
+  if (!to_enum(in.why(), kLastReason, out.why)) return no_such("order.why", in.why());
   if (out.kind == OrderKind::kTool) {
     if (Status taken = take_call(in.tool(), out.tool); !taken) return taken;
   }
@@ -365,9 +364,7 @@ Status take(const pb::RecordedCycle& in, KeptCycle& out) {
   Next(in.q_commanded())(to.q_commanded);
   to.has_measured = in.has_measured();
   to.has_commanded = in.has_commanded();
-  if (!to_enum(in.answer(), Answer::kNone, to.answer)) {
-    return missing("answer", "is " + std::to_string(in.answer()) + ", which is none");
-  }
+  if (!to_enum(in.answer(), Answer::kNone, to.answer)) return no_such("answer", in.answer());
   to.anew = in.anew();
   to.cycles = in.cycles();
   if (to.cycles < 1 || to.cycles > kMostCycles) {
@@ -391,9 +388,7 @@ Status take(const pb::RecordedCycle& in, KeptCycle& out) {
   Next(in.sensor())(to.f_E_T);
   to.wrench_valid = in.sensor_valid();
   to.wrench_overrange = in.sensor_overrange();
-  if (!to_enum(in.fault(), kLastReason, to.fault)) {
-    return missing("fault", "is " + std::to_string(in.fault()) + ", which is none");
-  }
+  if (!to_enum(in.fault(), kLastReason, to.fault)) return no_such("fault", in.fault());
   to.shutdown = in.ends();
   to.stop_input = in.stop_input();
   return Status::ok();
