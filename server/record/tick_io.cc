@@ -328,7 +328,7 @@ void put(const KeptCycle& cycle, pb::RecordedCycle& out) {
   out.set_gripper(static_cast<pb::LinkGripper>(in.gripper));
   append(in.f_E_T, out.mutable_sensor());
   out.set_sensor_valid(in.wrench_valid);
-  out.set_sensor_overrange(in.wrench_overrange);
+  if (in.wrench_overrange) out.set_sensor_overrange(true);  // older recordings have none
   out.set_fault(code_of(in.fault));
   out.set_ends(in.shutdown);
   out.set_stop_input(in.stop_input);
