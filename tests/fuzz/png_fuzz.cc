@@ -12,12 +12,12 @@ namespace {
 
 constexpr std::size_t kSignature = 8;
 // Larger images, up to 8000 x 8000, take as much longer and try nothing else. Nearly all of a
-// fuzzer's time goes by the pixel, so that one of its inputs in sixteen may have so many, the
+// fuzzer's time goes by the pixel, so that one of its inputs in sixty-four may have so many, the
 // others eleven rows of eleven: five by five are looked at around a pixel, and up to seventeen by
 // seventeen where three colours meet.
 std::uint64_t most_pixels(std::size_t bytes) {
 #ifdef HANDRAIL_FUZZER
-  if (bytes % 16 != 0) return 1 << 7;
+  if (bytes % 64 != 0) return 1 << 7;
 #else
   (void)bytes;
 #endif
