@@ -25,7 +25,7 @@ inline constexpr Nanos kAnswerPatience = 250 * kMicrosecond;
 // force that the loop works out for it. A loop that did not answer in time, or that does not wait
 // for turns at all, costs the device nothing but that: it goes on with the newest force that there
 // is. No lock, no allocation.
-template <typename Reading>
+template <typename Reading, typename Bell = TurnBell>
 class TurnGate {
  public:
   // Before the device's thread starts, and with no other at it: nothing is there.
@@ -118,7 +118,7 @@ class TurnGate {
   // Between the two.
   Mailbox<Turn> turns_;
   Mailbox<Answer> answers_;
-  TurnBell turn_bell_, answer_bell_;
+  Bell turn_bell_, answer_bell_;
 
   // Of the device's thread.
   std::uint32_t turn_ = 0;
