@@ -28,7 +28,7 @@ enum class Reason : std::uint8_t {
   kRobotSilent,     // cycles of the controller missed: the arm was halted, goes on from rest
   kRobotLost,       // no reply from the controller for 1.4 s
   kRobotBadPacket,  // wrong size or type from the controller
-  kSensorMissing,   // force sensor silent or in fault: bumper inactive
+  kSensorMissing,   // silent or in fault: bumper inactive
   kSensorInvalid,   // non-finite reading, or a spike
   // Motion limits
   kCommandInvalid,  // non-finite or not a rotation: previous one kept
