@@ -145,7 +145,7 @@ RowResult n3(const RowRun& run) {
     trial.check(bad == 0, fmt::format("{} ms: latched", delay));
     trial.check(std::abs(loop - 2.0 * delay) <= 0.05 * 2.0 * delay + 3.0,
                 fmt::format("{} ms: another loop age is shown", delay));
-    const bool warns = 2 * delay > 100 ? warned == seen : warned <= seen / 20;
+    const bool warns = 2 * delay >= 100 ? warned == seen : warned <= seen / 20;
     trial.check(warns, fmt::format("{} ms: the warning is wrong", delay));
   }
   judge_acceptance(trial, trial.end(std::move(bed)));

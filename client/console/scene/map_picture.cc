@@ -137,7 +137,7 @@ Result<MapPicture> drawn(const Walls& walls) {
   if (!png) return png.status();
   const Vec2 size = Vec2::Constant(2.0 * half);
   const auto colour = [&](int column, int row) {
-    const auto at = 3 * (static_cast<std::ptrdiff_t>(row) * side + column);
+    const auto at = static_cast<std::size_t>(3 * (row * side + column));
     return std::array{rgb[at], rgb[at + 1], rgb[at + 2]};
   };
   return MapPicture{*png, size, cells_of(side, side, size, colour)};
@@ -164,7 +164,8 @@ Result<MapPicture> map_picture(const Walls& walls) {
   const CoverageMap& map = *walls.map;
   const Vec2 size = map.pixel * Vec2(map.width, map.height);
   const auto colour = [&](int column, int row) {
-    return map_colour(walls, map.region[static_cast<std::size_t>(row) * map.width + column]);
+    const auto at = static_cast<std::ptrdiff_t>(row) * map.width + column;
+    return map_colour(walls, map.region[static_cast<std::size_t>(at)]);
   };
   return MapPicture{*png, size, cells_of(map.width, map.height, size, colour)};
 }
