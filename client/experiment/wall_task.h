@@ -78,7 +78,6 @@ class WallTask : public ExperimentTask {
   std::unique_ptr<WallHand> hand_;  // null: a person
   TrialNext next_;
   WallTick now_;
-  Nanos seen_at_ = 0;
   bool seen_ = false, held_ = false, ended_ = false;
   std::uint64_t epoch_ = 0;  // of the scene, when the clock started
   std::optional<double> started_;

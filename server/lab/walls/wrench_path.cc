@@ -33,9 +33,9 @@ Result<WrenchPath> WrenchPath::of(const Scene& scene) {
 }
 
 Vec2 WrenchPath::middle() const {
-  constexpr int kPoints = 720;
+  constexpr int kAround = 720;
   Eigen::AlignedBox2d box;
-  for (int i = 0; i < kPoints; ++i) box.extend(at(length() * i / kPoints));
+  for (int i = 0; i < kAround; ++i) box.extend(at(length() * i / kAround));
   return box.center();
 }
 
