@@ -32,7 +32,7 @@ constexpr auto kSentences = std::to_array<Sentence>({
      "the controller misses cycles: the arm is held where it is and goes on from rest"},
     {Reason::kRobotLost, "the controller has not replied for a second and a half"},
     {Reason::kRobotBadPacket, "the controller sent a packet of the wrong size or type"},
-    {Reason::kSensorMissing, "the force sensor is silent or reports a fault: bumper inactive"},
+    {Reason::kSensorMissing, "no valid force reading: bumper inactive"},
     {Reason::kSensorInvalid, "the force sensor reported an invalid value"},
     {Reason::kCommandInvalid,
      "a command was not finite or not a rotation: the previous one is kept"},
