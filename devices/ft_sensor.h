@@ -22,7 +22,7 @@ struct FtSample {
   Wrench wrench;
   std::uint32_t sequence = 0;  // the sensor's own counter
   std::uint32_t status = 0;    // non-zero: the sensor reports a fault; the wrench must not be used
-  bool overrange = false;  // ... that an axis is beyond its range; only with a status of non-zero
+  bool overrange = false;      // that fault is an axis beyond its range; false while status is 0
 };
 
 // A streaming sensor. All methods from one thread.

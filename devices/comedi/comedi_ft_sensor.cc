@@ -142,7 +142,8 @@ void ComediFtSensor::publish(const FtReading& reading, std::uint32_t status) noe
   sample.wrench = at_tip(options_.mount, {reading.value.head<3>(), reading.value.tail<3>()});
   sample.sequence = sequence_;
   sample.status = status;
-  sample.overrange = reading.saturated != 0;
+  // What settles may pass full scale on its way.
+  sample.overrange = reading.saturated != 0 && (status & kFtSettling) == 0;
   samples_.publish(sample);
 }
 

@@ -91,11 +91,10 @@ std::string is_none_of(const std::string& value, const std::vector<std::string>&
 std::string value_at(const std::string& text, std::size_t at) {
   const std::size_t before = at == 0 ? at : text.find_last_not_of(" \t\r\n", at - 1);
   if (at >= text.size() || before >= at || std::string(":[,").find(text[before]) > 2) return {};
-  const char quote = text[at];
-  const bool text_value = quote == '"' || quote == '\'';
-  const std::size_t end =
-      text_value ? text.find(quote, at + 1) + 1 : text.find_first_of(" \t\r\n,;]}>#", at);
-  return text.substr(at, end == std::string::npos ? end : end - at);
+  const bool is_quoted = text[at] == '"' || text[at] == '\'';
+  if (!is_quoted) return text.substr(at, text.find_first_of(" \t\r\n,;]}>#", at) - at);
+  const std::size_t last = text.find(text[at], at + 1);
+  return text.substr(at, last == std::string::npos ? last : last + 1 - at);
 }
 
 }  // namespace

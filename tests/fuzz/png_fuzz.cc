@@ -11,6 +11,7 @@ namespace handrail {
 namespace {
 
 constexpr std::size_t kSignature = 8;
+
 std::uint32_t checksum(const std::string& png, std::size_t from, std::size_t size) {
   const auto* data = reinterpret_cast<const Bytef*>(png.data() + from);
   return static_cast<std::uint32_t>(::crc32(0, data, static_cast<uInt>(size)));

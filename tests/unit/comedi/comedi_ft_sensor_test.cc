@@ -103,6 +103,16 @@ TEST_F(ComediFtSensorTest, ASettlingCardIsWaitedForAndItsScaleAskedForAnew) {
   EXPECT_NEAR(sample.wrench.force.x(), 50.0, 1e-9);  // and not 500
 }
 
+TEST_F(ComediFtSensorTest, FullScaleWhileALowPassSettlesIsNoForceBeyondTheRange) {
+  options.filter = 6;  // 3.9 Hz: 0.4 s
+  push(48 + 2, 32767);
+  ASSERT_NO_FATAL_FAILURE(start());
+  ASSERT_TRUE(take_until([](const FtSample& s) { return s.status == (4u | kFtSettling); }));
+  EXPECT_FALSE(sample.overrange);
+  EXPECT_TRUE(take_until([](const FtSample& s) { return s.status == 4u; }));
+  EXPECT_TRUE(sample.overrange);
+}
+
 TEST_F(ComediFtSensorTest, ALowPassSettlesBeforeReadingsCount) {
   options.filter = 3;  // 31.25 Hz: 51 ms
   ASSERT_NO_FATAL_FAILURE(start());

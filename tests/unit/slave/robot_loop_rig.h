@@ -99,6 +99,14 @@ class RobotLoopTest : public ::testing::Test {
     news.state.scene = settings().scene;
   }
 
+  // Five turns, before each of which `reading` comes, `age` old as it is taken [ns].
+  void turn_with(ForceReading reading, Nanos age) {
+    for (int i = 0; i < 5; ++i) {
+      reading.received_at = now_value + kPeriod - age;
+      boxes.force.publish(reading);
+      turn();
+    }
+  }
   // One turn with the master's state freshly received, and what the slave then says.
   const SlaveState& turn(bool fresh = true) {
     if (fresh) {

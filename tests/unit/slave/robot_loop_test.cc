@@ -308,14 +308,10 @@ TEST_F(RobotLoopTest, ARestartedMasterEndsTheSession) {
 
 TEST_F(RobotLoopTest, OldOrFaultyForcesCountAsMissing) {
   const auto wrench_known = [&](bool healthy, Nanos age) {
-    for (int i = 0; i < 5; ++i) {
-      ForceReading reading;
-      reading.f_E_T.force.z() = 5.0;
-      reading.healthy = healthy;
-      reading.received_at = now_value + kPeriod - age;
-      boxes.force.publish(reading);
-      turn();
-    }
+    ForceReading reading;
+    reading.f_E_T.force.z() = 5.0;
+    reading.healthy = healthy;
+    turn_with(reading, age);
     return state.has_wrench;
   };
   turn();
@@ -331,13 +327,9 @@ TEST_F(RobotLoopTest, AForceBeyondTheRangeIsToldAsSuchWhileItIsNew) {
   needing.sensor_required = true;
   boxes.settings.publish(needing);
   const auto told = [&](Nanos age) {
-    for (int i = 0; i < 5; ++i) {
-      ForceReading reading;
-      reading.overrange = true;
-      reading.received_at = now_value + kPeriod - age;
-      boxes.force.publish(reading);
-      turn();
-    }
+    ForceReading reading;
+    reading.overrange = true;
+    turn_with(reading, age);
     return state.obstacle;
   };
   turn();
