@@ -15,6 +15,7 @@
 #include "server/base/clock.h"
 #include "server/base/doorbell.h"
 #include "server/base/signals.h"
+#include "server/link/busy_poll.h"
 #include "server/link/leader_watch.h"
 #include "server/link/pump.h"
 #include "server/link/stall_watch.h"
@@ -64,6 +65,8 @@ class LinkServer {
   LinkIdentity identity(Nanos now) const {
     return transport_ ? transport_->identity(now) : LinkIdentity();
   }
+  // From run() on the thread polls, by BusyPoll's law, instead of sleeping.
+  void poll_busily() noexcept { busy_.turn_on(); }
   boost::asio::io_context& io() { return io_; }
   const Remote& newest() const { return peer_.newest(); }
   const LinkSnapshot& snapshot() const { return peer_.snapshot(); }
@@ -103,7 +106,13 @@ class LinkServer {
     const Nanos start = monotonic_now();
     tick(start);
     wait_for_tick(start);
-    io_.run();
+    while (!io_.stopped()) {
+      if (busy_.polls(monotonic_now())) {
+        io_.poll();
+      } else {
+        io_.run_one();
+      }
+    }
     const LinkSnapshot& link = snapshot();
     const std::string causes = causes_text(peer_.rejects());
     hooks_.say(false, "link: " + std::to_string(link.accepted) + " datagrams accepted, " +
@@ -126,7 +135,16 @@ class LinkServer {
       tick(woke);
       if (hooks_.finished()) return io_.stop();
       wait_for_tick(woke);
+      rest(woke);
     });
+  }
+
+  // What ends the rest of one who polls.
+  void rest(Nanos now) {
+    if (!busy_.on()) return;
+    busy_.ticked(now, snapshot().received_at);
+    rest_.expires_after(std::chrono::nanoseconds(BusyPoll::kRest));
+    rest_.async_wait([](const boost::system::error_code&) {});
   }
 
   void wait_for_ring() {
@@ -192,7 +210,7 @@ class LinkServer {
   const std::string own_loop_, peer_name_;
   const Doorbell& doorbell_;
   boost::asio::io_context io_{1};
-  boost::asio::steady_timer timer_{io_};
+  boost::asio::steady_timer timer_{io_}, rest_{io_};
   boost::asio::signal_set signals_{io_};  // needs descriptors: had before anybody is told READY
   boost::asio::posix::stream_descriptor bell_{io_};  // the doorbell's, not ours to close
   std::unique_ptr<ServedTransport> transport_;       // null until open()
@@ -201,6 +219,7 @@ class LinkServer {
   PacketTap* tap_ = nullptr;
   StallWatch stall_;
   LeaderWatch leader_;
+  BusyPoll busy_;
   Hooks hooks_;
   std::uint32_t peer_epoch_ = 0;
   bool speaking_ = false;

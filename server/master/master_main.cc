@@ -216,6 +216,7 @@ int run(const pb::MasterConfig& config, bool check_only, const DaemonLog& log) {
                                           config.operator_socket(),
                                           desk_options.identity.slave_at,
                                           *remote,
+                                          config.busy_poll(),
                                           recorder.get(),
                                           packets.get(),
                                           handle.any(),

@@ -30,6 +30,7 @@ class MasterServer final : public IoServer {
 
   Status open() override {
     link_.keep(options_.packets);
+    if (options_.busy_poll) link_.poll_busily();
     if (Status opened = link_.open(options_.link); !opened) return opened;
     if (Status opened = operators_.start(options_.operator_socket); !opened) return opened;
     return options_.remote_operators ? remote_.open(*options_.remote_operators) : Status::ok();

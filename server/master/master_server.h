@@ -20,6 +20,7 @@ struct MasterServerOptions {
   std::string operator_socket;
   std::string slave_at;                                   // where a slave is looked for
   std::optional<RemoteOperatorOptions> remote_operators;  // none: this computer's only
+  bool busy_poll = false;                                 // as in the configuration
   const Recorder* recorder = nullptr;  // the slave records when it is asked to; not owned
   PacketTap* packets = nullptr;        // where the link's datagrams are left; null: nowhere
   FtSensor* handle = nullptr;          // on the device's handle, started; null: none; not owned

@@ -1,6 +1,7 @@
 #include "server/scene/config_io.h"
 
 #include <arpa/inet.h>
+#include <sched.h>
 #include <sys/un.h>
 
 #include <algorithm>
@@ -87,6 +88,16 @@ Problem check_link(const Config& c, bool encrypted, const char* other) {
   return problem.empty() ? Problem() : FieldProblem{"link_socket", problem};
 }
 
+// Beside a thread that hardly sleeps little else would run.
+template <typename Config>
+Problem check_busy_poll(const Config& c) {
+  cpu_set_t may_use;
+  const bool known = sched_getaffinity(0, sizeof may_use, &may_use) == 0;
+  if (!c.busy_poll() || (known && CPU_COUNT(&may_use) > 1)) return std::nullopt;
+  return FieldProblem{"busy_poll",
+                      "true, but this program has one processor, expected two or more"};
+}
+
 // The blocks of devices that are not the one that is used would be read by nobody.
 Problem check_device(const pb::DeviceConfig& c) {
   const bool spacemouse = c.kind() == pb::DeviceConfig::SPACEMOUSE;
@@ -146,7 +157,8 @@ Problem check(const pb::MasterConfig& c) {
   }
   return first({slave, check_link(c, c.has_slave(), "slave"), socket, operators, recording,
                 check_device(c.device()), check_pads(c.device()), check_joystick(c.device()),
-                check_handle_sensor(c), check_recording_folder(c), check_scene_name(c.scene())});
+                check_handle_sensor(c), check_recording_folder(c), check_scene_name(c.scene()),
+                check_busy_poll(c)});
 }
 
 Problem check_payload(const pb::SlaveConfig& c) {
@@ -214,7 +226,7 @@ Problem check(const pb::SlaveConfig& c) {
                 check_ipv4("robot.address", c.robot().address()),
                 check_peer_port("robot.port", c.robot().port()), bytes, check_gripper(c.robot()),
                 program, sensor, check_payload(c), check_recording_folder(c),
-                check_scene_name(c.scene()), check_distinct(ends), stop});
+                check_scene_name(c.scene()), check_distinct(ends), stop, check_busy_poll(c)});
 }
 
 Problem check(const pb::RigConfig& c) {

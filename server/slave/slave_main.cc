@@ -227,6 +227,7 @@ int run(const pb::SlaveConfig& config, bool check_only, const DaemonLog& log) {
     return std::optional(*came ? **came : obstacle_in(came->message()));
   };
   options.log_lost = [&log] { return log.lost(); };
+  options.busy_poll = config.busy_poll();
   options.packets = taps ? &taps->server : nullptr;
   const auto server = make_slave_server(boxes, sensor.get(), options);
   hold_endings();

@@ -28,6 +28,7 @@ class SlaveServer final : public IoServer {
 
   Status open() override {
     link_.keep(options_.packets);
+    if (options_.busy_poll) link_.poll_busily();
     return link_.open(options_.link);
   }
   std::string place() const override { return link_.place(); }

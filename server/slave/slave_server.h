@@ -27,6 +27,7 @@ struct SlaveServerOptions {
   // asked again every tick while it gives nothing, as the disk takes its time.
   std::function<std::optional<Result<FollowSettings>>(const std::string& scene)> load_scene;
   SilenceWatch::Ask why_silent = {};  // asks the controller, in the IO thread; empty: nobody does
+  bool busy_poll = false;             // as in the configuration
   PacketTap* packets = nullptr;       // where the link's datagrams are left; null: nowhere
 };
 

@@ -3,12 +3,14 @@
 // and ZeroMQ over TCP, one after the other within each round of one run, so that what else the
 // computer does meets all of them alike. At 1 kHz each, and one behind the other; both ends on one
 // core, and on two: where the kernel puts them decides more than anything else, and it does not put
-// all of them alike.
+// all of them alike. On two also with both ends polling, as with `busy_poll: true`, while a message
+// is under way.
 #include <pthread.h>
 #include <sched.h>
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cstdlib>
 #include <future>
@@ -42,6 +44,8 @@ class Way {
   virtual ~Way() = default;
   // Sends a message and waits for it to come back; the program ends where it does not.
   virtual std::size_t ping() = 0;
+  // From now on the echo polls, or sleeps until it is woken, if it is one that can.
+  virtual void poll(bool /*on*/) {}
 };
 
 // Holds the calling thread on the first core that the program may use, or on the last. Threads that
@@ -70,7 +74,13 @@ class Echo {
   void serve(bool on_first) {
     thread_ = std::thread([this, on_first] {
       stay_on(on_first);
-      io.run();
+      while (!io.stopped()) {
+        if (polls_) {
+          io.poll();
+        } else {
+          io.run_one();
+        }
+      }
     });
   }
   // Before what it serves ends.
@@ -78,18 +88,30 @@ class Echo {
     io.stop();
     if (thread_.joinable()) thread_.join();
   }
+  void poll(bool on) {
+    polls_ = on;
+    asio::post(io, [] {});  // wakes it
+    if (on) std::this_thread::sleep_for(std::chrono::microseconds(50));
+  }
   asio::io_context io{1};
 
  private:
+  std::atomic<bool> polls_{false};
   std::thread thread_;
 };
 
-// Waits in the kernel until `there` says so.
+// Waits until `there` says so: in the kernel, or by asking it again and again.
 template <typename There>
-void wait_in(asio::io_context& io, There there) {
+void wait_in(asio::io_context& io, bool polls, There there) {
   io.restart();  // with nothing to wait for it has ended
+  const Nanos start = monotonic_now();
   while (!there()) {
-    if (io.run_one_for(std::chrono::seconds(2)) == 0) std::abort();
+    if (monotonic_now() - start > 2 * kSecond) std::abort();
+    if (polls) {
+      io.poll();
+    } else {
+      io.run_one_for(std::chrono::seconds(2));
+    }
   }
 }
 
@@ -97,17 +119,20 @@ class PlainUdp final : public Way {
   using Udp = asio::ip::udp;
 
  public:
-  explicit PlainUdp(bool one_core) {
+  explicit PlainUdp(bool one_core, bool polls = false) : polls_(polls) {
     listen();
     echo_.serve(one_core);
   }
   ~PlainUdp() override { echo_.end(); }
+  void poll(bool on) override {
+    if (polls_) echo_.poll(on);
+  }
   std::size_t ping() override {
     std::size_t size = 0;
     socket_.send_to(asio::buffer(bytes_), to_);
     socket_.async_receive_from(asio::buffer(bytes_), from_,
                                [&](const auto& error, std::size_t n) { size = error ? 0 : n; });
-    wait_in(io_, [&] { return size != 0; });
+    wait_in(io_, polls_, [&] { return size != 0; });
     return size;
   }
 
@@ -121,6 +146,7 @@ class PlainUdp final : public Way {
         });
   }
 
+  const bool polls_;
   Message bytes_{}, echo_bytes_{};
   Udp::endpoint from_, echo_from_;
   asio::io_context io_{1};
@@ -133,7 +159,7 @@ class PlainUdp final : public Way {
 // The daemons' own classes, served as `LinkServer` serves them.
 class Secured final : public Way {
  public:
-  explicit Secured(bool one_core) {
+  explicit Secured(bool one_core, bool polls = false) : polls_(polls) {
     if (!slave_socket_.open("any", 0) || !master_socket_.open("any", 0)) std::abort();
     master_.set_addresses({loopback_address(slave_socket_.port())});
     slave_socket_.on_readable([this] { echo(); });
@@ -147,10 +173,13 @@ class Secured final : public Way {
     }
   }
   ~Secured() override { echo_.end(); }
+  void poll(bool on) override {
+    if (polls_) echo_.poll(on);
+  }
   std::size_t ping() override {
     got_ = 0;
     if (!master_.send(bytes_)) std::abort();
-    wait_in(io_, [this] { return got_ != 0; });
+    wait_in(io_, polls_, [this] { return got_ != 0; });
     return got_;
   }
 
@@ -169,6 +198,7 @@ class Secured final : public Way {
     }
   }
 
+  const bool polls_;
   SecureKeys keys_;
   Message bytes_{}, echo_bytes_{};
   std::size_t got_ = 0;
@@ -231,6 +261,10 @@ std::vector<Measured> ways(bool one_core) {
   std::vector<Measured> out;
   out.push_back({"Asio UDP", std::make_unique<PlainUdp>(one_core)});
   out.push_back({"secured link", std::make_unique<Secured>(one_core)});
+  if (!one_core) {
+    out.push_back({"polled Asio UDP", std::make_unique<PlainUdp>(one_core, true)});
+    out.push_back({"polled secured link", std::make_unique<Secured>(one_core, true)});
+  }
 #ifdef HANDRAIL_BENCH_ZMQ
   out.push_back({"ZeroMQ TCP", std::make_unique<ZeroMq>(one_core)});
 #endif
@@ -252,7 +286,9 @@ void round_trips(benchmark::State& state, const std::string& how, Nanos pace, bo
     std::shuffle(all.begin(), all.end(), order);
     for (Measured& one : all) {
       if (pace > 0) sleep_until(next);
+      one.way->poll(true);
       one.samples.time([&] { return one.way->ping(); });
+      one.way->poll(false);
       next = std::max(next + pace / count, monotonic_now() - pace);
     }
   }
@@ -260,7 +296,7 @@ void round_trips(benchmark::State& state, const std::string& how, Nanos pace, bo
   for (const Measured& one : all) {
     put(named(one.name), one.samples);
     const Summary s = one.samples.summary();
-    const std::string key = one.name.substr(0, one.name.find(' '));
+    const std::string key = one.name.substr(0, one.name.rfind(' '));
     state.counters[key + "_median_ns"] = s.median;
     state.counters[key + "_p99_ns"] = s.p99;
     state.counters[key + "_p999_ns"] = s.p999;
@@ -271,6 +307,7 @@ void round_trips(benchmark::State& state, const std::string& how, Nanos pace, bo
   compare(named("secured link"), named("Asio UDP"), 1.35);
   compare_99(named("secured link"), named("Asio UDP"), 1.5);
   compare(named("secured link"), named("ZeroMQ TCP"), 1.0 / 3.0);
+  if (!one_core) compare(named("polled secured link"), named("ZeroMQ TCP"), 1.0 / 3.0);
 #ifndef HANDRAIL_BENCH_ZMQ
   remark(named("ZeroMQ TCP") + ": not measured, built without libzmq3-dev and cppzmq-dev");
 #endif

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include "server/base/own_places.h"
 #include "server/scene/payload_io.h"
@@ -333,6 +334,28 @@ TEST(Config, OperatorsElsewhereAreWaitedForWhereItIsSaid) {
   EXPECT_EQ(
       master_error("operator_port: 5"),
       "c.conf:1:1: field 'operator_port': without operator_address, expected both or neither");
+}
+
+TEST(Config, AThreadThatNeverSleepsNeedsAProcessorBesideTheOthers) {
+  EXPECT_FALSE(load_master_config("")->busy_poll());
+  EXPECT_FALSE(load_slave_config("")->busy_poll());
+  cpu_set_t all, one;
+  ASSERT_EQ(sched_getaffinity(0, sizeof all, &all), 0);
+  CPU_ZERO(&one);
+  for (std::size_t i = 0; CPU_COUNT(&one) == 0; ++i) {
+    if (CPU_ISSET(i, &all)) CPU_SET(i, &one);
+  }
+  if (CPU_COUNT(&all) > 1) {
+    EXPECT_EQ(master_error("busy_poll: true") + slave_error("busy_poll: true"), "");
+  }
+  ASSERT_EQ(sched_setaffinity(0, sizeof one, &one), 0);
+  const std::string problem =
+      "c.conf:1:1: field 'busy_poll': true, but this program has one processor, expected two or "
+      "more";
+  EXPECT_EQ(master_error("busy_poll: true"), problem);
+  EXPECT_EQ(slave_error("busy_poll: true"), problem);
+  EXPECT_EQ(master_error("busy_poll: false"), "");
+  ASSERT_EQ(sched_setaffinity(0, sizeof all, &all), 0);
 }
 
 TEST(Config, WhatIsTypedAfterLinkIsTakenInPlaceOfTheFiles) {

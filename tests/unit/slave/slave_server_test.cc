@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <spdlog/sinks/ostream_sink.h>
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
 
 #include <atomic>
 #include <csignal>
@@ -48,18 +49,34 @@ class SlaveServerTest : public ::testing::Test {
     const auto sink = std::make_shared<spdlog::sinks::ostream_sink_mt>(log);
     spdlog::set_default_logger(std::make_shared<spdlog::logger>("test", sink));
     slave_state.scene = scene_name("here");
-    boxes.report.publish({slave_state});
-    ASSERT_TRUE(server->open());
     ASSERT_TRUE(transport.open());
-    thread = std::thread([this] {
-      server->run({[this] { signalled = true; }, [this] { return done.load(); }});
-    });
+    begin();
   }
   void TearDown() override {
-    done = true;
-    if (thread.joinable()) thread.join();
+    end();
     spdlog::set_default_logger(previous_);
   }
+  void begin() {
+    boxes.report.publish({slave_state});
+    ASSERT_TRUE(server->open());
+    done = false;
+    thread = std::thread([this] {
+      server->run({[this] { signalled = true; },
+                   [this] {
+                     rusage usage{};
+                     EXPECT_EQ(getrusage(RUSAGE_THREAD, &usage), 0);
+                     worked_us = usage_us(usage.ru_utime) + usage_us(usage.ru_stime);
+                     slept = usage.ru_nvcsw;
+                     return done.load();
+                   }});
+    });
+  }
+  void end() {
+    done = true;
+    if (thread.joinable()) thread.join();
+  }
+
+  static long usage_us(const timeval& time) { return time.tv_sec * 1'000'000 + time.tv_usec; }
 
   // Plays the master until `condition` or for ten seconds.
   template <typename Condition>
@@ -116,6 +133,7 @@ class SlaveServerTest : public ::testing::Test {
   MasterState master_state;
   std::atomic<bool> done{false};
   std::atomic<bool> signalled{false};
+  std::atomic<long> worked_us{0}, slept{0};  // of the server's thread
   std::thread thread;
 
  private:
@@ -135,6 +153,30 @@ TEST_F(SlaveServerTest, CarriesStatesBothWays) {
 
 TEST_F(SlaveServerTest, RepeatsTheNewestStateWithoutBeingAskedAgain) {
   EXPECT_TRUE(play([&] { return peer.snapshot().accepted >= 50; }));
+}
+
+TEST_F(SlaveServerTest, PollsWhereItIsToldToAndRests) {
+  // What the server took of a processor while 300 datagrams of it came, and how often it slept.
+  const auto looked_at = [this] {
+    EXPECT_TRUE(play([&] { return peer.snapshot().accepted > 0; }));
+    const std::uint64_t first = peer.snapshot().accepted;
+    const long worked = worked_us, sleeps = slept;
+    const Nanos start = monotonic_now();
+    EXPECT_TRUE(play([&] { return peer.snapshot().accepted >= first + 300; }));
+    const double us = to_seconds(monotonic_now() - start) * 1e6;
+    return std::pair(static_cast<double>(worked_us - worked) / us, slept - sleeps);
+  };
+  const double sleeping = looked_at().first;
+  end();
+  SlaveServerOptions busy = options();
+  busy.busy_poll = true;
+  server = make_slave_server(boxes, &sensor, busy);
+  begin();
+  EXPECT_TRUE(play([&] { return peer.snapshot().peer_epoch == 2; }));
+  const auto [polling, rests] = looked_at();
+  EXPECT_GT(polling, 2.0 * sleeping);
+  EXPECT_LT(polling, 0.95) << "a real-time thread that takes more is stopped";
+  EXPECT_GT(rests, 100) << "it rests after each tick";
 }
 
 TEST_F(SlaveServerTest, PassesOnForcesAndTheSensorsFaults) {
