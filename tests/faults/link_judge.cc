@@ -38,10 +38,14 @@ class Speaker {
   Speaker(const WireTruth& truth, const Story& story, const LatenessLog& lateness)
       : truth_(truth), story_(story), lateness_(lateness) {}
 
-  // Tells `heard` of the states that arrived by `now`.
-  void until(Nanos now, HeardMaster& heard, AuditReport& report) {
+  // Tells `heard` of the states that arrived by `now`; `look` before and after each, with its time.
+  template <typename Look>
+  void until(Nanos now, HeardMaster& heard, AuditReport& report, Look look) {
     for (; next_ < truth_.to_slave.size() && truth_.to_slave[next_].at <= now; ++next_) {
-      deliver(truth_.to_slave[next_], heard, report);
+      const FreshState& fresh = truth_.to_slave[next_];
+      look(fresh.at);
+      deliver(fresh, heard, report);
+      look(fresh.at);
     }
   }
 
@@ -94,17 +98,51 @@ class Speaker {
   bool lost_ = false, leads_ = false;
 };
 
+// What was heard, and when that last let the arm move.
+class Hearing {
+ public:
+  Hearing(const WireTruth& truth, const Story& story, const LatenessLog& lateness)
+      : story_(story), speaker_(truth, story, lateness) {
+    master_.must_stop(0);  // nobody has engaged
+  }
+  // Goes on to `at`, by the clock of who is `late`.
+  void until(Nanos at, Nanos late, AuditReport& report) {
+    const auto& all = story_.must_stop;
+    while (stop_ < all.size() && all[stop_] <= at) master_.must_stop(all[stop_++]);
+    const auto look = [&](Nanos now) { judge(now, late, report); };
+    speaker_.until(at, master_, report, look);
+    look(at);
+  }
+  const HeardMaster& master() const { return master_; }
+  // By what was heard at the end, or a command's way before: later news are not yet in a command.
+  bool led_lately(Nanos at) const { return at - led_at_ <= StopAudit::kOverhead; }
+
+ private:
+  void judge(Nanos now, Nanos late, AuditReport& report) {
+    const bool was_led = master_.led();
+    master_.judge(now - late, report);
+    const HeardMaster::Cause cause = master_.cause_of_stop(now - late);
+    if (master_.led())
+      led_at_ = now;
+    else if (was_led)
+      led_at_ = std::min(now, cause.from + cause.due + late);
+  }
+
+  const Story& story_;
+  Speaker speaker_;
+  HeardMaster master_;
+  std::size_t stop_ = 0;
+  Nanos led_at_ = -kForever;
+};
+
 class Judge {
  public:
   Judge(Nanos period, const WireTruth& truth, const Story& story, const LatenessLog& lateness)
       : period_(period),
-        story_(story),
         lateness_(lateness),
-        speaker_(truth, story, lateness),
+        hearing_(truth, story, lateness),
         stops_(period),
-        joints_(limits_of(period)) {
-    heard_.must_stop(0);  // nobody has engaged
-  }
+        joints_(limits_of(period)) {}
 
   void place(const JointVector& q) {
     q_ = q;
@@ -116,17 +154,17 @@ class Judge {
     // When the rig got the command; a cycle without one is judged at its own time.
     const Nanos came = r.at - period_ + static_cast<Nanos>(r.came) * kMicrosecond;
     const Nanos at = accepted ? std::min(came, r.at) : r.at;
-    order_stop(at);
-    speaker_.until(at, heard_, out_.report);
     const Nanos late = granted(at);
-    heard_.judge(at - late, out_.report);
+    hearing_.until(at, late, out_.report);
+    const bool led_lately = hearing_.led_lately(at);
     const bool was_at_rest = joints_.at_rest();
-    if (heard_.led()) held_in_stop_ = 0;
-    stops_.judge(heard_, at - late, was_at_rest, joints_.time_to_stop(), out_.report);
+    if (led()) held_in_stop_ = 0;
+    if (led_lately) stops_.led(out_.report);
+    stops_.judge(hearing_.master(), at - late, was_at_rest, joints_.time_to_stop(), out_.report);
     if (!accepted) return hold();
     move_to(vector_of(r.target));
     held_ = 0;
-    if (joints_.moving() && !heard_.led()) unled(at, late, was_at_rest);
+    if (joints_.moving() && !led_lately) unled(at, late, was_at_rest);
   }
 
   LinkVerdict finish() {
@@ -135,14 +173,11 @@ class Judge {
   }
 
  private:
-  void order_stop(Nanos at) {
-    const auto& all = story_.must_stop;
-    while (stop_ < all.size() && all[stop_] <= at) heard_.must_stop(all[stop_++]);
-  }
+  bool led() const { return hearing_.master().led(); }
 
   Nanos granted(Nanos at) {
     const Nanos late = lateness_.worst(at - kLookBack, at);
-    if (!heard_.led() && !joints_.at_rest()) out_.lateness = std::max(out_.lateness, late);
+    if (!led() && !joints_.at_rest()) out_.lateness = std::max(out_.lateness, late);
     return late + held_in_stop_ * period_;
   }
 
@@ -150,7 +185,7 @@ class Judge {
     if (joints_.at_rest()) return;
     ++out_.held;
     ++held_;
-    if (!heard_.led()) ++held_in_stop_;
+    if (!led()) ++held_in_stop_;
     if (held_ < kStandingCycles) return;
     for (int i = 0; i < 3; ++i) (void)joints_.commanded(q_, ignored_);
   }
@@ -180,17 +215,14 @@ class Judge {
   }
 
   Nanos period_;
-  const Story& story_;
   const LatenessLog& lateness_;
-  Speaker speaker_;
-  HeardMaster heard_;
+  Hearing hearing_;
   StopAudit stops_;
   JointAudit joints_;
   BreachCounts ignored_{};  // limits are ControllerAudit's, which knows what was lost
   LinkVerdict out_;
   JointVector q_ = JointVector::Zero();
   int held_ = 0, held_in_stop_ = 0;
-  std::size_t stop_ = 0;
   Nanos last_violation_ = -1;
 };
 

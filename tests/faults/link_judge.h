@@ -37,7 +37,9 @@ struct LinkVerdict {
 
 // The bound of a stop is the fault matrix's (StopAudit) at the moment the rig got a command, and
 // beside it what the machine was late by at that time, and the cycles in which the controller got
-// nothing. Judged from the tap's first standstill on where its beginning was overwritten.
+// nothing. A command may be by what was heard up to 2 ms before the rig got it, which is what a
+// stop's bound grants for that way: what arrives in between is not yet in it.
+// Judged from the tap's first standstill on where its beginning was overwritten.
 //
 // Whoever hears nothing for 20 ms leads nobody: what the master sends later than that after the
 // newest of the slave's arrived is no command, and after 200 ms not until an operator engages.

@@ -176,6 +176,27 @@ TEST_F(LinkJudge, AMasterThatHearsNothingLeadsNobody) {
   EXPECT_EQ(verdict.short_gaps, 0u);
 }
 
+// The master says no longer to move just before the rig gets a command to begin: 2 ms are the way
+// of a command, beyond them it should have been heeded.
+TEST_F(LinkJudge, AnArmThatStandsMayBeginByWhatWasHeardACommandsWayBefore) {
+  start();
+  go(100 * kMillisecond);
+  brake();
+  stand(100 * kMillisecond);
+  const Nanos begins = now();
+  target(kJolt);
+  stand(100 * kMillisecond);
+  const auto told_before = [&](Nanos span) {
+    const Nanos told = begins - span;
+    to_master_gaps = {{told - 22 * kMillisecond, told + 50 * kMillisecond}};
+    return judge();
+  };
+  EXPECT_THAT(told_before(kMillisecond).violations, IsEmpty());
+  const LinkVerdict verdict = told_before(5 * kMillisecond);
+  ASSERT_THAT(verdict.violations, SizeIs(1));
+  EXPECT_THAT(first(verdict), HasSubstr("moved while nobody led it"));
+}
+
 TEST_F(LinkJudge, AMasterThatHeardNothingForLongNeedsAnOperator) {
   start();
   go(100 * kMillisecond);

@@ -5,8 +5,12 @@ namespace handrail {
 void StopAudit::judge(const HeardMaster& master, Nanos at, bool at_rest, double stop_time,
                       AuditReport& report) noexcept {
   if (!master.led() && !stopping_) begin(master, at, at_rest, stop_time);
-  if (master.led() && stopping_) end(report);
+  if (master.led()) led(report);
   needs_operator_ = needs_operator_ || master.needs_operator(at);
+}
+
+void StopAudit::led(AuditReport& report) noexcept {
+  if (stopping_) end(report);
 }
 
 void StopAudit::begin(const HeardMaster& master, Nanos at, bool at_rest,

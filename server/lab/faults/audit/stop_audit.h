@@ -17,6 +17,8 @@ class StopAudit {
   // Before each command, the master judged. `stop_time`: that the joints need [s].
   void judge(const HeardMaster& master, Nanos at, bool at_rest, double stop_time,
              AuditReport& report) noexcept;
+  // Somebody led since the last command: what stops now is a stop of its own.
+  void led(AuditReport& report) noexcept;
   // The command moves the arm, and nobody leads it. `was_at_rest`: before it.
   void moved_unled(Nanos at, bool was_at_rest, AuditReport& report) noexcept;
   // Counts a stop that still lasts.
