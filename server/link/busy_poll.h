@@ -15,7 +15,7 @@ namespace handrail {
 class BusyPoll {
  public:
   static constexpr Nanos kRest = kSendPeriod / 10;  // of a tick's period
-  // Silent for longer, the other side is not waited for that way.
+  // Silent for longer, which is when the arm stops, the other side is not waited for that way.
   static constexpr Nanos kHeard = 20 * kSendPeriod;
 
   // Off until then.

@@ -92,8 +92,8 @@ Problem check_link(const Config& c, bool encrypted, const char* other) {
 template <typename Config>
 Problem check_busy_poll(const Config& c) {
   cpu_set_t may_use;
-  const bool known = sched_getaffinity(0, sizeof may_use, &may_use) == 0;
-  if (!c.busy_poll() || (known && CPU_COUNT(&may_use) > 1)) return std::nullopt;
+  const bool known = sched_getaffinity(0, sizeof may_use, &may_use) == 0;  // not of over 1024
+  if (!c.busy_poll() || !known || CPU_COUNT(&may_use) > 1) return std::nullopt;
   return FieldProblem{"busy_poll",
                       "true, but this program has one processor, expected two or more"};
 }
