@@ -38,8 +38,11 @@ class Recorder {
 
 bool sent(const TapRecord& r) { return r.has(kTapAccepted) || r.lost > 0; }
 
-// Why a cycle got nothing between two that were sent something, on a computer that is busy
-// elsewhere.
+// After a pause of more cycles than these a slave begins anew, from a standing arm (follow_gap.cc).
+constexpr std::size_t kGoesOnAfter = 4;
+
+// Why a cycle got nothing, of those between two that were sent something, on a computer that is
+// busy elsewhere: the last of them.
 enum class Missed {
   kNo,
   kLeftOut,  // so late that the slave did not send it: as good as lost
@@ -52,10 +55,17 @@ enum class Missed {
 // that alone makes sound what follows.
 Missed missed(const TapFile& tap, std::size_t i) {
   if (i < 2) return Missed::kNo;
-  const TapRecord &now = tap.records[i], &before = tap.records[i - 1];
-  const bool one = now.has(kTapAccepted) && !sent(before) && before.has(kTapSession) &&
-                   sent(tap.records[i - 2]) && now.at - before.at == tap.period;
-  if (!one) return Missed::kNo;
+  const TapRecord& now = tap.records[i];
+  std::size_t empty = 0;
+  while (empty + 1 < i && empty <= kGoesOnAfter && !sent(tap.records[i - 1 - empty]) &&
+         tap.records[i - 1 - empty].has(kTapSession)) {
+    ++empty;
+  }
+  const TapRecord& before = tap.records[i - 1 - empty];
+  const bool goes_on = now.has(kTapAccepted) && empty > 0 && empty <= kGoesOnAfter &&
+                       sent(before) &&
+                       now.at - before.at == static_cast<Nanos>(empty + 1) * tap.period;
+  if (!goes_on) return Missed::kNo;
   const bool early = 8 * now.came * kMicrosecond < 7 * tap.period;
   return now.lost == 0 && early ? Missed::kLate : Missed::kLeftOut;
 }

@@ -83,6 +83,27 @@ TEST(StormJudge, ACommandThatCameAfterItsCycleIsNotTheSlavesHold) {
   EXPECT_EQ(f.halts, 0u);
 }
 
+// A slave that stood for two cycles plans both at once; that command came after the second.
+TEST(StormJudge, ACommandForTwoCyclesThatCameAfterThemIsNotTheSlavesHold) {
+  const auto judged = [](double steps, int cycles, std::uint16_t came) {
+    Drive d;
+    d.speed_up(20, 0.9 * kJolt);
+    d.speed_up(10, 0.0);
+    for (int i = 0; i < cycles; ++i) d.add(0.0, kTapSession);
+    d.target(steps * d.v);
+    d.tap.records.back().came = came;
+    d.speed_up(10, 0.0);
+    d.speed_up(20, -0.9 * kJolt);
+    d.target(0.0);
+    return d.judge();
+  };
+  EXPECT_EQ(judged(2.0, 2, 2000).breaches, 0u);
+  EXPECT_EQ(judged(2.0, 2, 2000).late, 1u);
+  EXPECT_GT(judged(2.0, 2, 6500).breaches, 0u) << "sent without a reply";
+  EXPECT_GT(judged(2.0, 3, 2000).breaches, 0u) << "one cycle came late, not two";
+  EXPECT_GT(judged(1.0, 2, 2000).breaches, 0u);
+}
+
 TEST(StormJudge, ALateCommandMayFollowALostOne) {
   Drive d;
   d.speed_up(20, 0.9 * kJolt);
